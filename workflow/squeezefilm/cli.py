@@ -1,0 +1,55 @@
+"""The command line: one module of ``squeezefilm.commands`` per command, loaded when called."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from squeezefilm import __version__
+from squeezefilm.errors import InputError, RunError
+
+COMMANDS = {
+    "simulate": "forces of a table of scenes, or of one scene given by --h0 and --hv",
+    "doctor": "check the OpenCL device, caches and versions of this installation",
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; return its exit status: 0 done, 1 could not be completed, 2 bad input."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    parser = argparse.ArgumentParser(
+        prog="squeezefilm",
+        description="Squeeze-film forces from the Reynolds equation, and empirical models of them.",
+        epilog="`squeezefilm COMMAND --help` explains a command.",
+    )
+    parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
+    chosen = words[0] if words else ""
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, summary in COMMANDS.items():
+        subparser = subparsers.add_parser(
+            name, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter
+        )
+        if name == chosen:
+            module = importlib.import_module(f"squeezefilm.commands.{name.replace('-', '_')}")
+            subparser.description = module.__doc__
+            module.add_arguments(subparser)
+            subparser.set_defaults(run=module.run)
+    options = parser.parse_args(words)
+    try:
+        return int(options.run(options) or 0)
+    except InputError as error:
+        return _complain(error, status=2)
+    except RunError as error:
+        return _complain(error, status=1)
+    except BrokenPipeError:
+        return 1
+    except KeyboardInterrupt:
+        print("squeezefilm: interrupted", file=sys.stderr)
+        return 130
+
+
+def _complain(error: Exception, *, status: int) -> int:
+    print(f"squeezefilm: error: {error}", file=sys.stderr)
+    return status

@@ -1,0 +1,140 @@
+"""Reading a study's configuration: one loader for the rules and for the command line."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from squeezefilm.errors import InputError
+
+SCHEMA_PATH = Path(__file__).parent.parent / "schemas" / "config.schema.yaml"
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML in which ``1e-6`` is a number and a key may stand only once."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        keys = [self.construct_object(key, deep=True) for key, _ in node.value]
+        for key in keys:
+            if keys.count(key) > 1:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"the key {key!r} stands twice", node.start_mark
+                )
+        return super().construct_mapping(node, deep)
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"),
+    list("-+0123456789."),
+)
+
+
+@dataclass(frozen=True)
+class Config(Mapping[str, Any]):
+    """The validated sections of one study; a section that was not asked for cannot be read."""
+
+    path: Path
+    values: dict[str, Any]
+
+    def __getitem__(self, section: str) -> Any:
+        return self.values[section]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.values)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def only(self, sections: Iterable[str]) -> Config:
+        """The same configuration with nothing but the named sections."""
+        return Config(path=self.path, values={name: self.values[name] for name in sections})
+
+
+def load_config(path: Path | str) -> Config:
+    """Read and validate a configuration file.
+
+    Raises:
+        InputError: naming the file, the key, what is wrong with it and what is allowed.
+    """
+    path = Path(path)
+    try:
+        values = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such configuration file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: the configuration cannot be read: {error}") from None
+    except yaml.YAMLError as error:
+        raise InputError(f"{path}: not valid YAML: {_one_line(error)}") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: a configuration is a mapping of keys to values")
+    _refuse_non_finite(values, path=path, place="")
+    _validate(values, path=path)
+    _check_relations(values, path=path)
+    return Config(path=path, values=values)
+
+
+def _validate(values: dict[str, Any], *, path: Path) -> None:
+    from jsonschema import Draft202012Validator  # slow to import, and only needed here
+
+    schema = yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8"))
+    errors = sorted(Draft202012Validator(schema).iter_errors(values), key=lambda e: list(e.path))
+    if errors:
+        raise InputError("\n".join(f"{path}: {_message(error)}" for error in errors))
+
+
+def _message(error: Any) -> str:
+    place = ".".join(str(part) for part in error.absolute_path) or "top level"
+    if error.validator == "additionalProperties":
+        allowed = sorted(error.schema.get("properties", {}))
+        unknown = [key for key in error.instance if key not in allowed]
+        return "; ".join(f"{place}: unknown key {key!r}{_hint(key, allowed)}" for key in unknown)
+    if error.validator == "required":
+        missing = [key for key in error.validator_value if key not in error.instance]
+        return f"{place}: missing {', '.join(map(repr, missing))}"
+    return f"{place}: {error.message}"
+
+
+def _hint(key: Any, allowed: list[str]) -> str:
+    close = difflib.get_close_matches(str(key), allowed, n=1)
+    return f"; did you mean {close[0]!r}?" if close else f"; allowed are {', '.join(allowed)}"
+
+
+def _refuse_non_finite(value: Any, *, path: Path, place: str) -> None:
+    if isinstance(value, float) and not math.isfinite(value):
+        raise InputError(f"{path}: {place}: {value} is not a finite number")
+    items: Iterable[tuple[Any, Any]] = ()
+    if isinstance(value, dict):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    for key, entry in items:
+        _refuse_non_finite(entry, path=path, place=f"{place}.{key}" if place else str(key))
+
+
+def _check_relations(values: dict[str, Any], *, path: Path) -> None:
+    """Refuse ranges that are empty: what a schema cannot say."""
+    for section in ("screen", "error_map"):
+        for factor in ("h0_m", "hv_m"):
+            levels = values[section][factor]
+            if levels["start"] >= levels["stop"]:
+                raise InputError(f"{path}: {section}.{factor}: start must be below stop")
+        if values[section]["hv_m"]["stop"] >= values[section]["h0_m"]["start"]:
+            raise InputError(
+                f"{path}: {section}: the largest hv_m must stay below the smallest h0_m, "
+                "or surface and finger touch"
+            )
+    for factor in ("phi_r_m", "phi_deg"):
+        if len(set(values["positions"][factor])) < len(values["positions"][factor]):
+            raise InputError(f"{path}: positions.{factor}: a value stands twice")
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

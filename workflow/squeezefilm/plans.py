@@ -1,0 +1,64 @@
+"""Which points are simulated: the screen, the four-factor plan and the control grid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.tables import SCENE_COLUMNS
+
+
+def level_values(levels: dict[str, Any]) -> np.ndarray:
+    """The evenly spaced values of a ``{start, stop, levels}`` section, shape (levels,).
+
+    Rounded to twelve digits, so that a plan reads 7e-06 and not 7.000000000000001e-06.
+    """
+    values = np.linspace(levels["start"], levels["stop"], levels["levels"])
+    return np.array([float(f"{value:.12g}") for value in values])
+
+
+def centred_grid(*, h0_m: np.ndarray, hv_m: np.ndarray) -> pd.DataFrame:
+    """Every gap with every amplitude, finger centred (the screen of Fig. 7, the control grid)."""
+    gaps, amplitudes = np.meshgrid(h0_m, hv_m, indexing="ij")
+    return plan(h0_m=gaps.ravel(), hv_m=amplitudes.ravel())
+
+
+def plan(
+    *,
+    h0_m: Sequence[float] | np.ndarray,
+    hv_m: Sequence[float] | np.ndarray,
+    phi_r_m: Sequence[float] | np.ndarray | float = 0.0,
+    phi_deg: Sequence[float] | np.ndarray | float = 0.0,
+) -> pd.DataFrame:
+    """A plan with the columns of a scenes table; points are numbered from 1."""
+    table = pd.DataFrame(
+        {"h0_m": h0_m, "hv_m": hv_m, "phi_r_m": phi_r_m, "phi_deg": phi_deg}, dtype=float
+    )
+    table.insert(0, "point_id", np.arange(1, len(table) + 1).astype(str))
+    return table[list(SCENE_COLUMNS)]
+
+
+def finger_positions(
+    *, phi_r_m: Sequence[float], phi_deg: Sequence[float]
+) -> list[tuple[float, float]]:
+    """The centre, then every radius with every angle, as (phi_r_m, phi_deg) (Fig. 15)."""
+    return [(0.0, 0.0), *((radius, angle) for radius in phi_r_m for angle in phi_deg)]
+
+
+def four_factor_plan(
+    *,
+    positions: Sequence[tuple[float, float]],
+    h0_m: Sequence[float],
+    hv_m: Sequence[float],
+) -> pd.DataFrame:
+    """Every finger position with every (h0, hv) point of a two-factor design (section V)."""
+    rows = [
+        (gap, amplitude, radius, angle)
+        for radius, angle in positions
+        for gap, amplitude in zip(h0_m, hv_m, strict=True)
+    ]
+    gaps, amplitudes, radii, angles = zip(*rows, strict=True)
+    return plan(h0_m=gaps, hv_m=amplitudes, phi_r_m=radii, phi_deg=angles)

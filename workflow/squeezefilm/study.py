@@ -1,0 +1,40 @@
+"""From a study's configuration to the things it is about."""
+
+from __future__ import annotations
+
+from squeezefilm.config import Config
+from squeezefilm.profiles import Profile, make_profile
+from squeezefilm.scene import Actuator, Finger, Gas, Scene, check_scene
+from squeezefilm.tables import ScenePoint
+
+SECTIONS = ("gas", "actuator", "finger")
+
+
+def profile_of(config: Config) -> Profile:
+    """The actuator's vibration shape."""
+    return make_profile(**config["actuator"]["profile"])
+
+
+def scene_of(point: ScenePoint, config: Config) -> Scene:
+    """The scene of one point of a plan on the study's film, checked.
+
+    Raises:
+        InputError: naming the point and the factor that has no physical meaning.
+    """
+    actuator = config["actuator"]
+    scene = Scene(
+        point_id=point.point_id,
+        h0_m=point.h0_m,
+        hv_m=point.hv_m,
+        phi_r_m=point.phi_r_m,
+        phi_deg=point.phi_deg,
+        gas=Gas(**config["gas"]),
+        actuator=Actuator(
+            frequency_hz=actuator["frequency_hz"],
+            surface_radius_m=actuator["surface_radius_m"],
+            profile=profile_of(config),
+        ),
+        finger=Finger(**config["finger"]),
+    )
+    check_scene(scene)
+    return scene
