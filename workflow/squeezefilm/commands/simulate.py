@@ -1,0 +1,192 @@
+"""Mean squeeze-film forces by solving the Reynolds equation, each with an error estimate.
+
+  squeezefilm simulate SCENES.csv --config CONFIG.yaml --output FORCES.csv
+  squeezefilm simulate --h0 5um --hv 2.2um
+
+Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
+largest overpressure times the finger's area. The exit status is 1 when a scene has no force; all
+rows are written nevertheless, each with its status.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from squeezefilm.config import Config, load_config
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds.device import choose_device, warm
+from squeezefilm.scene import Scene, regime_warnings
+from squeezefilm.study import scene_of
+from squeezefilm.tables import (
+    FORCE_COLUMNS,
+    ScenePoint,
+    read_scenes,
+    scene_points,
+    write_table,
+)
+
+SECTIONS = ("gas", "actuator", "finger", "solver")
+PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
+TOLERANCES = (1e-10, 0.1)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenes", nargs="?", metavar="SCENES.csv", help="table of scenes")
+    parser.add_argument(
+        "--config", default=PAPER_CONFIG, help="the study; the paper's if left out", type=Path
+    )
+    parser.add_argument("--output", metavar="FORCES.csv", help="table of forces to write")
+    parser.add_argument("--timings", metavar="TIMINGS.csv", help="table of run times to write")
+    parser.add_argument("--tolerance", type=float, help="instead of the config's solver.tolerance")
+    parser.add_argument("--device", help="instead of the config's solver.device")
+    parser.add_argument("--chunk", metavar="I/N", help="only the I-th of N parts of the table")
+    parser.add_argument(
+        "--keep-going", action="store_true", help="exit with 0 although a scene has no force"
+    )
+    one = parser.add_argument_group("one scene, without files")
+    one.add_argument("--h0", help="mean gap with its unit, e.g. 5um")
+    one.add_argument("--hv", help="amplitude at the profile's maximum, e.g. 2.2um")
+    one.add_argument("--phi-r", default="0 m", help="finger's distance from the centre, e.g. 2.9mm")
+    one.add_argument("--phi", default="0 deg", help="finger's direction, e.g. 45deg")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    tolerance = config["solver"]["tolerance"] if options.tolerance is None else options.tolerance
+    if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
+        raise InputError(
+            f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
+        )
+    wanted = options.device or config["solver"]["device"]
+    if options.h0 is not None or options.hv is not None:
+        _simulate_one(options, config, tolerance=tolerance, wanted_device=wanted)
+    else:
+        _simulate_table(options, config, tolerance=tolerance, wanted_device=wanted)
+
+
+def _simulate_one(
+    options: argparse.Namespace, config: Config, *, tolerance: float, wanted_device: str
+) -> None:
+    if options.scenes is not None:
+        raise InputError("give either a table of scenes or --h0 and --hv, not both")
+    if options.h0 is None or options.hv is None:
+        raise InputError("one scene needs both --h0 and --hv")
+    point = ScenePoint(
+        point_id="1",
+        h0_m=_quantity(options.h0, option="--h0", unit="m"),
+        hv_m=_quantity(options.hv, option="--hv", unit="m"),
+        phi_r_m=_quantity(options.phi_r, option="--phi-r", unit="m"),
+        phi_deg=_quantity(options.phi, option="--phi", unit="deg"),
+    )
+    scene = scene_of(point, config)
+    device = choose_device(wanted_device)
+    (solution,) = solve([scene], tolerance=tolerance, device=device)
+    if solution.status != "ok":
+        raise RunError(solution.status)
+    print(f"force {solution.force_n:.9g} N ± {solution.force_error_n:.1g} N")
+    print(
+        f"h0 {scene.h0_m:g} m, hv {scene.hv_m:g} m, phi_r {scene.phi_r_m:g} m, "
+        f"phi {scene.phi_deg:g}°; epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}"
+    )
+    print(
+        f"{solution.method}, {solution.nx} × {solution.ny} × {solution.nt} points, "
+        f"{solution.krylov_iterations} Krylov iterations; left out: {solution.left_out}; "
+        f"{device.name}"
+    )
+    for warning in regime_warnings(scene):
+        print(f"note: {warning}")
+
+
+def _simulate_table(
+    options: argparse.Namespace, config: Config, *, tolerance: float, wanted_device: str
+) -> None:
+    from tqdm import tqdm
+
+    if options.scenes is None or options.output is None:
+        raise InputError("give a table of scenes and --output, or one scene by --h0 and --hv")
+    table = read_scenes(options.scenes)
+    points = scene_points(table)
+    if options.chunk is not None:
+        rows = chunk_rows(options.chunk, count=len(points))
+        points, table = points[rows], table.iloc[rows]
+    try:
+        scenes = [scene_of(point, config) for point in points]
+    except InputError as error:
+        raise InputError(f"{options.scenes}: {error}") from None
+    device = choose_device(wanted_device)
+    warm(device)
+    start = time.perf_counter()
+    with tqdm(total=len(scenes), unit="scene", desc=str(options.scenes), disable=None) as bar:
+        solutions = solve(scenes, tolerance=tolerance, device=device, report=bar.update)
+    seconds = time.perf_counter() - start
+    columns = {
+        name: [getattr(solution, name) for solution in solutions]
+        for name in FORCE_COLUMNS
+        if name not in table.columns
+    }
+    write_table(table.reset_index(drop=True).assign(**columns)[list(FORCE_COLUMNS)], options.output)
+    if options.timings is not None:
+        shares = [seconds * share for share in _work_shares(solutions)]
+        timings = table[["point_id"]].reset_index(drop=True).assign(solve_seconds=shares)
+        write_table(timings, options.timings)
+    _report(scenes, solutions, seconds=seconds, keep_going=options.keep_going)
+
+
+def _report(
+    scenes: Sequence[Scene], solutions: Sequence[Solution], *, seconds: float, keep_going: bool
+) -> None:
+    failures = [
+        f"point {scene.point_id}: {solution.status}"
+        for scene, solution in zip(scenes, solutions, strict=True)
+        if solution.status != "ok"
+    ]
+    print(
+        f"{len(scenes) - len(failures)} of {len(scenes)} scenes solved in {seconds:.3f} s",
+        file=sys.stderr,
+    )
+    if failures and keep_going:
+        print("\n".join(failures), file=sys.stderr)
+    elif failures:
+        raise RunError("no force for " + "; ".join(failures))
+
+
+def _work_shares(solutions: Sequence[Solution]) -> list[float]:
+    """Each scene's share of the run time, by its floating-point operations; sums to 1."""
+    total = sum(solution.work for solution in solutions)
+    if total == 0:
+        return [1 / len(solutions)] * len(solutions)
+    return [solution.work / total for solution in solutions]
+
+
+def chunk_rows(text: str, *, count: int) -> slice:
+    """The rows of part I of N for ``I/N``: contiguous parts that differ by at most one row.
+
+    Raises:
+        InputError: when the text is not I/N with 1 ≤ I ≤ N ≤ count.
+    """
+    try:
+        part, parts = (int(word) for word in text.split("/"))
+    except ValueError:
+        raise InputError(f"--chunk {text!r} must be two whole numbers like 2/4") from None
+    if not 1 <= part <= parts <= count:
+        raise InputError(f"--chunk {text!r}: 1 <= I <= N <= {count} (the rows of the table)")
+    return slice(count * (part - 1) // parts, count * part // parts)
+
+
+def _quantity(text: str, *, option: str, unit: str) -> float:
+    """A number with its unit, in the given unit."""
+    from pint import PintError, UnitRegistry  # slow to import, and only needed for one scene
+
+    try:
+        quantity = UnitRegistry().Quantity(text)
+        if not quantity.dimensionless or unit == "deg":
+            return float(quantity.to(unit).magnitude)
+    except (PintError, ValueError, TypeError, AttributeError, AssertionError, ArithmeticError):
+        pass
+    example = "45deg" if unit == "deg" else "5um"
+    raise InputError(f"{option} {text!r} must be a number with a unit of {unit}, such as {example}")

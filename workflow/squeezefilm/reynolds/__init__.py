@@ -1,0 +1,5 @@
+"""The Reynolds equation solved: ``solve(scenes, tolerance=...)`` is the only door."""
+
+from squeezefilm.reynolds.solve import Solution, solve
+
+__all__ = ["Solution", "solve"]

@@ -1,0 +1,128 @@
+"""The OpenCL device that solves, and the programs built for it."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from squeezefilm.errors import InputError
+
+DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
+BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable")
+
+
+@dataclass(frozen=True)
+class Device:
+    """An OpenCL device with a queue, and how the solver spreads over it.
+
+    Attributes:
+        context, queue: pyopencl objects.
+        name: platform and device name, as reported by ``doctor`` and kept with results.
+        groups: work-groups to launch, each with a workspace of its own.
+        work_items: work-items per group; 1 on a processor, whose groups are cores.
+    """
+
+    context: Any
+    queue: Any
+    name: str
+    groups: int
+    work_items: int
+
+
+def choose_device(wanted: str = "auto", *, work_items: int | None = None) -> Device:
+    """The device whose platform or name contains ``wanted`` (any case); ``auto`` takes the first.
+
+    The environment variable SQUEEZEFILM_DEVICE goes before ``wanted``. Among the matching devices
+    those of GPU type go first.
+
+    Raises:
+        InputError: when no matching device computes in double precision.
+    """
+    return _choose_device(os.environ.get(DEVICE_VARIABLE, wanted), work_items)
+
+
+@cache
+def _choose_device(wanted: str, work_items: int | None) -> Device:
+    import pyopencl as cl
+
+    found = []
+    rejected = []
+    for device in list_devices():
+        name = device_name(device)
+        if wanted != "auto" and wanted.lower() not in name.lower():
+            rejected.append(f"{name} (not asked for)")
+        elif not device.double_fp_config:
+            rejected.append(f"{name} (no double precision)")
+        else:
+            found.append(device)
+    if not found:
+        others = "; ".join(rejected) or "none at all"
+        raise InputError(
+            f"no OpenCL device with double precision matches {wanted!r}; devices found: {others}. "
+            'An embedded one comes with: pip install "pyopencl[pocl]"'
+        )
+    found.sort(key=lambda device: not device.type & cl.device_type.GPU)
+    device = found[0]
+    context = cl.Context([device])
+    on_gpu = bool(device.type & cl.device_type.GPU)
+    return Device(
+        context=context,
+        queue=cl.CommandQueue(context),
+        name=device_name(device),
+        groups=device.max_compute_units * (4 if on_gpu else 1),
+        work_items=work_items or (128 if on_gpu else 1),
+    )
+
+
+def list_devices() -> list[Any]:
+    """All OpenCL devices of all platforms; an installation without a platform has none."""
+    import pyopencl as cl
+
+    try:
+        return [device for platform in cl.get_platforms() for device in platform.get_devices()]
+    except cl.LogicError:
+        return []
+
+
+def device_name(device: Any) -> str:
+    """Platform and device in one line."""
+    return f"{device.platform.name.strip()}: {device.name.strip()}"
+
+
+def describe(wanted: str = "auto") -> dict[str, Any]:
+    """What ``doctor`` and a run card say of the device."""
+    device = choose_device(wanted)
+    handle = device.context.devices[0]
+    return {
+        "device": device.name,
+        "version": handle.version.strip(),
+        "driver": handle.driver_version.strip(),
+        "double_precision": bool(handle.double_fp_config),
+        "compute_units": handle.max_compute_units,
+        "work_items_per_group": device.work_items,
+        "global_memory_bytes": handle.global_mem_size,
+    }
+
+
+def build(device: Device, *, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+    """The built program of some kernel files of this folder, joined in order.
+
+    ``defines`` switch terms on; the number of work-items per group is always defined. Programs
+    are kept for the process and, by pyopencl and the driver, on disk.
+    """
+    return _build(device.context, sources, (f"WORK_ITEMS={device.work_items}", *defines))
+
+
+@cache
+def _build(context: Any, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+    import pyopencl as cl
+
+    text = "\n".join((Path(__file__).parent / name).read_text() for name in sources)
+    options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", cl.CompilerWarning)
+        return cl.Program(context, text).build(options=options)
