@@ -1,0 +1,50 @@
+"""Errors of a model against simulations."""
+
+import numpy as np
+import pytest
+from squeezefilm.errors import InputError
+from squeezefilm.validation import relative_errors, summarise
+
+SIMULATION = [1.0, 2.0, 4.0, 0.1]
+MODEL = [1.1, 2.0, 3.0, 0.115]
+
+
+def test_relative_errors_are_signed_and_relative_to_the_simulation() -> None:
+    errors = relative_errors(model_n=MODEL, simulation_n=SIMULATION)
+    np.testing.assert_allclose(errors, [0.1, 0.0, -0.25, 0.15], atol=1e-12)
+
+
+def test_summary() -> None:
+    summary = summarise(model_n=MODEL, simulation_n=SIMULATION, band=0.2)
+    squares = 0.1**2 + 1.0**2 + 0.015**2
+    assert summary.points == 4
+    assert summary.sum_of_squares == pytest.approx(squares)
+    assert summary.global_error == pytest.approx(np.sqrt(squares / 21.01))
+    assert summary.share_within_band == 0.75
+    assert summary.worst_index == 2
+    assert summary.worst_relative_error == pytest.approx(-0.25)
+    assert summary.to_dict()["band"] == 0.2
+
+
+def test_the_default_band_is_that_of_the_paper() -> None:
+    assert summarise(model_n=[1.14, 1.16], simulation_n=[1, 1]).share_within_band == 0.5
+
+
+@pytest.mark.parametrize(
+    ("model", "simulation", "message"),
+    [
+        ([1.0], [1.0, 2.0], "1 modelled and 2 simulated"),
+        ([], [], "no points"),
+        ([np.nan], [1.0], "model_n"),
+        ([1.0], [np.inf], "simulation_n"),
+        ([1.0], [0.0], "zero"),
+    ],
+)
+def test_bad_forces_are_refused(model, simulation, message) -> None:
+    with pytest.raises(InputError, match=message):
+        summarise(model_n=model, simulation_n=simulation)
+
+
+def test_a_band_must_be_positive() -> None:
+    with pytest.raises(InputError, match="band"):
+        summarise(model_n=[1.0], simulation_n=[1.0], band=0.0)

@@ -1,0 +1,88 @@
+"""How far a fitted model is from simulated forces, point by point and as a whole."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from squeezefilm.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The errors of a model over a set of points.
+
+    sum_of_squares is in N^2; global_error is |model - simulation|/|simulation|, norms over all
+    points; share_within_band is the share of points with a relative error of at most `band` in
+    magnitude; worst_index is the point of the largest relative error, worst_relative_error it.
+    """
+
+    points: int
+    sum_of_squares: float
+    global_error: float
+    band: float
+    share_within_band: float
+    worst_index: int
+    worst_relative_error: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers, ready for JSON."""
+        return asdict(self)
+
+
+def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
+    """(model - simulation)/simulation for each point, shape (n,), from forces in newtons.
+
+    Raises InputError for forces that are not finite, of different lengths or none, or for a
+    simulated force of zero.
+    """
+    model, simulation = _checked(model_n, simulation_n)
+    if np.any(simulation == 0):
+        raise InputError("simulation_n: a force is zero; its relative error is undefined")
+    return (model - simulation) / simulation
+
+
+def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float = 0.15) -> Summary:
+    """Errors of modelled against simulated forces, both in newtons, shape (n,).
+
+    band is the magnitude of relative error that counts as good, the paper's 15 % by default.
+    Raises InputError as relative_errors does, and for a band that is not positive.
+    """
+    if not (np.isfinite(band) and band > 0):
+        raise InputError(
+            f"band: {band} is not allowed; give a positive relative error, such as 0.15"
+        )
+    model, simulation = _checked(model_n, simulation_n)
+    relative = relative_errors(model_n=model, simulation_n=simulation)
+    squares = float(np.sum((model - simulation) ** 2))
+    worst = int(np.argmax(np.abs(relative)))
+    return Summary(
+        points=len(relative),
+        sum_of_squares=squares,
+        global_error=float(np.sqrt(squares) / np.linalg.norm(simulation)),
+        band=band,
+        share_within_band=float(np.mean(np.abs(relative) <= band)),
+        worst_index=worst,
+        worst_relative_error=float(relative[worst]),
+    )
+
+
+def _checked(model_n: ArrayLike, simulation_n: ArrayLike) -> tuple[Array, Array]:
+    model = np.atleast_1d(np.asarray(model_n, dtype=float))
+    simulation = np.atleast_1d(np.asarray(simulation_n, dtype=float))
+    if model.shape != simulation.shape or model.ndim != 1:
+        raise InputError(
+            f"validation: {model.size} modelled and {simulation.size} simulated forces; "
+            "give one of each for every point"
+        )
+    if len(model) == 0:
+        raise InputError("validation: no points; give at least one")
+    for name, force in (("model_n", model), ("simulation_n", simulation)):
+        if not np.all(np.isfinite(force)):
+            raise InputError(f"{name}: a force is not a finite number; all must be")
+    return model, simulation
