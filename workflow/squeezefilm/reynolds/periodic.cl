@@ -18,7 +18,6 @@
 /* Sizes and the matrices that all scenes of a batch share. */
 typedef struct {
     int nx, ny, nt, rows, count, nt4, row4, count4;
-    double inverse_aspect_squared;
     matrix laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
     matrix eigenvalues_x, eigenvalues_y, weights_x, weights_y;
     matrix fourier, fourier_transposed, time_derivative, sine, cosine;
@@ -34,13 +33,12 @@ typedef struct {
     field p, gap_power, potential, half_power_pressure, work_a, work_b, work_c;
 } Film;
 
-static Grid make_grid(int nx, int ny, int nt, double inverse_aspect_squared, matrix m)
+static Grid make_grid(int nx, int ny, int nt, matrix m)
 {
     Grid g;
     g.nx = nx; g.ny = ny; g.nt = nt;
     g.rows = nx * ny; g.count = nx * ny * nt;
     g.nt4 = nt / 4; g.row4 = ny * nt / 4; g.count4 = g.count / 4;
-    g.inverse_aspect_squared = inverse_aspect_squared;
     g.laplace_x = m; m += nx * nx;
     g.modes_x = m; m += nx * nx;
     g.to_modes_x = m; m += nx * nx;
@@ -164,8 +162,7 @@ static void precondition(const Grid *g, const Film *film, matrix rate, field mod
     FOR_EACH(row, g->rows)
     {
         const double diffusion =
-            film->diffusivity * (g->eigenvalues_x[row / g->ny] +
-                                 g->inverse_aspect_squared * g->eigenvalues_y[row % g->ny]);
+            film->diffusivity * (g->eigenvalues_x[row / g->ny] + g->eigenvalues_y[row % g->ny]);
         const double inverse = 1.0 / diffusion;
         field m = modal + row * g->nt;
         matrix w = rate + row * g->nt;
@@ -322,12 +319,12 @@ enum { CONVERGED = 0, STALLED = 1, NOT_FINITE = 2 };
  * counts:  per scene status, Newton steps, Krylov iterations. */
 __kernel void periodic_state(const int scenes, const int nx, const int ny, const int nt,
                              const int most_newton, const int most_krylov,
-                             const double inverse_aspect_squared, matrix matrices, matrix numbers,
-                             matrix profile, field state, field results, __global int *counts,
-                             field workspace, const ulong workspace_size, __global int *queue,
+                             matrix matrices, matrix numbers, matrix profile, field state,
+                             field results, __global int *counts, field workspace,
+                             const ulong workspace_size, __global int *queue,
                              __local double *scratch)
 {
-    const Grid g = make_grid(nx, ny, nt, inverse_aspect_squared, matrices);
+    const Grid g = make_grid(nx, ny, nt, matrices);
     __local int taken;
     field space = workspace + get_group_id(0) * workspace_size;
     Film film;

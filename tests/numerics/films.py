@@ -1,0 +1,73 @@
+"""Scenes made from dimensionless numbers, for tests of the solver."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from squeezefilm.profiles import Piston, Profile, Sinc
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.periodic import Grid, Problems, States, solve_batch
+from squeezefilm.scene import Actuator, Finger, Gas, Scene
+
+SINC = Sinc(wave_number_per_m=109.8)
+PISTON = Piston()
+LENGTH_M = 0.01
+PRESSURE_PA = 1e5
+H0_M = 5e-6
+
+
+def film(
+    *,
+    epsilon: float,
+    sigma: float,
+    profile: Profile = SINC,
+    x: float = 0.0,
+    y: float = 0.0,
+    bearing: float = 0.0,
+    aspect: float = 1.0,
+) -> Scene:
+    """A scene with the given ε, σ, Λ; the finger's centre at x, y in units of its side."""
+    angular_frequency = 2 * pi * 4e4
+    viscosity = sigma * PRESSURE_PA * H0_M**2 / (12 * angular_frequency * LENGTH_M**2)
+    speed = bearing * PRESSURE_PA * H0_M**2 / (6 * viscosity * LENGTH_M)
+    return Scene(
+        point_id="film",
+        h0_m=H0_M,
+        hv_m=epsilon * H0_M,
+        phi_r_m=float(np.hypot(x, y)) * LENGTH_M,
+        phi_deg=float(np.degrees(np.arctan2(y, x))),
+        gas=Gas(viscosity, PRESSURE_PA, 1.2, 67e-9),
+        actuator=Actuator(angular_frequency / (2 * pi), 1.0, profile),
+        finger=Finger(LENGTH_M, aspect * LENGTH_M, speed),
+    )
+
+
+def periodic_state(
+    scene: Scene, *, points: int, instants: int, fold: bool = False, tolerance: float = 1e-10
+) -> tuple[Grid, States]:
+    """The scene solved on one given grid: ``points`` across the finger in both directions."""
+    unknowns = points // 2 if fold else points
+    grid = Grid(nx=unknowns, ny=unknowns, nt=instants, fold_x=fold, fold_y=fold)
+    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
+    problems = Problems(
+        epsilon=np.array([scene.epsilon]),
+        sigma=np.array([scene.sigma]),
+        bearing=np.array([scene.bearing_number]),
+        aspect=scene.aspect,
+        amplitude=scene.amplitude(x, y)[None],
+        tolerance=tolerance,
+    )
+    return grid, solve_batch(problems=problems, grid=grid, device=choose_device())
+
+
+def mean_overpressure(
+    scene: Scene, *, points: int, instants: int, fold: bool = False, tolerance: float = 1e-10
+) -> float:
+    """Force in units of p0 × area on one given grid."""
+    _, states = periodic_state(
+        scene, points=points, instants=instants, fold=fold, tolerance=tolerance
+    )
+    assert states.status[0] == 0
+    return float(states.mean[0])

@@ -1,0 +1,204 @@
+"""The periodic solver against analytic limits of the Reynolds equation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from films import PISTON, SINC, film, mean_overpressure, periodic_state
+
+MODES = np.arange(1, 400, 2)
+
+
+def linear_response(sigma: float, aspect: float = 1.0) -> tuple[float, float]:
+    """Spring and damping numbers S, D of a rectangular piston film (Blech 1983, double series)."""
+    m, n = np.meshgrid(MODES, MODES, indexing="ij")
+    wave = np.pi**2 * (m**2 + (n / aspect) ** 2)
+    share = 64 / (np.pi**4 * m**2 * n**2)
+    spring = np.sum(share * sigma**2 / (wave**2 + sigma**2))
+    damping = np.sum(share * sigma * wave / (wave**2 + sigma**2))
+    return float(spring), float(damping)
+
+
+@pytest.mark.parametrize(("sigma", "aspect"), [(2.0, 1.0), (21.6349, 1.0), (60.0, 0.4)])
+def test_small_motion_of_a_piston_follows_the_linear_series(sigma: float, aspect: float) -> None:
+    epsilon = 1e-5
+    scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
+    grid, states = periodic_state(scene, points=32, instants=8)
+    force = np.einsum("xyt,x,y->t", states.overpressure[0], grid.x.weights, grid.y.weights)
+    spring = -2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon
+    damping = -2 * np.mean(force * np.cos(grid.t.nodes)) / epsilon
+    expected = linear_response(sigma, aspect)
+    # The truncated series is good to about 1e-5 itself.
+    assert (spring, damping) == pytest.approx(expected, rel=2e-5)
+
+
+def test_spring_and_damping_are_equal_at_the_cut_off_squeeze_number() -> None:
+    epsilon = 1e-5
+    scene = film(epsilon=epsilon, sigma=21.6349, profile=PISTON)
+    grid, states = periodic_state(scene, points=32, instants=8)
+    force = np.einsum("xyt,x,y->t", states.overpressure[0], grid.x.weights, grid.y.weights)
+    spring = -2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon
+    damping = -2 * np.mean(force * np.cos(grid.t.nodes)) / epsilon
+    assert spring == pytest.approx(0.3658385, abs=2e-7)
+    assert damping == pytest.approx(0.3658385, abs=2e-7)
+
+
+@pytest.mark.parametrize(("epsilon", "sigma"), [(0.3, 1.0), (0.44, 2331.0), (0.8, 100.0)])
+def test_mean_square_of_gap_times_pressure_weighted_by_gap_is_exact_everywhere(
+    epsilon: float, sigma: float
+) -> None:
+    """⟨H³P²⟩ = 1 + 3ε²/2 at every point of a piston film, at any squeeze number."""
+    grid, states = periodic_state(
+        film(epsilon=epsilon, sigma=sigma, profile=PISTON), points=40, instants=48
+    )
+    gap = 1 + epsilon * np.sin(grid.t.nodes)
+    value = np.mean(gap**3 * (1 + states.overpressure[0]) ** 2, axis=-1)
+    assert value == pytest.approx(1 + 1.5 * epsilon**2, rel=1e-8)
+
+
+def test_mean_force_of_a_piston_grows_like_five_quarters_of_the_spring_number() -> None:
+    """F = (5/4) ε² S(σ) + O(ε⁴): the relative difference falls with ε²."""
+    sigma = 20.0
+    spring = 0.3390888
+    differences = [
+        mean_overpressure(
+            film(epsilon=epsilon, sigma=sigma, profile=PISTON), points=24, instants=16, fold=True
+        )
+        / (1.25 * epsilon**2 * spring)
+        - 1
+        for epsilon in (0.2, 0.1, 0.05)
+    ]
+    orders = np.log2(np.divide(differences[:-1], differences[1:]))
+    assert orders == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "second_order"),
+    [(20.0, 0.2240822625), (583.0, 0.4521765445), (2331.0, 0.4544710516)],
+)
+def test_mean_force_of_the_sinc_at_small_amplitude(sigma: float, second_order: float) -> None:
+    """F/ε² extrapolated to ε = 0 is the second-order perturbation solution."""
+    at = {
+        epsilon: mean_overpressure(
+            film(epsilon=epsilon, sigma=sigma), points=40, instants=12, fold=True
+        )
+        / epsilon**2
+        for epsilon in (0.02, 0.04)
+    }
+    assert (4 * at[0.02] - at[0.04]) / 3 == pytest.approx(second_order, rel=1e-6)
+
+
+@pytest.mark.parametrize("epsilon", [0.1, 0.5])
+def test_slow_motion_of_a_piston_gives_the_incompressible_limit(epsilon: float) -> None:
+    """σ → 0: F = (5/2) σ² ⟨Ḣ²/H⁶⟩ · 0.00170251052, for any ε."""
+    sigma = 1e-3
+    phase = 2 * np.pi * np.arange(256) / 256
+    gap = 1 + epsilon * np.sin(phase)
+    expected = 2.5 * sigma**2 * np.mean((epsilon * np.cos(phase)) ** 2 / gap**6) * 0.00170251052
+    scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON)
+    force = mean_overpressure(scene, points=16, instants=32, fold=True)
+    assert force == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize(("epsilon", "limit"), [(0.1, 0.0045767166), (0.44, 0.0951846761)])
+def test_fast_motion_approaches_the_limit_without_time_like_the_layer_width(
+    epsilon: float, limit: float
+) -> None:
+    """F − F∞ falls with 1/√σ, and its extrapolation to σ = ∞ is the Laplace solution."""
+    sigmas = np.array([1e4, 4e4, 16e4])
+    forces = np.array(
+        [
+            mean_overpressure(film(epsilon=epsilon, sigma=sigma), points=96, instants=16, fold=True)
+            for sigma in sigmas
+        ]
+    )
+    steps = np.diff(forces)
+    assert np.log2(steps[0] / steps[1]) == pytest.approx(1.0, abs=0.05)
+    extrapolated = 2 * forces[2] - forces[1]
+    assert extrapolated == pytest.approx(limit, rel=3e-6)
+
+
+@pytest.mark.parametrize(("sigma", "force"), [(583.0, 0.0945747144), (2331.0, 0.0949461577)])
+def test_converged_force_of_the_centred_sinc(sigma: float, force: float) -> None:
+    scene = film(epsilon=0.44, sigma=sigma)
+    assert mean_overpressure(scene, points=40, instants=20, fold=True) == pytest.approx(
+        force, rel=1e-9
+    )
+
+
+def test_divergence_form_of_the_equation_holds_with_every_term() -> None:
+    """The state, put into eq. (1) as it stands there, leaves nothing: all terms, all signs."""
+    scene = film(epsilon=0.3, sigma=40.0, x=0.12, y=0.2, bearing=30.0, aspect=0.8)
+    grid, states = periodic_state(scene, points=36, instants=20, tolerance=1e-12)
+    assert states.status[0] == 0
+    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
+    sine = np.sin(grid.t.nodes)
+    gap = 1 + scene.epsilon * scene.amplitude(x, y)[..., None] * sine
+    gap_rate = scene.epsilon * scene.amplitude(x, y)[..., None] * np.cos(grid.t.nodes)
+    pressure = 1 + np.pad(states.overpressure[0], ((1, 1), (1, 1), (0, 0)))
+
+    def d_dx(values: np.ndarray) -> np.ndarray:
+        return np.einsum("ij,jyt->iyt", grid.x.derivative, values)
+
+    def d_dy(values: np.ndarray) -> np.ndarray:
+        return np.einsum("ij,xjt->xit", grid.y.derivative, values) / scene.aspect
+
+    flow = gap**3 * pressure
+    pressure_rate = pressure @ grid.t.derivative.T
+    squeeze = scene.sigma * (gap_rate * pressure + gap * pressure_rate)
+    slide = scene.bearing_number * d_dx(gap * pressure)
+    diffusion = d_dx(flow * d_dx(pressure)) + d_dy(flow * d_dy(pressure))
+    inner = (slice(1, -1), slice(1, -1))
+
+    def size(values: np.ndarray) -> float:
+        mean_square = np.mean(values[inner] ** 2, axis=-1)
+        return float(np.sqrt(grid.x.weights @ mean_square @ grid.y.weights))
+
+    # Second derivatives have weak singularities in the corners: a mean, not the largest value.
+    assert size(diffusion - squeeze - slide) < 1e-5 * size(squeeze)
+    assert size(slide) > 0.1 * size(squeeze)
+
+
+def test_sliding_either_way_gives_the_same_force_and_hardly_any_change_at_stroke_speed() -> None:
+    def force(bearing: float) -> float:
+        scene = film(epsilon=0.4, sigma=2331.0, bearing=bearing)
+        return mean_overpressure(scene, points=32, instants=16)
+
+    rest, there, back = force(0.0), force(0.043), force(-0.043)
+    assert there == pytest.approx(back, rel=1e-10)
+    assert 0 < abs(there / rest - 1) < 1e-5
+
+
+def test_fold_by_symmetry_changes_nothing() -> None:
+    scene = film(epsilon=0.44, sigma=583.0)
+    whole = mean_overpressure(scene, points=24, instants=16)
+    folded = mean_overpressure(scene, points=24, instants=16, fold=True)
+    assert folded == pytest.approx(whole, rel=1e-11)
+
+
+def test_space_converges_faster_than_any_power() -> None:
+    scene = film(epsilon=0.4, sigma=583.0, x=0.2, y=0.1)
+    exact = mean_overpressure(scene, points=48, instants=16)
+    errors = [
+        abs(mean_overpressure(scene, points=n, instants=16) / exact - 1) for n in (8, 16, 24, 32)
+    ]
+    assert errors[0] < 1e-2
+    assert errors[-1] < 1e-9
+    orders = np.log(np.divide(errors[:-1], errors[1:])) / np.log(
+        np.divide([16, 24, 32], [8, 16, 24])
+    )
+    assert orders.max() > 8
+
+
+def test_time_converges_geometrically_at_the_rate_of_the_gap() -> None:
+    """Errors fall like ρ^n with ρ = ε / (1 + √(1 − ε²)), the harmonics of 1/(1 + ε sin T)."""
+    epsilon = 0.8
+    ratio = epsilon / (1 + np.sqrt(1 - epsilon**2))
+    scene = film(epsilon=epsilon, sigma=583.0, profile=SINC)
+    exact = mean_overpressure(scene, points=24, instants=64, fold=True)
+    errors = [
+        abs(mean_overpressure(scene, points=24, instants=n, fold=True) / exact - 1)
+        for n in (12, 16, 20, 24)
+    ]
+    rates = np.divide(errors[1:], errors[:-1]) ** (1 / 4)
+    assert rates == pytest.approx(ratio, abs=0.06)

@@ -1,0 +1,131 @@
+"""What ``solve`` promises: the tolerance, an honest error, independence of grouping."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from films import PISTON, SINC, film
+
+from squeezefilm.config import load_config
+from squeezefilm.profiles import Sinc
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.solve import symmetry
+from squeezefilm.scene import Scene
+from squeezefilm.study import scene_of
+from squeezefilm.tables import ScenePoint
+
+
+@pytest.fixture(scope="module")
+def paper_scenes() -> list[Scene]:
+    """Random operating points over the paper's four factors."""
+    config = load_config("config/paper.yaml")
+    random = np.random.default_rng(20140503)
+    return [
+        scene_of(
+            ScenePoint(
+                point_id=str(index),
+                h0_m=random.uniform(5e-6, 10e-6),
+                hv_m=random.uniform(0.2e-6, 2e-6),
+                phi_r_m=random.uniform(0, 2.9e-3) * (index % 4 > 0),
+                phi_deg=float(random.choice([0.0, 45.0, random.uniform(0, 45)])),
+            ),
+            config,
+        )
+        for index in range(300)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("hv_m", "phi_r_m", "force_n"), [(2.2e-6, 0.0, 0.9620420), (2e-6, 2.9e-3, 0.7075753)]
+)
+def test_known_forces_of_the_paper_s_actuator(hv_m: float, phi_r_m: float, force_n: float) -> None:
+    point = ScenePoint("1", 5e-6, hv_m, phi_r_m, 0.0)
+    (solution,) = solve([scene_of(point, load_config("config/paper.yaml"))], tolerance=1e-6)
+    assert solution.force_n == pytest.approx(force_n, rel=1e-6)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
+def test_errors_are_honest_on_random_scenes(paper_scenes: list[Scene], tolerance: float) -> None:
+    """True error ≤ estimate in 99 %, and the estimate is within the tolerance or useful."""
+    exact = np.array([s.force_n for s in solve(paper_scenes, tolerance=1e-9)])
+    solutions = solve(paper_scenes, tolerance=tolerance)
+    assert {solution.status for solution in solutions} == {"ok"}
+    force = np.array([solution.force_n for solution in solutions])
+    estimate = np.array([solution.force_error_n for solution in solutions])
+    error = np.abs(force - exact)
+    assert np.mean(error <= estimate) >= 0.99
+    assert np.all(estimate <= np.maximum(100 * error, tolerance * force * (1 + 1e-9)))
+    assert np.all(error <= tolerance * force)
+
+
+def test_result_does_not_depend_on_the_other_scenes(paper_scenes: list[Scene]) -> None:
+    together = solve(paper_scenes[:12], tolerance=1e-6)
+    backwards = solve(paper_scenes[11::-1], tolerance=1e-6)[::-1]
+    alone = [solve([scene], tolerance=1e-6)[0] for scene in paper_scenes[:12]]
+    assert together == backwards == alone
+
+
+def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved() -> None:
+    rough = Sinc(wave_number_per_m=20000.0)
+    scenes = [
+        film(epsilon=0.4, sigma=100.0),
+        film(epsilon=0.4, sigma=1e5, profile=rough, x=0.11, y=0.23),
+        film(epsilon=0.2, sigma=100.0),
+    ]
+    first, second, third = solve(scenes, tolerance=1e-6)
+    assert first.status == third.status == "ok"
+    assert "tolerance not reached on the finest grid" in second.status
+    assert np.isnan(second.force_n)
+
+
+def test_a_surface_at_rest_bears_nothing() -> None:
+    (solution,) = solve([film(epsilon=0.0, sigma=500.0)], tolerance=1e-6)
+    assert (solution.status, solution.force_n) == ("ok", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("scene", "expected"),
+    [
+        (film(epsilon=0.3, sigma=10.0), (True, True)),
+        (film(epsilon=0.3, sigma=10.0, x=0.1), (False, True)),
+        (film(epsilon=0.3, sigma=10.0, y=0.1), (True, False)),
+        (film(epsilon=0.3, sigma=10.0, x=0.1, y=0.1), (False, False)),
+        (film(epsilon=0.3, sigma=10.0, x=0.1, y=0.1, profile=PISTON), (True, True)),
+        (film(epsilon=0.3, sigma=10.0, bearing=1.0), (False, True)),
+    ],
+)
+def test_symmetry_is_found_from_the_scene(scene: Scene, expected: tuple[bool, bool]) -> None:
+    assert symmetry(scene) == expected
+
+
+def test_work_groups_of_many_items_give_the_same_forces(paper_scenes: list[Scene]) -> None:
+    """The code path of a graphics processor, run on the processor at hand."""
+    alone = solve(paper_scenes[:6], tolerance=1e-6)
+    shared = solve(paper_scenes[:6], tolerance=1e-6, device=choose_device(work_items=4))
+    assert [s.force_n for s in shared] == pytest.approx([s.force_n for s in alone], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "sigma"), [(0.98, 10.0), (0.95, 1e5), (0.01, 0.1), (0.5, 1e6), (0.9, 0.1)]
+)
+def test_extreme_films_are_solved(epsilon: float, sigma: float) -> None:
+    (solution,) = solve([film(epsilon=epsilon, sigma=sigma, profile=SINC)], tolerance=1e-4)
+    assert solution.status == "ok"
+    (finer,) = solve([film(epsilon=epsilon, sigma=sigma, profile=SINC)], tolerance=1e-5)
+    assert abs(solution.force_n - finer.force_n) <= solution.force_error_n + finer.force_error_n
+
+
+def test_a_long_finger_is_a_wide_finger_turned() -> None:
+    """Lengths scale with the side along x: the same pad turned by 90° bears the same force."""
+    wide = film(epsilon=0.4, sigma=400.0, aspect=0.25)
+    turned = replace(
+        wide,
+        finger=replace(
+            wide.finger, length_x_m=wide.finger.length_y_m, length_y_m=wide.finger.length_x_m
+        ),
+    )
+    forces = [solve([scene], tolerance=1e-8)[0].force_n for scene in (wide, turned)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-8)
