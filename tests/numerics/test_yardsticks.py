@@ -1,0 +1,348 @@
+"""The yardsticks against analytic limits, against each other, and by order of convergence.
+
+Reference values are those of the film on the unit square: s = 1 (a piston) or the centred sinc.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from squeezefilm.errors import RunError
+from squeezefilm.numerics import chebyshev_march, finite_elements, method_of_lines, numpy_periodic
+from squeezefilm.numerics.yardstick import (
+    FloatArray,
+    graded_edges,
+    march_to_periodic,
+    periods_to_settle,
+)
+
+CENTRED = (True, True)
+SQUEEZE_5UM = 12 * 1.81e-5 * 2 * math.pi * 43_270 * 0.01**2 / (101_325 * 5e-6**2)
+NEWTON = 101_325 * 0.01**2  # p0 l0^2
+
+
+def sinc(x: FloatArray, y: FloatArray) -> FloatArray:
+    """The paper's profile under the centred finger."""
+    return np.sinc(109.8 * 0.01 * np.hypot(x - 0.5, y - 0.5))
+
+
+def sinc_off_centre(x: FloatArray, y: FloatArray) -> FloatArray:
+    """The same under a finger moved by 2.9 mm along X."""
+    return np.sinc(109.8 * np.hypot(0.01 * (x - 0.5) + 0.0029, 0.01 * (y - 0.5)))
+
+
+def piston(x: FloatArray, y: FloatArray) -> FloatArray:
+    return np.ones_like(x)
+
+
+def spring_coefficient(sigma: float) -> float:
+    """Blech's linear stiffness S of the square piston (series over odd m, n)."""
+    odd = np.arange(1, 2000, 2)
+    m, n = np.meshgrid(odd, odd)
+    k = math.pi**2 * (m**2 + n**2)
+    return float(np.sum(64 / (math.pi**4 * m**2 * n**2) * sigma**2 / (k**2 + sigma**2)))
+
+
+def small_amplitude(force: Callable[[float], float], epsilon: float = 0.1) -> float:
+    """The limit of F / epsilon^2 for epsilon -> 0, its next term removed."""
+    coarse, fine = (force(e) / e**2 for e in (epsilon, epsilon / 2))
+    return (4 * fine - coarse) / 3
+
+
+def orders(values: list[float], exact: float) -> FloatArray:
+    """Observed orders of convergence of values that each halve the step of the one before."""
+    error = np.abs(np.array(values) - exact)
+    return np.log2(error[:-1] / error[1:])
+
+
+# Tools
+
+
+@pytest.mark.parametrize("interior", [3, 6])
+def test_chebyshev_grid_is_exact_for_polynomials(interior: int) -> None:
+    grid = numpy_periodic.chebyshev_grid(interior)
+    cubic = grid.x**3
+    assert grid.weights @ cubic == pytest.approx(1 / 4, rel=1e-13)
+    assert grid.first @ cubic == pytest.approx(3 * grid.x**2, abs=1e-12)
+    assert grid.second @ cubic == pytest.approx(6 * grid.x, abs=1e-11)
+
+
+def test_a_folded_mesh_is_half_of_the_whole_one() -> None:
+    whole, half = (graded_edges(cells=5, folded=folded) for folded in (False, True))
+    assert half == pytest.approx(whole[:6], abs=1e-15)
+    assert (whole[0], whole[5], whole[10]) == pytest.approx((0, 0.5, 1), abs=1e-15)
+
+
+def test_anderson_finds_the_fixed_point_of_a_slow_linear_map() -> None:
+    decay = np.array([0.95, 0.8, 0.3])
+
+    def period(state: FloatArray) -> tuple[FloatArray, float]:
+        image = 1 + decay * (state - 1)
+        return image, float(image.sum())
+
+    start = np.zeros(3)
+    _, marched, _ = march_to_periodic(period, start, periods=500, tolerance=1e-10)
+    force, mixed, _ = march_to_periodic(
+        period, start, periods=500, tolerance=1e-10, anderson_depth=5
+    )
+    assert force == pytest.approx(3, abs=1e-8)
+    assert mixed <= 6
+    assert marched > 300
+
+
+def test_transient_decays_at_the_rate_of_the_slowest_mode() -> None:
+    sigma = 200.0
+    kept = []
+    for tolerance in (1e-1, 1e-2):
+        force = finite_elements.periodic_force(
+            epsilon=0.1,
+            sigma=sigma,
+            amplitude=sinc,
+            cells=4,
+            steps=16,
+            periods=periods_to_settle(sigma=sigma, tolerance=tolerance),
+            fold=CENTRED,
+        ).force
+        settled = numpy_periodic.periodic_force(epsilon=0.1, sigma=sigma, amplitude=sinc).force
+        kept.append(abs(force / settled - 1))
+    assert kept[0] < 0.1
+    assert kept[1] < 0.01
+    assert 5 < kept[0] / kept[1] < 30
+
+
+# The periodic state in NumPy
+
+
+@pytest.mark.parametrize("sigma", [5.0, 200.0])
+def test_piston_keeps_the_mean_of_h3_p2_everywhere(sigma: float) -> None:
+    epsilon = 0.4
+    state = numpy_periodic.periodic_state(epsilon=epsilon, sigma=sigma, amplitude=piston)
+    mean = (state.gap**3 * state.pressure**2).mean(axis=0)
+    assert mean == pytest.approx(1 + 1.5 * epsilon**2, abs=1e-9)
+
+
+def test_piston_force_at_small_amplitude_is_blechs() -> None:
+    limit = small_amplitude(
+        lambda e: numpy_periodic.periodic_force(epsilon=e, sigma=20, amplitude=piston).force
+    )
+    assert limit == pytest.approx(5 / 4 * spring_coefficient(20), rel=2e-5)
+
+
+def test_piston_force_at_vanishing_squeeze_number() -> None:
+    epsilon, sigma = 0.5, 1e-3
+    phase = np.linspace(0, 2 * math.pi, 64, endpoint=False)
+    rate = (epsilon * np.cos(phase)) ** 2 / (1 + epsilon * np.sin(phase)) ** 6
+    force = numpy_periodic.periodic_force(
+        epsilon=epsilon, sigma=sigma, amplitude=piston, nt=48, tolerance=1e-13
+    ).force
+    assert force == pytest.approx(2.5 * sigma**2 * rate.mean() * 0.00170251052, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "limit"), [(20, 0.2240822625), (583, 0.4521765445), (2331, 0.4544710516)]
+)
+def test_sinc_force_at_small_amplitude(sigma: float, limit: float) -> None:
+    found = small_amplitude(
+        lambda e: (
+            numpy_periodic.periodic_force(
+                epsilon=e, sigma=sigma, amplitude=sinc, nx=28, ny=28, tolerance=1e-13
+            ).force
+        ),
+        epsilon=0.02,
+    )
+    assert found == pytest.approx(limit, rel=1e-7)
+
+
+@pytest.mark.parametrize(("epsilon", "limit"), [(0.1, 0.0045767166), (0.44, 0.0951846761)])
+def test_sinc_force_tends_to_its_limit_as_one_over_root_sigma(epsilon: float, limit: float) -> None:
+    missing = [
+        limit
+        - numpy_periodic.periodic_force(
+            epsilon=epsilon, sigma=sigma, amplitude=sinc, nx=36, ny=36
+        ).force
+        for sigma in (2500, 10_000)
+    ]
+    assert missing[0] / missing[1] == pytest.approx(2, rel=0.06)
+    assert 2 * missing[1] - missing[0] == pytest.approx(0, abs=2e-4 * limit)
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "profile", "newtons"),
+    [(0.44, sinc, 0.9620420), (0.4, sinc_off_centre, 0.7075753)],
+)
+def test_periodic_force_converges_spectrally_to_the_known_force(
+    epsilon: float, profile: Callable[[FloatArray, FloatArray], FloatArray], newtons: float
+) -> None:
+    errors = [
+        abs(
+            numpy_periodic.periodic_force(
+                epsilon=epsilon, sigma=SQUEEZE_5UM, amplitude=profile, nx=n, ny=n, nt=nt
+            ).force
+            * NEWTON
+            / newtons
+            - 1
+        )
+        for n, nt in ((12, 8), (20, 12), (28, 16))
+    ]
+    assert errors[1] < errors[0] / 20
+    assert errors[2] < 1e-7
+
+
+def test_impossible_tolerance_is_reported() -> None:
+    with pytest.raises(RunError, match="no convergence"):
+        numpy_periodic.periodic_force(
+            epsilon=0.4, sigma=20, amplitude=sinc, nx=4, ny=4, nt=4, tolerance=1e-30
+        )
+
+
+# The marching peers, at sigma = 20 where a few periods settle the film
+
+SETTLED = periods_to_settle(sigma=20, tolerance=1e-9)
+SCENE = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
+
+
+@pytest.fixture(scope="module")
+def converged() -> float:
+    return numpy_periodic.periodic_force(**SCENE, nx=32, ny=32, nt=32, tolerance=1e-12).force
+
+
+def elements(epsilon: float = 0.4, cells: int = 4, steps: int = 64) -> float:
+    scene = SCENE | {"epsilon": epsilon}
+    return finite_elements.periodic_force(
+        **scene, cells=cells, steps=steps, periods=SETTLED, fold=CENTRED
+    ).force
+
+
+def volumes(epsilon: float = 0.4, cells: int = 8, rtol: float = 1e-7) -> float:
+    scene = SCENE | {"epsilon": epsilon}
+    return method_of_lines.periodic_force(
+        **scene, cells=cells, rtol=rtol, periods=SETTLED, fold=CENTRED
+    ).force
+
+
+def chebyshev(epsilon: float = 0.4, points: int = 8, rtol: float = 1e-7) -> float:
+    scene = SCENE | {"epsilon": epsilon}
+    return chebyshev_march.periodic_force(**scene, points=points, rtol=rtol, fold=CENTRED).force
+
+
+@pytest.mark.parametrize(
+    ("force", "rel"),
+    [
+        (lambda e: elements(e, steps=128), 3e-4),
+        (lambda e: volumes(e, cells=16), 3e-3),
+        (lambda e: chebyshev(e), 1e-5),
+    ],
+    ids=["finite elements", "method of lines", "Chebyshev march"],
+)
+def test_marched_sinc_force_at_small_amplitude(force: Callable[[float], float], rel: float) -> None:
+    assert small_amplitude(force) == pytest.approx(0.2240822625, rel=rel)
+
+
+def test_crank_nicolson_is_of_second_order_in_time(converged: float) -> None:
+    found = [elements(cells=6, steps=steps) for steps in (16, 32, 64)]
+    assert orders(found, converged) == pytest.approx(2, abs=0.2)
+
+
+def test_biquadratic_elements_are_of_fourth_order_in_space() -> None:
+    fine = elements(cells=12, steps=16)
+    found = [elements(cells=cells, steps=16) for cells in (2, 4)]
+    assert orders(found, fine)[0] > 3.2
+
+
+def test_finite_volumes_are_of_second_order_in_space(converged: float) -> None:
+    found = [volumes(cells=cells) for cells in (4, 8, 16)]
+    assert orders(found, converged) == pytest.approx(2, abs=0.25)
+
+
+def test_chebyshev_march_converges_spectrally(converged: float) -> None:
+    errors = [abs(chebyshev(points=points, rtol=1e-8) - converged) for points in (3, 6, 9)]
+    assert errors[1] < errors[0] / 50
+    assert errors[2] < 1e-7 * converged
+
+
+@pytest.mark.parametrize("fold", [(False, True), (False, False)])
+def test_folding_changes_nothing(fold: tuple[bool, bool]) -> None:
+    scene = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
+    coarse = {
+        finite_elements: {"cells": 2, "steps": 8, "periods": 3},
+        method_of_lines: {"cells": 3, "rtol": 1e-9, "periods": 2},
+        chebyshev_march: {"points": 4, "rtol": 1e-8},
+    }
+    for peer, settings in coarse.items():
+        folded, whole = (
+            peer.periodic_force(**scene, **settings, fold=f).force for f in (CENTRED, fold)
+        )
+        assert whole == pytest.approx(folded, rel=1e-6), peer.__name__
+
+
+def test_finite_elements_agree_on_the_bearing_term() -> None:
+    scene = {"epsilon": 0.4, "sigma": 200.0, "amplitude": sinc, "bearing": 20.0}
+    exact = numpy_periodic.periodic_force(**scene, nx=32).force
+    coarse, fine = (
+        finite_elements.periodic_force(
+            **scene,
+            cells=6,
+            steps=steps,
+            periods=40,
+            tolerance=1e-7,
+            anderson_depth=10,
+            fold=(False, True),
+        ).force
+        for steps in (32, 64)
+    )
+    assert (4 * fine - coarse) / 3 == pytest.approx(exact, rel=1e-4)
+    assert exact < 0.98 * numpy_periodic.periodic_force(**scene | {"bearing": 0.0}).force
+
+
+# The force of the paper's largest extrapolation, by three other methods
+
+
+def test_finite_elements_marched_from_rest_give_the_known_force() -> None:
+    found = finite_elements.periodic_force(
+        epsilon=0.44,
+        sigma=SQUEEZE_5UM,
+        amplitude=sinc,
+        cells=6,
+        steps=32,
+        periods=periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-5),
+        fold=CENTRED,
+    )
+    assert found.force * NEWTON == pytest.approx(0.9620420, rel=2e-5)
+
+
+def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
+    found = finite_elements.periodic_force(
+        epsilon=0.44,
+        sigma=SQUEEZE_5UM,
+        amplitude=sinc,
+        cells=6,
+        steps=32,
+        periods=60,
+        tolerance=1e-7,
+        anderson_depth=10,
+        fold=CENTRED,
+    )
+    assert found.force * NEWTON == pytest.approx(0.9620420, rel=2e-5)
+    assert found.periods <= 20
+
+
+def test_chebyshev_march_gives_the_known_force() -> None:
+    found = chebyshev_march.periodic_force(
+        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, points=14, rtol=1e-6, fold=CENTRED
+    )
+    assert found.force * NEWTON == pytest.approx(0.9620420, rel=3e-7)
+
+
+def test_method_of_lines_gives_the_known_force() -> None:
+    found = method_of_lines.periodic_force(
+        epsilon=0.44,
+        sigma=SQUEEZE_5UM,
+        amplitude=sinc,
+        cells=12,
+        rtol=1e-5,
+        periods=periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-4),
+        fold=CENTRED,
+    )
+    assert found.force * NEWTON == pytest.approx(0.9620420, rel=3e-4)
