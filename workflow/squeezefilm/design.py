@@ -14,10 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import linear_sum_assignment, minimize
+from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
 from squeezefilm.errors import InputError
 from squeezefilm.fit import genetic_search
@@ -276,7 +277,7 @@ def refine(criterion: Criterion, points: Array, *, fixed: int = 0) -> Design:
     def objective(unit: Array) -> Array:
         return np.log(smooth.value(designs(unit)) / start)
 
-    constraints = []
+    constraints: list[Any] = []
     if criterion.apart is not None:
         apart, separation = criterion.apart, criterion.separation
 
@@ -292,7 +293,7 @@ def refine(criterion: Criterion, points: Array, *, fixed: int = 0) -> Design:
             best,
             jac=lambda u: _slopes(objective, u),
             method="SLSQP",
-            bounds=[(0.0, 1.0)] * len(best),
+            bounds=Bounds(np.zeros(len(best)), np.ones(len(best))),
             constraints=constraints,
             options={"ftol": 1e-14, "maxiter": 500},
         )

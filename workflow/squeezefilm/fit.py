@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import differential_evolution, minimize
+from scipy.optimize import Bounds, differential_evolution, minimize
 
 from squeezefilm.errors import InputError
 from squeezefilm.force_model import Factors, ForceModel
@@ -138,11 +138,15 @@ def fit_by_differential_evolution(
     """
     force = _checked_force(model, factors, force_n, bound)
     objective = _objective(model, factors, force)
-    limit = float(np.arcsinh(bound))
+    limit = np.full(len(model.parameter_names), np.arcsinh(bound))
     population = 60 * len(model.parameter_names)
+
+    def of_columns(x: Any, /) -> Any:
+        return objective(x.T)
+
     rough = differential_evolution(
-        lambda x: objective(x.T),
-        [(-limit, limit)] * len(model.parameter_names),
+        of_columns,
+        Bounds(-limit, limit),
         rng=seed,
         vectorized=True,
         updating="deferred",
