@@ -1,0 +1,53 @@
+"""What several figures' tables are built with: units, limits, the model on a mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.fitted import FittedModel
+from squeezefilm.force_model import Factors, get_model
+
+Inputs = Mapping[str, Path]
+
+MESH_LINES = 26
+"""Lines of a model's mesh along each factor."""
+
+
+def plane_table(table: pd.DataFrame, *, layer: str) -> pd.DataFrame:
+    """Gap and amplitude of a table of scenes in µm, with the force in N where it is known."""
+    columns = {
+        "layer": layer,
+        "h0_um": micrometres(table["h0_m"]),
+        "hv_um": micrometres(table["hv_m"]),
+    }
+    if "force_n" in table:
+        columns["force_n"] = table["force_n"].to_numpy()
+    return pd.DataFrame(columns)
+
+
+def micrometres(metres: pd.Series) -> np.ndarray:
+    """Metres in µm, rounded so that 7e-6 becomes 7 and not 7.000000000000001."""
+    return np.round(metres.to_numpy(dtype=float) * 1e6, 9)
+
+
+def add_limits(data: pd.DataFrame, screen: pd.DataFrame) -> pd.DataFrame:
+    """The table with the limits of the experimental space, those of the screen, in each row."""
+    h0_um, hv_um = micrometres(screen["h0_m"]), micrometres(screen["hv_m"])
+    return data.assign(
+        h0_min_um=h0_um.min(), h0_max_um=h0_um.max(), hv_min_um=hv_um.min(), hv_max_um=hv_um.max()
+    )
+
+
+def model_mesh(fit: FittedModel, screen: pd.DataFrame) -> pd.DataFrame:
+    """The fitted force of a centred finger on a mesh over the experimental space."""
+    h0_m = np.linspace(screen["h0_m"].min(), screen["h0_m"].max(), MESH_LINES)
+    hv_m = np.linspace(screen["hv_m"].min(), screen["hv_m"].max(), MESH_LINES)
+    gaps, amplitudes = (values.ravel() for values in np.meshgrid(h0_m, hv_m, indexing="ij"))
+    force = get_model(fit.model).evaluate(fit.theta, Factors.of(h0_m=gaps, hv_m=amplitudes))
+    return plane_table(
+        pd.DataFrame({"h0_m": gaps, "hv_m": amplitudes, "force_n": force}), layer="model"
+    )

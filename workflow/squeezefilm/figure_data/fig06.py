@@ -1,0 +1,18 @@
+"""Data of Figure 6: the profile as a mesh."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from squeezefilm.config import Config
+from squeezefilm.figure_data import disc
+from squeezefilm.figure_data.common import Inputs
+
+INPUTS: tuple[str, ...] = ()
+SECTIONS = ("actuator", "finger")
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layer surface, on a polar grid."""
+    surface = disc.profile_table(config, radii=17, angles=49)
+    return surface.assign(note=disc.profile_note(config))

@@ -1,0 +1,42 @@
+"""Data of Figure 9: the triplets of all searches, in every scaling of the factors."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from squeezefilm.config import Config
+from squeezefilm.figure_data import searches
+from squeezefilm.figure_data.common import Inputs, add_limits, micrometres
+from squeezefilm.tables import read_scenes
+
+INPUTS = searches.INPUTS
+SECTIONS: tuple[str, ...] = ()
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """One row per point of each search, the study's own scaling first."""
+    own, number, scalings = searches.patterns_found(inputs["summary"])
+    points = searches.read_searches(inputs["searches"])
+    data = pd.DataFrame(
+        {
+            "scaling": points["scaling"],
+            "search": points["search"],
+            "pattern": points["pattern"],
+            "h0_um": micrometres(points["h0_m"]),
+            "hv_um": micrometres(points["hv_m"]),
+            "objective": points["objective"],
+        }
+    ).sort_values("scaling", key=lambda names: names != own, kind="stable")
+    behind = [
+        f"{pattern['pattern']} {pattern['objective_excess'] / scalings[own][0]['objective']:.1g}"
+        for pattern in scalings[own][1:]
+    ]
+    excess = f" Objective above pattern A's, in proportion: {', '.join(behind)} in (a)." * bool(
+        behind
+    )
+    note = (
+        f"{number} searches on criterion (12) in each unit of the distances between points, which "
+        f"the paper does not state; (a) is used further on.{excess} Letters are given anew in each "
+        "panel."
+    )
+    return add_limits(data, read_scenes(inputs["plan"])).assign(note=note)

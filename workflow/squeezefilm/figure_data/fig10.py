@@ -1,0 +1,17 @@
+"""Data of Figure 10: the best pattern of three points."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from squeezefilm.config import Config
+from squeezefilm.figure_data import searches
+from squeezefilm.figure_data.common import Inputs
+
+INPUTS = searches.INPUTS
+SECTIONS: tuple[str, ...] = ()
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers design and ridge."""
+    return searches.pattern_table(inputs, order=0)

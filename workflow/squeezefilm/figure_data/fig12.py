@@ -1,0 +1,35 @@
+"""Data of Figure 12: the points of the optimal design and those of the screen."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from squeezefilm.config import Config
+from squeezefilm.figure_data.common import Inputs, add_limits, plane_table
+from squeezefilm.tables import read_design, read_scenes
+
+INPUTS = ("plan", "design")
+SECTIONS: tuple[str, ...] = ()
+AUGMENTATION = "augmentation"
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers screen and design; ``label`` names the patterns of a point, or + where it was added."""
+    screen, design = read_scenes(inputs["plan"]), read_design(inputs["design"])
+    labels = design["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
+    data = pd.concat(
+        [
+            plane_table(screen, layer="screen"),
+            plane_table(design, layer="design").assign(label=labels),
+        ],
+        ignore_index=True,
+    )
+    added = int((design["origin"] == AUGMENTATION).sum())
+    plus = (
+        f"; + was added by best augmentation, for the patterns have {len(design) - added} distinct"
+    )
+    note = (
+        f"{len(design)} points instead of {len(screen)}. Letters: the pattern that a point is of"
+        f"{f'{plus} points' if added else ''}."
+    )
+    return add_limits(data, screen).assign(note=note)

@@ -1,0 +1,44 @@
+"""The figures: each module draws one from its one tidy table, and knows nothing else.
+
+A module of this package that is named in FIGURES has
+
+- ``COLUMNS``: the columns that its table must have;
+- ``draw(data)``: the table drawn as a matplotlib Figure.
+
+Column names carry the unit that the axis shows, so nothing is converted while drawing. ``layer``
+says what a row is (a mesh of the model, simulated points, …); ``note`` is the text below.
+"""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+from squeezefilm.errors import InputError
+
+FIGURES = (
+    "fig05",
+    "fig06",
+    "fig07",
+    "fig08",
+    "fig09",
+    "fig10",
+    "fig11",
+    "fig12",
+    "fig13",
+    "fig14",
+    "fig15",
+    "fig16",
+    "error_map",
+)
+
+
+def figure_module(name: str) -> ModuleType:
+    """The module that draws a figure.
+
+    Raises:
+        InputError: for a name that is no figure.
+    """
+    if name not in FIGURES:
+        raise InputError(f"there is no figure {name!r}; the figures are {', '.join(FIGURES)}")
+    return importlib.import_module(f"squeezefilm.figures.{name}")
