@@ -12,7 +12,17 @@ from squeezefilm.errors import InputError, RunError
 
 COMMANDS = {
     "simulate": "forces of a table of scenes, or of one scene given by --h0 and --hv",
-    "doctor": "check the OpenCL device, caches and versions of this installation",
+    "plan": "write the scenes of a plan",
+    "extrapolate": "write the scenes at which fitted models expect a wanted force",
+    "gather": "put the simulated parts of a plan together",
+    "fit": "fit an empirical model to forces",
+    "design": "find the points at which simulations teach most about a fitted model",
+    "validate": "judge a fitted model on simulated forces",
+    "figure-data": "build the table that a figure is drawn from",
+    "plot": "draw a figure from its table",
+    "warm": "compile the kernels ahead of time",
+    "doctor": "check the OpenCL device, caches, lock and versions of this installation",
+    "unlock": "remove the lock that a killed run of the workflow left",
 }
 
 

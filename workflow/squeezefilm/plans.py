@@ -51,8 +51,8 @@ def finger_positions(
 def four_factor_plan(
     *,
     positions: Sequence[tuple[float, float]],
-    h0_m: Sequence[float],
-    hv_m: Sequence[float],
+    h0_m: Sequence[float] | np.ndarray,
+    hv_m: Sequence[float] | np.ndarray,
 ) -> pd.DataFrame:
     """Every finger position with every (h0, hv) point of a two-factor design (section V)."""
     rows = [
@@ -62,3 +62,21 @@ def four_factor_plan(
     ]
     gaps, amplitudes, radii, angles = zip(*rows, strict=True)
     return plan(h0_m=gaps, hv_m=amplitudes, phi_r_m=radii, phi_deg=angles)
+
+
+def random_plan(
+    *,
+    points: int,
+    seed: int,
+    h0_m: tuple[float, float],
+    hv_m: tuple[float, float],
+    phi_r_m: tuple[float, float],
+    phi_deg: tuple[float, float],
+) -> pd.DataFrame:
+    """Points drawn evenly from a box of the four factors, to judge a model where it was not fitted.
+
+    Equal seeds give equal points.
+    """
+    lower, upper = np.transpose([h0_m, hv_m, phi_r_m, phi_deg])
+    drawn = np.random.default_rng(seed).uniform(lower, upper, size=(points, 4))
+    return plan(h0_m=drawn[:, 0], hv_m=drawn[:, 1], phi_r_m=drawn[:, 2], phi_deg=drawn[:, 3])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from squeezefilm.config import Config
+from squeezefilm.errors import InputError
 from squeezefilm.profiles import Profile, make_profile
 from squeezefilm.scene import Actuator, Finger, Gas, Scene, check_scene
 from squeezefilm.tables import ScenePoint
@@ -38,3 +39,30 @@ def scene_of(point: ScenePoint, config: Config) -> Scene:
     )
     check_scene(scene)
     return scene
+
+
+def check_study(config: Config) -> Config:
+    """Check every finger position and film of a study before anything is simulated.
+
+    Raises:
+        InputError: naming the section and the point that has no physical meaning.
+    """
+    screen, extrapolation = config["screen"], config["extrapolation"]
+    gap, amplitude = screen["h0_m"]["start"], screen["hv_m"]["stop"]
+    radii, angles = config["positions"]["phi_r_m"], config["positions"]["phi_deg"]
+    points = {
+        "screen": ScenePoint("centre", gap, amplitude, 0.0, 0.0),
+        "extrapolation": ScenePoint(
+            "centre", extrapolation["h0_m"], extrapolation["hv_m"], 0.0, 0.0
+        ),
+    }
+    for radius in radii:
+        for angle in angles:
+            name = f"positions (phi_r_m {radius:g}, phi_deg {angle:g})"
+            points[name] = ScenePoint("", gap, amplitude, radius, angle)
+    for name, point in points.items():
+        try:
+            scene_of(point, config)
+        except InputError as error:
+            raise InputError(f"{config.path}: {name}: {error}") from None
+    return config

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import json
+import math
 import os
 import tempfile
 from collections.abc import Callable, Sequence
@@ -17,6 +19,8 @@ from squeezefilm.errors import InputError
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
+DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
+TIMING_COLUMNS = ("point_id", "solve_seconds")
 FORCE_COLUMNS = (
     *SCENE_COLUMNS,
     "force_n",
@@ -53,6 +57,24 @@ def read_scenes(path: Path | str) -> pd.DataFrame:
     return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS)
 
 
+def read_design(path: Path | str) -> pd.DataFrame:
+    """Read a design: the columns of a plan and ``origin``, which says how a point was chosen.
+
+    Raises:
+        InputError: naming the file, the row or the column that is wrong.
+    """
+    return _read(path, columns=DESIGN_COLUMNS, numbers=FACTOR_COLUMNS)
+
+
+def read_timings(path: Path | str) -> pd.DataFrame:
+    """Read the solver's share of wall time per point.
+
+    Raises:
+        InputError: naming the file, the row or the column that is wrong.
+    """
+    return _read(path, columns=TIMING_COLUMNS, numbers=("solve_seconds",))
+
+
 def read_forces(path: Path | str) -> pd.DataFrame:
     """Read simulated forces; a row whose status is not ``ok`` may lack its force.
 
@@ -62,10 +84,11 @@ def read_forces(path: Path | str) -> pd.DataFrame:
     table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS)
     for name in ("force_n", "force_error_n"):
         values = pd.to_numeric(table[name], errors="coerce")
-        bad = (table["status"] == "ok") & ~np.isfinite(values)
-        if bad.any():
-            row = int(np.flatnonzero(bad)[0])
-            raise InputError(f"{path}: row {row + 2}: {name} is not a finite number")
+        bad = table[(table["status"] == "ok") & ~np.isfinite(values)]
+        if len(bad):
+            raise InputError(
+                f"{path}: point {bad['point_id'].iloc[0]}: {name} is not a finite number"
+            )
         table[name] = values
     return table
 
@@ -87,22 +110,14 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
 def scene_points(table: pd.DataFrame) -> list[ScenePoint]:
     """The rows of a plan as points."""
     return [
-        ScenePoint(str(row.point_id), row.h0_m, row.hv_m, row.phi_r_m, row.phi_deg)
-        for row in table.itertuples()
+        ScenePoint(str(point_id), *(float(value) for value in factors))
+        for point_id, *factors in table[list(SCENE_COLUMNS)].itertuples(index=False)
     ]
 
 
 def _read(path: Path | str, *, columns: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
     path = Path(path)
-    try:
-        raw = pd.read_csv(path, header=None, dtype=str, keep_default_na=False, encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such table") from None
-    except pd.errors.EmptyDataError:
-        raise InputError(f"{path}: the table is empty; it needs {', '.join(columns)}") from None
-    except (OSError, UnicodeDecodeError, pd.errors.ParserError) as error:
-        raise InputError(f"{path}: the table cannot be read: {error}") from None
-    header = [name.strip() for name in raw.iloc[0]]
+    header, rows = _cells(path, columns=columns)
     for name in columns:
         if header.count(name) == 0:
             raise InputError(f"{path}: column {name!r} is missing; it has {', '.join(header)}")
@@ -113,31 +128,67 @@ def _read(path: Path | str, *, columns: Sequence[str], numbers: Sequence[str]) -
         raise InputError(
             f"{path}: unknown column {unknown[0]!r}; the columns are {', '.join(columns)}"
         )
-    table = raw.iloc[1:].reset_index(drop=True)
-    table.columns = pd.Index(header)
-    if table.empty:
+    if not rows:
         raise InputError(f"{path}: the table has a header and no rows")
+    lines = [line for line, _ in rows]
+    table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
     for name in numbers:
-        table[name] = _finite(table[name], path=path, name=name)
-    table["point_id"] = table["point_id"].str.strip()
-    if (table["point_id"] == "").any():
-        row = int(np.flatnonzero(table["point_id"] == "")[0])
-        raise InputError(f"{path}: row {row + 2}: point_id is empty")
-    twice = table["point_id"][table["point_id"].duplicated()]
-    if len(twice):
-        raise InputError(f"{path}: row {twice.index[0] + 2}: point_id {twice.iloc[0]!r} stands twice")
-    return table
+        table[name] = _finite(table[name], lines=lines, path=path)
+    _check_ids(table["point_id"], lines=lines, path=path)
+    return table[list(columns)]
 
 
-def _finite(column: pd.Series, *, path: Path, name: str) -> pd.Series:
-    values = pd.to_numeric(column, errors="coerce").astype(float)
-    bad = ~np.isfinite(values)
-    if bad.any():
-        row = int(np.flatnonzero(bad)[0])
-        raise InputError(
-            f"{path}: row {row + 2}: {name} is {column.iloc[row]!r}, not a finite number"
-        )
-    return values
+def _cells(path: Path, *, columns: Sequence[str]) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """The header, and each row's line in the file with its cells; blank lines are left out."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as handle:
+            reader = csv.reader(handle, strict=True)
+            rows = [
+                (reader.line_num, [cell.strip() for cell in cells]) for cells in reader if cells
+            ]
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such table") from None
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: the table cannot be read: {error}") from None
+    if not rows:
+        raise InputError(f"{path}: the table is empty; it needs {', '.join(columns)}")
+    (_, header), *rows = rows
+    for line, cells in rows:
+        if len(cells) != len(header):
+            raise InputError(
+                f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
+            )
+    return header, rows
+
+
+def _check_ids(ids: pd.Series, *, lines: Sequence[int], path: Path) -> None:
+    first_line: dict[str, int] = {}
+    for point_id, line in zip(ids, lines, strict=True):
+        if not point_id:
+            raise InputError(f"{path}: line {line}: point_id is empty")
+        if point_id in first_line:
+            raise InputError(
+                f"{path}: line {line}: point_id {point_id!r} stands in line "
+                f"{first_line[point_id]} already"
+            )
+        first_line[point_id] = line
+
+
+def _finite(column: pd.Series, *, lines: Sequence[int], path: Path) -> list[float]:
+    return [
+        _number(text, path=path, line=line, name=str(column.name))
+        for text, line in zip(column, lines, strict=True)
+    ]
+
+
+def _number(text: str, *, path: Path, line: int, name: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if "_" in text or not math.isfinite(value):  # Python would read 1_000
+        raise InputError(f"{path}: line {line}: {name} is {text!r}, not a finite number")
+    return value
 
 
 def write_table(table: pd.DataFrame, path: Path | str) -> None:

@@ -1,0 +1,70 @@
+# `make paper` makes everything of the paper, `make test` runs the tests; each sets itself up.
+# Needs python3 (3.11 or later) and make.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+RUN := PATH="$(CURDIR)/$(BIN):$$PATH"
+COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 \
+	--generate-hashes --no-header --no-annotate --no-emit-index-url
+
+.DEFAULT_GOAL := help
+.PHONY: help paper quick test lint format lock resume clean
+
+help:
+	@echo "make paper    every simulation, fit, design, table and figure of the paper"
+	@echo "make quick    the same rules on a small study, in seconds"
+	@echo "make test     the tests"
+	@echo "make lint     style, types, and Snakemake's own advice"
+	@echo "make format   bring the code into its style"
+	@echo "make resume   go on after a run was killed"
+	@echo "make lock     pin the newest versions of all packages"
+	@echo "make clean    remove results, logs and the environment"
+
+paper: $(VENV)/.run
+	$(RUN) snakemake
+
+quick: $(VENV)/.run
+	$(RUN) snakemake --configfile config/quick.yaml
+
+test: $(VENV)/.dev
+	$(RUN) pytest -n 2 --dist loadgroup
+
+lint: $(VENV)/.dev
+	$(RUN) ruff check .
+	$(RUN) ruff format --check .
+	$(RUN) mypy
+	$(RUN) snakefmt --check Snakefile workflow
+	$(RUN) snakemake --lint
+
+format: $(VENV)/.dev
+	$(RUN) ruff check --fix .
+	$(RUN) ruff format .
+	$(RUN) snakefmt Snakefile workflow
+
+resume: $(VENV)/.run
+	$(RUN) squeezefilm unlock
+	$(RUN) snakemake $(if $(CONFIG),--configfile $(CONFIG)) --rerun-incomplete
+
+lock: $(VENV)/.dev
+	$(COMPILE) --upgrade --output-file requirements.lock requirements.in
+	$(COMPILE) --upgrade --output-file requirements-dev.lock requirements-dev.in
+
+clean:
+	find results -mindepth 1 ! -name README.md -delete
+	rm -rf $(VENV) .snakemake .mypy_cache .pytest_cache .ruff_cache benchmarks logs
+
+# The packages as pinned, checked by their hashes; the library itself in place.
+$(VENV)/.run: requirements.lock pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --require-hashes --requirement requirements.lock
+	$(BIN)/python -m pip install --no-deps --no-build-isolation --editable .
+	touch $@
+
+$(VENV)/.dev: requirements-dev.lock $(VENV)/.run
+	$(BIN)/python -m pip install --require-hashes --requirement requirements-dev.lock
+	touch $@
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "Python 3.11 or later is needed; name one: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	$(PYTHON) -m venv $(VENV)

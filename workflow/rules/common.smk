@@ -1,0 +1,117 @@
+# What every rule shares: the configuration, the code a command depends on, the call of a command.
+
+import os
+import sys
+from pathlib import Path
+from shlex import quote
+
+LIBRARY = Path(workflow.current_basedir).parent.resolve()
+sys.path.insert(0, str(LIBRARY))
+
+from squeezefilm import imports, locks
+from squeezefilm.config import load_config
+from squeezefilm.errors import InputError
+from squeezefilm.study import check_study
+
+
+def refuse(message):
+    """End with a message for the reader: no traceback, and before anything runs."""
+    print(f"squeezefilm: error: {message}", file=sys.stderr)
+    sys.exit(2)
+
+
+def relative(path):
+    """The path from the working directory: the same in every copy of the checkout."""
+    path = Path(path).resolve()
+    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
+
+
+def config_path():
+    """The one configuration file: the paper's, unless --configfile names another.
+
+    Several files would be merged key by key, and a key left out would silently be the paper's.
+    """
+    given = workflow.overwrite_configfiles
+    if workflow.config_settings.config:
+        refuse(
+            "--config sets single keys past the file's checks; write a file and give --configfile"
+        )
+    if len(given) > 1:
+        refuse("give one --configfile: several would be merged into a study that nobody wrote down")
+    return relative(given[0] if given else LIBRARY.parent / "config" / "paper.yaml")
+
+
+def load():
+    try:
+        return check_study(load_config(config_path()))
+    except InputError as error:
+        refuse(error)
+
+
+CONFIG_FILE = config_path()
+CONFIG = load()
+STUDY = CONFIG["study"]
+
+
+pathvars:
+    results=f"results/{STUDY}",
+    logs=f"logs/{STUDY}",
+    benchmarks=f"benchmarks/{STUDY}",
+
+
+def code(command, *modules):
+    """The files of the library that decide what a command does, to name as a rule's input."""
+    return [relative(path) for path in imports.code_of(command, *modules)]
+
+
+def settings(module, key=None):
+    """The sections of the configuration that a module reads, to name as a rule's params."""
+    return {name: CONFIG[name] for name in imports.sections_of(module, key)}
+
+
+def chunk_files(plan, suffix):
+    """The files of the chunks in which a plan is simulated; their number is known from the start."""
+    chunks = CONFIG["simulation"]["chunks"].get(plan, 1)
+    return [
+        f"<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}{suffix}"
+        for chunk in range(1, chunks + 1)
+    ]
+
+
+# Put before every command of every rule: the library is found installed or not, and the python is
+# that of the environment that runs snakemake, unless a conda environment is activated after it.
+shell.prefix(
+    "set -euo pipefail; "
+    f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
+    f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
+)
+
+
+PLANS = [
+    "screen",
+    "error_map",
+    "two_factor_design",
+    "extrapolation",
+    "four_factor",
+    "four_factor_control",
+    "four_factor_design",
+    "four_factor_design_distinct",
+]
+FITS = [
+    "screen",
+    "two_factor_design",
+    "four_factor",
+    "four_factor_design",
+    "four_factor_design_distinct",
+]
+
+
+wildcard_constraints:
+    plan="|".join(PLANS),
+    fit="|".join(FITS),
+    chunk="[0-9]+",
+    chunks="[0-9]+",
+
+
+onstart:
+    locks.record_owner(Path.cwd())

@@ -1,0 +1,36 @@
+# From forces to the parameters of an empirical model. A fit bears the name of its plan.
+
+MODEL_OF_FIT = {
+    "screen": "two-factor",
+    "two_factor_design": "two-factor",
+    "four_factor": "four-factor",
+    "four_factor_design": "four-factor",
+    "four_factor_design_distinct": "four-factor",
+}
+
+
+rule fit:
+    input:
+        code=code("fit"),
+        config=ancient(CONFIG_FILE),
+        forces="<results>/simulations/{fit}/forces.csv",
+    output:
+        fit="<results>/fits/{fit}.json",
+        runs="<results>/fits/{fit}_runs.csv",
+    log:
+        "<logs>/fit/{fit}.log",
+    localrule: True
+    conda:
+        "../../envs/fit.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    params:
+        settings=settings("commands.fit"),
+        model=lambda wildcards: MODEL_OF_FIT[wildcards.fit],
+    message:
+        "Fit the {params.model} model to {wildcards.fit}"
+    shell:
+        "python -m squeezefilm fit {input.forces} --model {params.model} "
+        "--config {input.config} --output {output.fit} --runs {output.runs} >{log} 2>&1"

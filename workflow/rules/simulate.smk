@@ -1,0 +1,137 @@
+# From a plan to its forces: plan → chunks → forces.
+
+DESIGN_OF_PLAN = {
+    "two_factor_design": "<results>/designs/two_factor.csv",
+    "four_factor": "<results>/designs/two_factor.csv",
+    "four_factor_design": "<results>/designs/four_factor.csv",
+    "four_factor_design_distinct": "<results>/designs/four_factor_distinct.csv",
+}
+
+
+rule plan:
+    input:
+        code=code("plan"),
+        config=ancient(CONFIG_FILE),
+        design=lambda wildcards: DESIGN_OF_PLAN.get(wildcards.plan, []),
+    output:
+        "<results>/simulations/{plan}/scenes.csv",
+    log:
+        "<logs>/plan/{plan}.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    params:
+        settings=lambda wildcards: settings("commands.plan", wildcards.plan),
+        design=lambda wildcards, input: f"--design {input.design}" if input.design else "",
+    message:
+        "Points to simulate: {wildcards.plan}"
+    shell:
+        "python -m squeezefilm plan {wildcards.plan} --config {input.config} {params.design} "
+        "--output {output} >{log} 2>&1"
+
+
+rule plan_extrapolation:
+    input:
+        code=code("extrapolate"),
+        config=ancient(CONFIG_FILE),
+        fits=["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
+    output:
+        "<results>/simulations/extrapolation/scenes.csv",
+    log:
+        "<logs>/plan/extrapolation.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    params:
+        settings=settings("commands.extrapolate"),
+    message:
+        "Points to simulate: where the fitted models expect the wanted force"
+    shell:
+        "python -m squeezefilm extrapolate {input.fits} --config {input.config} "
+        "--output {output} >{log} 2>&1"
+
+
+# Compiled kernels go to the caches, so that the chunks, which start side by side, find them there.
+rule compile_kernels:
+    input:
+        code=code("warm"),
+        config=ancient(CONFIG_FILE),
+    output:
+        "<results>/simulations/device.json",
+    log:
+        "<logs>/compile_kernels.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    params:
+        settings=settings("commands.warm"),
+    message:
+        "Compile the kernels"
+    shell:
+        "python -m squeezefilm warm --config {input.config} --output {output} >{log} 2>&1"
+
+
+rule simulate:
+    input:
+        code=code("simulate"),
+        config=ancient(CONFIG_FILE),
+        scenes="<results>/simulations/{plan}/scenes.csv",
+        kernels=ancient("<results>/simulations/device.json"),
+    output:
+        forces="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.csv",
+        timings="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.timings.csv",
+    log:
+        "<logs>/simulate/{plan}/{chunk}-of-{chunks}.log",
+    benchmark:
+        "<benchmarks>/simulate/{plan}/{chunk}-of-{chunks}.tsv"
+    conda:
+        "../../envs/simulate.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        settings=settings("commands.simulate"),
+    message:
+        "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
+    shell:
+        "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm simulate {input.scenes} "
+        "--config {input.config} --chunk {wildcards.chunk}/{wildcards.chunks} --keep-going "
+        "--output {output.forces} --timings {output.timings} >{log} 2>&1"
+
+
+rule gather:
+    input:
+        code=code("gather"),
+        scenes="<results>/simulations/{plan}/scenes.csv",
+        forces=lambda wildcards: chunk_files(wildcards.plan, ".csv"),
+        timings=lambda wildcards: chunk_files(wildcards.plan, ".timings.csv"),
+    output:
+        forces="<results>/simulations/{plan}/forces.csv",
+        timings="<results>/simulations/{plan}/timings.csv",
+    log:
+        "<logs>/gather/{plan}.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    message:
+        "Forces of {wildcards.plan}: every point solved?"
+    shell:
+        "python -m squeezefilm gather {input.scenes} {input.forces} --timings {input.timings} "
+        "--output {output.forces} --timings-output {output.timings} >{log} 2>&1"

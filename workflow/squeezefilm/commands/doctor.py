@@ -1,0 +1,115 @@
+"""Check this installation: OpenCL device, caches, lock of the workflow, versions.
+
+Ends with status 1 when there is no OpenCL device that computes in double precision.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import os
+import platform
+import sys
+from pathlib import Path
+
+from squeezefilm import __version__, locks
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.reynolds.device import DEVICE_VARIABLE, describe, device_name, list_devices
+
+SECTIONS: tuple[str, ...] = ()
+PACKAGES = (
+    "snakemake",
+    "numpy",
+    "scipy",
+    "pandas",
+    "matplotlib",
+    "pymoo",
+    "pyopencl",
+    "pocl-binary-distribution",
+    "scikit-fem",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--device", default="auto", help="part of the wanted device's name")
+    parser.add_argument(
+        "--folder", type=Path, default=Path("."), help="where snakemake runs; here if left out"
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    _section("versions", versions())
+    _section("caches", caches())
+    _section("workflow", {"lock": lock_state(options.folder)})
+    try:
+        _section("devices", {device_name(device): _kind(device) for device in list_devices()})
+        _section("chosen device", describe(options.device))
+    except ImportError as error:
+        raise RunError(
+            f'pyopencl cannot be imported ({error}); install it: pip install "pyopencl[pocl]"'
+        ) from None
+    except InputError as error:
+        raise RunError(
+            f"{error}. A device is chosen by solver.device of the configuration or by the "
+            f"environment variable {DEVICE_VARIABLE}"
+        ) from None
+    print("\nall well: simulations can run")
+
+
+def versions() -> dict[str, str]:
+    """Versions of the system and of the packages that results depend on."""
+    found = {
+        "squeezefilm": __version__,
+        "python": f"{platform.python_version()} ({sys.executable})",
+        "system": platform.platform(),
+    }
+    for name in PACKAGES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def caches() -> dict[str, str]:
+    """Where compiled kernels are kept, and whether that can be written."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folders = {
+        "PoCL (POCL_CACHE_DIR)": Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache"),
+        "pyopencl (XDG_CACHE_HOME)": home / "pyopencl",
+        "pytools (XDG_CACHE_HOME)": home / "pytools",
+    }
+    return {name: f"{folder}: {_folder_state(folder)}" for name, folder in folders.items()}
+
+
+def lock_state(folder: Path) -> str:
+    """Whether the workflow of a folder is locked, and by whom."""
+    if not locks.is_locked(folder):
+        return "free"
+    owner = locks.read_owner(folder)
+    if owner is None:
+        return "locked by an unknown run"
+    state = {True: "still runs", False: "is dead: make resume", None: "cannot be asked from here"}
+    return f"locked by process {owner.process} on {owner.host}, which {state[owner.lives()]}"
+
+
+def _folder_state(folder: Path) -> str:
+    if not folder.exists():
+        return "not made yet"
+    if not (folder.is_dir() and os.access(folder, os.W_OK)):
+        return "NOT WRITABLE: kernels are compiled again in every job"
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    return f"{size / 2**20:.1f} MiB"
+
+
+def _kind(device: object) -> str:
+    precise = (
+        "double precision" if getattr(device, "double_fp_config", 0) else "single precision only"
+    )
+    return f"{getattr(device, 'version', '').strip()}, {precise}"
+
+
+def _section(title: str, values: dict[str, object] | dict[str, str]) -> None:
+    print(f"\n{title}")
+    for name, value in values.items() or {"none": ""}.items():
+        print(f"  {name}: {value}")

@@ -1,0 +1,88 @@
+"""Write a plan: the scenes to simulate, as a table that `squeezefilm simulate` reads.
+
+  squeezefilm plan screen --config config/paper.yaml --output scenes.csv
+  squeezefilm plan four_factor --config config/paper.yaml --design DESIGN.csv --output scenes.csv
+
+Plans from the configuration alone: screen, error_map, four_factor_control. Plans from a design:
+four_factor (each of its points at each finger position), and two_factor_design,
+four_factor_design, four_factor_design_distinct (its points as they are).
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.config import Config, load_config
+from squeezefilm.errors import InputError
+from squeezefilm.plans import (
+    centred_grid,
+    finger_positions,
+    four_factor_plan,
+    level_values,
+    random_plan,
+)
+from squeezefilm.tables import SCENE_COLUMNS, read_design, write_table
+
+SECTIONS = {
+    "screen": ("screen",),
+    "error_map": ("error_map",),
+    "four_factor_control": ("four_factor_control", "screen", "positions"),
+    "four_factor": ("positions",),
+    "two_factor_design": (),
+    "four_factor_design": (),
+    "four_factor_design_distinct": (),
+}
+OF_A_DESIGN = (
+    "four_factor",
+    "two_factor_design",
+    "four_factor_design",
+    "four_factor_design_distinct",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("kind", choices=SECTIONS, metavar="KIND", help=", ".join(SECTIONS))
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--design", metavar="DESIGN.csv", help="the design a plan is made from")
+    parser.add_argument("--output", required=True, metavar="SCENES.csv", help="table to write")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS[options.kind])
+    if (options.design is not None) != (options.kind in OF_A_DESIGN):
+        takes = "needs a --design" if options.kind in OF_A_DESIGN else "takes no --design"
+        raise InputError(f"the plan {options.kind} {takes}")
+    design = None if options.design is None else read_design(options.design)
+    write_table(make_plan(options.kind, config, design=design), options.output)
+
+
+def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.DataFrame:
+    """The scenes of one kind of plan."""
+    if kind in ("screen", "error_map"):
+        levels = config[kind]
+        return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
+    if kind == "four_factor_control":
+        return _control_points(config)
+    assert design is not None
+    if kind == "four_factor":
+        return four_factor_plan(
+            positions=finger_positions(**config["positions"]),
+            h0_m=design["h0_m"].to_numpy(),
+            hv_m=design["hv_m"].to_numpy(),
+        )
+    return design[list(SCENE_COLUMNS)]
+
+
+def _control_points(config: Config) -> pd.DataFrame:
+    screen, positions = config["screen"], config["positions"]
+    return random_plan(
+        points=config["four_factor_control"]["points"],
+        seed=config["four_factor_control"]["seed"],
+        h0_m=(screen["h0_m"]["start"], screen["h0_m"]["stop"]),
+        hv_m=(screen["hv_m"]["start"], screen["hv_m"]["stop"]),
+        phi_r_m=(0.0, float(np.max(positions["phi_r_m"]))),
+        phi_deg=(float(np.min(positions["phi_deg"])), float(np.max(positions["phi_deg"]))),
+    )
