@@ -55,6 +55,8 @@ def periodic_state(
         epsilon=np.array([scene.epsilon]),
         sigma=np.array([scene.sigma]),
         bearing=np.array([scene.bearing_number]),
+        inverse_exponent=np.array([1.0]),
+        flow=np.array([[1.0]]),
         aspect=scene.aspect,
         amplitude=scene.amplitude(x, y)[None],
         tolerance=tolerance,

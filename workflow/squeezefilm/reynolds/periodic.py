@@ -51,6 +51,9 @@ class Problems:
 
     Attributes:
         epsilon, sigma, bearing: excursion ratio, squeeze number, bearing number.
+        inverse_exponent: 1/n of the gas law ρ = P^(1/n), 1 for an isothermal film.
+        flow: coefficients c_k of the flow's terms H^(3−k) ρ^(1−k) ∇P, shape (scenes, terms); 1 for
+            the viscous flow alone.
         aspect: finger's length along y over that along x, one for the batch.
         amplitude: profile s on all nodes of the grid's axes, ends and mirror images included,
             shape (scenes, full nx + 2, full ny + 2).
@@ -60,6 +63,8 @@ class Problems:
     epsilon: np.ndarray
     sigma: np.ndarray
     bearing: np.ndarray
+    inverse_exponent: np.ndarray
+    flow: np.ndarray
     aspect: float
     amplitude: np.ndarray
     tolerance: float
@@ -75,6 +80,7 @@ class States:
         residual: preconditioned residual, an estimate of the mass error left by the iteration.
         largest: largest |p|.
         lowest: smallest pressure P.
+        thinnest: smallest product P H, by which the local Knudsen number grows.
         status: index into STATUS.
         newton_steps, krylov_iterations: work done.
     """
@@ -84,6 +90,7 @@ class States:
     residual: np.ndarray
     largest: np.ndarray
     lowest: np.ndarray
+    thinnest: np.ndarray
     status: np.ndarray
     newton_steps: np.ndarray
     krylov_iterations: np.ndarray
@@ -101,23 +108,27 @@ def solve_batch(
     import pyopencl as cl
 
     scenes = len(problems.epsilon)
+    terms = problems.flow.shape[1]
     moving = bool(np.any(problems.bearing))
-    program = build(
-        device,
-        sources=SOURCES,
-        defines=("BEARING", "PROFILE_FIELDS=4") if moving else ("PROFILE_FIELDS=3",),
-    )
+    program = build(device, sources=SOURCES, defines=_defines(problems))
     count = grid.nx * grid.ny * grid.nt
     most_krylov = int(np.clip(LARGEST_WORKSPACE_BYTES // (8 * count) - 8, 20, 80))
-    workspace_size = count * (6 + most_krylov + 1) + (most_krylov + 4) * (most_krylov + 1)
+    workspace_size = count * (3 * terms + 4 + most_krylov) + (most_krylov + 4) * (most_krylov + 1)
     workspace_size = -(-workspace_size // 8) * 8
     groups = min(device.groups, scenes)
 
     numbers = np.column_stack(
-        [problems.epsilon, problems.sigma, problems.bearing, np.full(scenes, problems.tolerance)]
+        [
+            problems.epsilon,
+            problems.sigma,
+            problems.bearing,
+            np.full(scenes, problems.tolerance),
+            problems.inverse_exponent,
+            problems.flow,
+        ]
     )
     state = np.zeros((scenes, *grid.shape)) if guess is None else np.ascontiguousarray(guess)
-    results = np.empty((scenes, 4))
+    results = np.empty((scenes, 5))
     counts = np.empty((scenes, 3), dtype=np.int32)
 
     flags = cl.mem_flags
@@ -142,6 +153,7 @@ def solve_batch(
         sent(_matrices(grid, aspect=problems.aspect, bearing=moving)),
         sent(numbers),
         sent(_profile_fields(problems, grid, slope=moving)),
+        sent(_schur_forms(problems, grid) if moving else np.zeros(1)),
         state_buffer,
         results_buffer,
         counts_buffer,
@@ -159,19 +171,52 @@ def solve_batch(
         residual=results[:, 1],
         largest=results[:, 2],
         lowest=results[:, 3],
+        thinnest=results[:, 4],
         status=counts[:, 0],
         newton_steps=counts[:, 1],
         krylov_iterations=counts[:, 2],
     )
 
 
-def warm(device: Device, *, moving: bool = False) -> None:
+def _defines(problems: Problems) -> tuple[str, ...]:
+    """The terms that the batch needs; the others are not compiled."""
+    defines = [f"FLOW_TERMS={problems.flow.shape[1]}", "PROFILE_FIELDS=3"]
+    if np.any(problems.bearing):
+        defines[1:] = ["PROFILE_FIELDS=4", "BEARING"]
+    if np.any(problems.inverse_exponent != 1):
+        defines.append("POLYTROPIC")
+    return tuple(defines)
+
+
+def _schur_forms(problems: Problems, grid: Grid) -> np.ndarray:
+    """Real Schur form of d²/dX² − (Λ/D) d/dX per scene: vectors, inverse, triangle (3, nx, nx).
+
+    An orthogonal basis stays well conditioned where the eigenvectors of a convection-dominated
+    operator do not. D, the mean diffusivity, is that of the film at ambient pressure. The vectors
+    are scaled so that coefficients measure like nodal values.
+    """
+    from scipy.linalg import schur
+
+    forms = np.empty((len(problems.epsilon), 3, grid.nx, grid.nx))
+    scale = np.sqrt(grid.nx)
+    for form, bearing, flow in zip(forms, problems.bearing, problems.flow, strict=True):
+        operator = grid.x.second_derivative - bearing / flow.sum() * grid.x.first_derivative
+        triangle, vectors = schur(operator, output="real")
+        form[:] = vectors * scale, vectors.T / scale, triangle
+    return forms
+
+
+def warm(
+    device: Device, *, bearing: bool = False, flow_terms: int = 1, polytropic: bool = False
+) -> None:
     """Build and load the kernels, so that the first batch pays for its own solving alone."""
     grid = Grid(nx=4, ny=4, nt=8, fold_x=False, fold_y=False)
     problems = Problems(
         epsilon=np.zeros(1),
         sigma=np.ones(1),
-        bearing=np.full(1, float(moving)),
+        bearing=np.full(1, float(bearing)),
+        inverse_exponent=np.full(1, 0.8 if polytropic else 1.0),
+        flow=np.ones((1, flow_terms)),
         aspect=1.0,
         amplitude=np.ones((1, 6, 6)),
         tolerance=1.0,

@@ -152,6 +152,8 @@ def _solve_group(group: list[_Progress], *, tolerance: float, device: Device) ->
             epsilon=np.array([scene.epsilon for scene in scenes]),
             sigma=np.array([scene.sigma for scene in scenes]),
             bearing=np.array([scene.bearing_number for scene in scenes]),
+            inverse_exponent=np.array([1.0 for scene in scenes]),
+            flow=np.array([[1.0] for scene in scenes]),
             aspect=scenes[0].aspect,
             amplitude=_amplitudes(scenes, grid),
             tolerance=ITERATION_SHARE * tolerance,
