@@ -1,4 +1,4 @@
-# What every rule shares: the configuration, the code a command depends on, the call of a command.
+# What all stages share: the configuration, the code a command depends on, the call of a command.
 
 import os
 import sys

@@ -49,20 +49,21 @@ def check_study(config: Config) -> Config:
     """
     screen, extrapolation = config["screen"], config["extrapolation"]
     gap, amplitude = screen["h0_m"]["start"], screen["hv_m"]["stop"]
-    radii, angles = config["positions"]["phi_r_m"], config["positions"]["phi_deg"]
-    points = {
-        "screen": ScenePoint("centre", gap, amplitude, 0.0, 0.0),
-        "extrapolation": ScenePoint(
-            "centre", extrapolation["h0_m"], extrapolation["hv_m"], 0.0, 0.0
+    centre = {"phi_r_m": 0.0, "phi_deg": 0.0}
+    points = [
+        ("screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude, **centre)),
+        (
+            "extrapolation",
+            ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"], **centre),
         ),
-    }
-    for radius in radii:
-        for angle in angles:
-            name = f"positions (phi_r_m {radius:g}, phi_deg {angle:g})"
-            points[name] = ScenePoint("", gap, amplitude, radius, angle)
-    for name, point in points.items():
+    ]
+    for radius in config["positions"]["phi_r_m"]:
+        for angle in config["positions"]["phi_deg"]:
+            name = f"({radius:g} m, {angle:g}°)"
+            points.append(("positions", ScenePoint(name, gap, amplitude, radius, angle)))
+    for section, point in points:
         try:
             scene_of(point, config)
         except InputError as error:
-            raise InputError(f"{config.path}: {name}: {error}") from None
+            raise InputError(f"{config.path}: {section}: {error}") from None
     return config

@@ -1,0 +1,195 @@
+"""A study is read as it is written, or refused with a message that names what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from squeezefilm.config import SCHEMA_PATH, Config, load_config
+from squeezefilm.errors import InputError
+from squeezefilm.study import check_study
+
+Write = Callable[[str], Path]
+
+
+@pytest.fixture(scope="module")
+def paper(repository: Path) -> str:
+    return (repository / "config" / "paper.yaml").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Write:
+    def write(text: str) -> Path:
+        path = tmp_path / "study.yaml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def load(path: Path) -> Config:
+    """What the rules do before anything runs."""
+    return check_study(load_config(path))
+
+
+@pytest.mark.parametrize("name", ["paper", "quick"])
+def test_the_studies_that_come_with_the_workflow_are_valid(repository: Path, name: str) -> None:
+    config = load(repository / "config" / f"{name}.yaml")
+    assert config["study"] == name
+    assert config["gas"]["viscosity_pa_s"] == 1.81e-5
+
+
+def test_a_command_sees_no_section_but_its_own(repository: Path) -> None:
+    config = load_config(repository / "config" / "paper.yaml").only(("gas",))
+    assert dict(config) == {"gas": config["gas"]}
+    with pytest.raises(KeyError):
+        config["finger"]
+
+
+def replaced(old: str, new: str) -> Callable[[str], str]:
+    def edit(text: str) -> str:
+        assert old in text
+        return text.replace(old, new, 1)
+
+    return edit
+
+
+def added(line: str) -> Callable[[str], str]:
+    return lambda text: f"{line}\n{text}"
+
+
+TOLERANCE = "tolerance: 1e-6"
+WRONG = {
+    "misspelled key": (replaced("viscosity_pa_s", "viscosity_pas"), "did you mean 'viscosity_pa_s'"),
+    "unknown section": (added("slip: 1"), "top level: unknown key 'slip'"),
+    "missing key": (replaced("  density_kg_per_m3: 1.204\n", ""), "missing 'density_kg_per_m3'"),
+    "missing section": (replaced("study: paper\n", ""), "missing 'study'"),
+    "text for a number": (replaced("43270", "fast"), "actuator.frequency_hz: 'fast'"),
+    "a number with its unit": (replaced("0.010", "10 mm"), "surface_radius_m: '10 mm'"),
+    "not a number": (replaced(TOLERANCE, "tolerance: .nan"), "solver.tolerance: nan"),
+    "infinite": (replaced("101325", ".inf"), "ambient_pressure_pa: inf"),
+    "beyond a float": (replaced("101325", "1e999"), "ambient_pressure_pa: inf"),
+    "an integer beyond a float": (replaced("101325", "9" * 400), "too many digits"),
+    "an integer beyond all reading": (replaced("101325", "9" * 5000), "study.yaml"),
+    "true for a number": (replaced("43270", "true"), "actuator.frequency_hz: True"),
+    "true for a count": (replaced("searches: 20", "searches: true"), "design.searches: True"),
+    "octal": (replaced("43270", "010"), "'010' is not of type 'number'"),
+    "hexadecimal": (replaced("43270", "0x10"), "'0x10' is not of type 'number'"),
+    "sexagesimal": (replaced("43270", "12:30"), "'12:30' is not of type 'number'"),
+    "underscore": (replaced("43270", "43_270"), "'43_270' is not of type 'number'"),
+    "a date": (replaced("43270", "2020-13-45"), "'2020-13-45' is not of type 'number'"),
+    "negative": (replaced("43270", "-43270"), "frequency_hz: -43270 is less than the minimum"),
+    "zero": (replaced("1.81e-5", "0"), "viscosity_pa_s: 0 is less than the minimum"),
+    "a gap without gas": (replaced("{start: 5e-6", "{start: 5e-200"), "screen.h0_m.start"),
+    "an empty value": (replaced("frequency_hz: 43270", "frequency_hz:"), "frequency_hz: None"),
+    "a list for a section": (replaced("  tolerance: 1e-6\n  device: auto", "  [1, 2]"), "solver:"),
+    "key twice": (added("study: other"), "the key 'study' stands twice"),
+    "inner key twice": (replaced(TOLERANCE, f"{TOLERANCE}\n  {TOLERANCE}"), "'tolerance' stands twice"),
+    "a key that is a number": (added("1: 2"), "the key 1 is not text"),
+    "a key that is a list": (added("? [1, 2]\n: 3"), "the key [1, 2] is not text"),
+    "a key that is a mapping": (added("? {a: 1}\n: 3"), "is not text"),
+    "a merge key": (added("<<: {study: other}"), "merge keys are not allowed"),
+    "an alias": (added("a: &x [1]\nb: *x"), "aliases are not allowed"),
+    "a list that holds itself": (added("a: &x [*x]"), "aliases are not allowed"),
+    "a tag": (added("a: !!python/object:os.system {}"), "not valid YAML"),
+    "a broken bracket": (added("a: ["), "not valid YAML"),
+    "nesting without end": (added("a: " + "[" * 5000), "study.yaml"),
+    "two documents": (added("a: 1\n---"), "not valid YAML"),
+    "contact on the screen": (replaced("stop: 2e-6", "stop: 5e-6"), "surface and finger touch"),
+    "contact beyond it": (replaced("hv_m: 2.2e-6", "hv_m: 5e-6"), "extrapolation: hv_m must stay"),
+    "start above stop": (replaced("start: 0.2e-6", "start: 3e-6"), "start must be below stop"),
+    "one level": (replaced("levels: 6}", "levels: 1}"), "1 is less than the minimum of 2"),
+    "a position twice": (replaced("[0, 15, 30, 45]", "[0, 15, 15]"), "a value stands twice"),
+    "finger off the actuator": (replaced("0.0029]", "0.0031]"), "off the actuator's 10.00 mm disc"),
+    "finger larger than it": (replaced("length_x_m: 0.010", "length_x_m: 0.020"), "screen: point"),
+    "an angle beyond symmetry": (replaced("30, 45]", "30, 60]"), "60 is greater than the maximum"),
+    "more chunks than points": (replaced("screen: 2", "screen: 61"), "61 chunks for 60 points"),
+    "no chunk": (replaced("screen: 2", "screen: 0"), "chunks.screen: 0 is less than"),
+    "half a chunk": (replaced("screen: 2", "screen: 1.5"), "1.5 is not of type 'integer'"),
+    "an unknown profile": (replaced("kind: sinc", "kind: bessel"), "'bessel' is not one of"),
+    "a piston with a wave number": (replaced("kind: sinc", "kind: piston"), "wave_number_per_m"),
+    "an unknown scaling": (replaced("scaling: unit", "scaling: inch"), "'inch' is not one of"),
+    "a study that is a path": (replaced("study: paper", "study: ../paper"), "study: '../paper'"),
+    "a million seeds": (replaced("two_factor: 20", "two_factor: 1000000"), "greater than the maximum"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_study_is_refused(case: str, paper: str, study: Write) -> None:
+    edit, message = WRONG[case]
+    with pytest.raises(InputError) as refusal:
+        load(study(edit(paper)))
+    assert message in str(refusal.value)
+    assert "study.yaml" in str(refusal.value)
+
+
+@pytest.mark.parametrize("text", ["", "paper", "- a\n- b", "3"])
+def test_a_study_is_a_mapping(text: str, study: Write) -> None:
+    with pytest.raises(InputError, match="mapping of keys to values"):
+        load(study(text))
+
+
+def test_all_errors_are_told_at_once(paper: str, study: Write) -> None:
+    text = replaced("43270", "fast")(replaced(TOLERANCE, "tolerance: 7")(paper))
+    with pytest.raises(InputError) as refusal:
+        load(study(text))
+    assert "frequency_hz" in str(refusal.value)
+    assert "solver.tolerance" in str(refusal.value)
+
+
+def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such configuration file"):
+        load(tmp_path / "none.yaml")
+    with pytest.raises(InputError, match="cannot be read"):
+        load(tmp_path)
+    (tmp_path / "latin.yaml").write_bytes("study: für".encode("latin-1"))
+    with pytest.raises(InputError, match="cannot be read"):
+        load(tmp_path / "latin.yaml")
+
+
+def test_line_ends_and_byte_order_mark_do_not_matter(paper: str, tmp_path: Path) -> None:
+    path = tmp_path / "study.yaml"
+    path.write_bytes(b"\xef\xbb\xbf" + paper.replace("\n", "\r\n").encode())
+    plain = tmp_path / "plain.yaml"
+    plain.write_text(paper, encoding="utf-8")
+    assert dict(load(path)) == dict(load(plain))
+
+
+@pytest.mark.parametrize(("text", "value"), [("1e-6", 1e-6), ("1.E-6", 1e-6), (".5e-6", 5e-7)])
+def test_a_number_may_be_written_with_an_exponent(
+    text: str, value: float, paper: str, study: Write
+) -> None:
+    config = load(study(replaced(TOLERANCE, f"tolerance: {text}")(paper)))
+    assert config["solver"]["tolerance"] == value
+
+
+def test_every_mapping_of_the_schema_rejects_unknown_keys() -> None:
+    schema = yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8"))
+    assert "$schema" in schema
+
+    def check(part: Any, place: str) -> None:
+        if isinstance(part, dict):
+            # A section with an `if` has its keys listed in `then` and `else`.
+            if "properties" in part and "if" not in part and not place.endswith(".if"):
+                assert part["additionalProperties"] is False, place
+                assert set(part.get("required", [])) | {"kind"} >= set(part["properties"]), place
+            for key, value in part.items():
+                check(value, f"{place}.{key}")
+
+    check(schema, "schema")
+
+
+def test_every_key_is_explained(repository: Path, paper: str) -> None:
+    explained = (repository / "config" / "README.md").read_text(encoding="utf-8")
+
+    def check(values: dict[str, Any]) -> None:
+        for key, value in values.items():
+            assert f"`{key}`" in explained, f"config/README.md does not explain {key}"
+            if isinstance(value, dict):
+                check(value)
+
+    check(dict(load_config(repository / "config" / "paper.yaml")))
