@@ -66,7 +66,9 @@ def table_2(inputs: Inputs) -> PaperTable:
     return PaperTable(
         title="Table II. Space of the experiment with four factors",
         data=data,
-        shown=data,
+        shown=data.assign(
+            **{name: data[name].map("{:g}".format) for name in ("minimum", "maximum")}
+        ),
         note=(
             f"{len(plan)} simulations at {positions} positions of the finger's centre; the finger "
             "stays on the actuator at each of them."
@@ -153,11 +155,16 @@ def _side_by_side(data: pd.DataFrame) -> pd.DataFrame:
     columns = {
         f"{fit} ({rows['points'].iloc[0]} points)": rows.set_index("quantity")["value"]
         .reindex(quantities["quantity"])
-        .map("{:.5g}".format)
+        .map(_five_digits)
         .to_numpy()
         for fit, rows in data.groupby("fit", sort=False)
     }
     return pd.DataFrame({"quantity": quantities["quantity"], "unit": quantities["unit"], **columns})
+
+
+def _five_digits(value: float) -> str:
+    """Five digits; what is zero but for rounding, beside parameters of order 1 to 100, reads 0."""
+    return "0" if abs(value) < 1e-12 else f"{value:.5g}".replace("-", "−")
 
 
 def _range(column: pd.Series, *, scale: float) -> tuple[float, float]:

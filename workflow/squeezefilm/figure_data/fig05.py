@@ -36,7 +36,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     )
     surface = disc.profile_table(config, radii=41, angles=61)
     note = (
-        f"{disc.profile_note(config)} Within {limit_mm:.2f} mm the "
-        f"{2 * x_mm:g} mm × {2 * y_mm:g} mm finger stays on the disc at every angle."
+        f"{disc.profile_note(config)} The finger, {2 * x_mm:g} mm × {2 * y_mm:g} mm, stays on the "
+        f"disc at every angle while its centre is within {limit_mm:.2f} mm."
     )
     return pd.concat([surface, circle, outline], ignore_index=True).assign(note=note)

@@ -7,6 +7,7 @@ import pandas as pd
 from squeezefilm.config import Config
 from squeezefilm.figure_data import searches
 from squeezefilm.figure_data.common import Inputs, add_limits, micrometres
+from squeezefilm.notes import one_digit
 from squeezefilm.tables import read_scenes
 
 INPUTS = searches.INPUTS
@@ -27,13 +28,12 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
             "objective": points["objective"],
         }
     ).sort_values("scaling", key=lambda names: names != own, kind="stable")
+    least = scalings[own][0]["objective"]
     behind = [
-        f"{pattern['pattern']} {pattern['objective_excess'] / scalings[own][0]['objective']:.1g}"
+        f"{pattern['pattern']} {one_digit(pattern['objective_excess'] / least)}"
         for pattern in scalings[own][1:]
     ]
-    excess = f" Objective above pattern A's, in proportion: {', '.join(behind)} in (a)." * bool(
-        behind
-    )
+    excess = f" O above that of A, in proportion: {', '.join(behind)} in (a)." if behind else ""
     note = (
         f"{number} searches on criterion (12) in each unit of the distances between points, which "
         f"the paper does not state; (a) is used further on.{excess} Letters are given anew in each "

@@ -14,7 +14,7 @@ AUGMENTATION = "augmentation"
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
-    """Layers screen and design; ``label`` names the patterns of a point, or + where it was added."""
+    """Layers screen and design; ``label`` names the patterns of a point, + if it was added."""
     screen, design = read_scenes(inputs["plan"]), read_design(inputs["design"])
     labels = design["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
     data = pd.concat(
@@ -25,11 +25,10 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         ignore_index=True,
     )
     added = int((design["origin"] == AUGMENTATION).sum())
-    plus = (
-        f"; + was added by best augmentation, for the patterns have {len(design) - added} distinct"
-    )
-    note = (
-        f"{len(design)} points instead of {len(screen)}. Letters: the pattern that a point is of"
-        f"{f'{plus} points' if added else ''}."
-    )
-    return add_limits(data, screen).assign(note=note)
+    note = f"{len(design)} points instead of {len(screen)}. Letters: a point's patterns"
+    if added:
+        note += (
+            f"; +: added by best augmentation, for the patterns have {len(design) - added} "
+            "distinct points"
+        )
+    return add_limits(data, screen).assign(note=f"{note}.")

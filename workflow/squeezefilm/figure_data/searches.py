@@ -10,6 +10,7 @@ import pandas as pd
 
 from squeezefilm.errors import InputError
 from squeezefilm.figure_data.common import Inputs, add_limits, micrometres
+from squeezefilm.notes import one_digit
 from squeezefilm.sources import read_columns
 from squeezefilm.tables import read_json, read_scenes
 
@@ -63,10 +64,11 @@ def pattern_table(inputs: Inputs, *, order: int) -> pd.DataFrame:
     data = pd.DataFrame(rows, columns=columns)
     data["h0_um"], data["hv_um"] = micrometres(data["h0_um"]), micrometres(data["hv_um"])
     behind = pattern["objective_excess"] / patterns[0]["objective"]
-    rank = "the least found" if order == 0 else f"{behind:.1g} above pattern A, in proportion"
+    rank = "the least" if order == 0 else f"{one_digit(behind)} above that of A, in proportion"
     note = (
-        f"Pattern {pattern['pattern']}: {pattern['count']} of {searches} searches on criterion (12); "
-        f"O = {pattern['objective']:.7g}, {rank}; D-efficiency {pattern['d_efficiency']:.6f}. "
+        f"Pattern {pattern['pattern']}: {pattern['count']} of {searches} searches on criterion "
+        f"(12); O = {pattern['objective']:.7g}, {rank}; "
+        f"D-efficiency {pattern['d_efficiency']:.6f}. "
         "Dashed: equal hv/h0, along which the model does not change, so that the distances of "
         "(12) alone tell points apart."
     )

@@ -12,9 +12,13 @@ COLUMNS = ("layer", "radius_mm", "angle_deg", "x_mm", "y_mm", "amplitude_ratio",
 
 def draw(data: pd.DataFrame) -> Figure:
     """The profile as a mesh in polar coordinates; layer surface."""
-    figure = style.new_figure(height_in=3.0)
+    figure = style.new_figure(height_in=3.1)
+    bottom = style.add_note(figure, data)
     axes = surface.add_axes(
-        figure, labels=("$x$ (mm)", "$y$ (mm)", "amplitude $h_a/h_v$ (–)"), azimuth_deg=-60
+        figure,
+        labels=("$x$ (mm)", "$y$ (mm)", "amplitude $h_a/h_v$ (–)"),
+        azimuth_deg=-60,
+        bottom=bottom,
     )
     table = style.rows(data, "surface")
     x, y, amplitude = (
@@ -22,5 +26,4 @@ def draw(data: pd.DataFrame) -> Figure:
         for name in ("x_mm", "y_mm", "amplitude_ratio")
     )
     surface.mesh(axes, x, y, amplitude)
-    style.add_note(figure, data)
     return figure

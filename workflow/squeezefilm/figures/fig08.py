@@ -12,12 +12,12 @@ COLUMNS = ("layer", "h0_um", "hv_um", "force_n", "note")
 
 def draw(data: pd.DataFrame) -> Figure:
     """Layers model (a mesh) and simulation (dots)."""
-    figure = style.new_figure(height_in=3.0)
-    axes = surface.add_force_axes(figure)
+    figure = style.new_figure(height_in=3.1)
+    bottom = style.add_note(figure, data)
+    axes = surface.add_force_axes(figure, bottom=bottom)
     surface.force_mesh(axes, style.rows(data, "model"))
     surface.force_points(
         axes, style.rows(data, "simulation"), color=style.VERMILLION, label="simulation"
     )
     surface.add_legend(axes)
-    style.add_note(figure, data)
     return figure

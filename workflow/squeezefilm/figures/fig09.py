@@ -46,7 +46,7 @@ def _draw_searches(axes: Axes, data: pd.DataFrame) -> None:
     for order, (pattern, found) in enumerate(data.groupby("pattern", sort=True)):
         colour, marker = _LOOKS[order % len(_LOOKS)]
         count = found["search"].nunique()
-        label: str | None = f"pattern {pattern}: {count} of {searches} searches"
+        label: str | None = f"{pattern}: {count} of {searches} searches"
         for _, triplet in found.groupby("search"):
             closed = pd.concat([triplet, triplet.iloc[:1]])
             axes.plot(
@@ -63,4 +63,4 @@ def _draw_searches(axes: Axes, data: pd.DataFrame) -> None:
                 zorder=2 + order,
             )
             label = None
-    axes.legend(loc="lower left", handlelength=1.6)
+    axes.legend(loc="lower left", handlelength=1.6, labelspacing=0.3)

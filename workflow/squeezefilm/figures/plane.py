@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
 
 H0_LABEL = r"mean gap $h_0$ (µm)"
 HV_LABEL = r"amplitude $h_v$ (µm)"
@@ -41,4 +42,6 @@ def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> No
             ha="left" if left else "right",
             va="top" if below else "bottom",
             fontsize=7,
+            path_effects=[withStroke(linewidth=2, foreground="white")],
+            zorder=4,
         )

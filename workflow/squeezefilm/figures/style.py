@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import textwrap
 from collections.abc import Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -12,7 +11,9 @@ from typing import Any
 import matplotlib as mpl
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.textpath import text_to_path
 
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
@@ -27,6 +28,7 @@ DIVERGING = "PuOr_r"
 NOTE_SIZE_PT = 6.0
 _NOTE_LINE_IN = NOTE_SIZE_PT * 1.3 / 72
 _MARGIN_IN = 0.03
+_NOTE_INDENT_IN = 0.05
 _INSIDE_A_QUANTITY = re.compile(r"(?<=[≤<×±\d]) (?=[\d%µN×]|mm)")
 
 # DejaVu comes with matplotlib, so figures are the same on every machine; a viewer of the SVG that
@@ -76,14 +78,12 @@ def new_figure(*, width_in: float = SINGLE_COLUMN_IN, height_in: float = 2.7) ->
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
-def add_note(figure: Figure, data: pd.DataFrame) -> None:
-    """Write the table's ``note`` below the figure, in as many lines as it takes."""
+def add_note(figure: Figure, data: pd.DataFrame) -> float:
+    """Write the table's ``note`` below the figure; returns the share of the height it takes."""
     width_in, height_in = figure.get_size_inches()
-    letters = int((width_in - 0.1) * 72 / (NOTE_SIZE_PT * 0.505))
-    note = _INSIDE_A_QUANTITY.sub("\N{NO-BREAK SPACE}", str(data["note"].iloc[0]))
-    lines = textwrap.wrap(note, letters)
+    lines = _wrapped(str(data["note"].iloc[0]), width_pt=72 * (width_in - 2 * _NOTE_INDENT_IN))
     figure.text(
-        0.05 / width_in,
+        _NOTE_INDENT_IN / width_in,
         _MARGIN_IN / height_in,
         "\n".join(lines),
         fontsize=NOTE_SIZE_PT,
@@ -92,10 +92,25 @@ def add_note(figure: Figure, data: pd.DataFrame) -> None:
         ha="left",
         linespacing=1.2,
     )
-    bottom = (2 * _MARGIN_IN + len(lines) * _NOTE_LINE_IN) / height_in
+    taken = float((2 * _MARGIN_IN + len(lines) * _NOTE_LINE_IN) / height_in)
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
-        engine.set(rect=(0, bottom, 1, 1 - bottom))
+        engine.set(rect=(0, taken, 1, 1 - taken))
+    return taken
+
+
+def _wrapped(text: str, *, width_pt: float) -> list[str]:
+    """The text in lines of at most this width, as measured in the note's font."""
+    font = FontProperties(size=NOTE_SIZE_PT)
+    lines = [""]
+    for word in _INSIDE_A_QUANTITY.sub("\N{NO-BREAK SPACE}", text).split(" "):
+        longer = f"{lines[-1]} {word}".strip()
+        width, _, _ = text_to_path.get_text_width_height_descent(longer, font, False)
+        if width <= width_pt:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
 
 
 def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:

@@ -7,16 +7,21 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
+from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
 from squeezefilm.figures import plane, style
 
 
-def add_axes(figure: Figure, *, labels: tuple[str, str, str], azimuth_deg: float) -> Axes3D:
-    """Axes in space that fill the figure; axes in space do not take part in the usual layout."""
+def add_axes(
+    figure: Figure, *, labels: tuple[str, str, str], azimuth_deg: float, bottom: float
+) -> Axes3D:
+    """Axes in space that fill the figure above ``bottom``, a share of its height.
+
+    Axes in space do not take part in the usual layout.
+    """
     figure.set_layout_engine("none")
-    axes = figure.add_axes((0.02, 0.1, 0.94, 0.93), projection="3d")
+    axes = figure.add_axes((0.02, bottom, 0.94, 1.02 - bottom), projection="3d")
     assert isinstance(axes, Axes3D)
     axes.set_box_aspect((1.2, 1.2, 0.85), zoom=1.0)
     axes.view_init(elev=24, azim=azimuth_deg)
@@ -51,10 +56,13 @@ def mesh(
     )
 
 
-def add_force_axes(figure: Figure) -> Axes3D:
+def add_force_axes(figure: Figure, *, bottom: float) -> Axes3D:
     """Axes of force over gap and amplitude, seen so that no part of the surface hides another."""
     return add_axes(
-        figure, labels=(plane.H0_LABEL, plane.HV_LABEL, r"force $\eta$ (N)"), azimuth_deg=-132
+        figure,
+        labels=(plane.H0_LABEL, plane.HV_LABEL, r"force $\eta$ (N)"),
+        azimuth_deg=-132,
+        bottom=bottom,
     )
 
 
