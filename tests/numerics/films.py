@@ -27,6 +27,9 @@ def film(
     y: float = 0.0,
     bearing: float = 0.0,
     aspect: float = 1.0,
+    rarefaction: str = "none",
+    knudsen: float = 0.0134,
+    polytropic_exponent: float = 1.0,
 ) -> Scene:
     """A scene with the given ε, σ, Λ; the finger's centre at x, y in units of its side."""
     angular_frequency = 2 * pi * 4e4
@@ -38,7 +41,14 @@ def film(
         hv_m=epsilon * H0_M,
         phi_r_m=float(np.hypot(x, y)) * LENGTH_M,
         phi_deg=float(np.degrees(np.arctan2(y, x))),
-        gas=Gas(viscosity, PRESSURE_PA, 1.2, 67e-9),
+        gas=Gas(
+            viscosity_pa_s=viscosity,
+            ambient_pressure_pa=PRESSURE_PA,
+            density_kg_per_m3=1.2,
+            mean_free_path_m=knudsen * H0_M,
+            rarefaction=rarefaction,
+            polytropic_exponent=polytropic_exponent,
+        ),
         actuator=Actuator(angular_frequency / (2 * pi), 1.0, profile),
         finger=Finger(LENGTH_M, aspect * LENGTH_M, speed),
     )
@@ -55,8 +65,8 @@ def periodic_state(
         epsilon=np.array([scene.epsilon]),
         sigma=np.array([scene.sigma]),
         bearing=np.array([scene.bearing_number]),
-        inverse_exponent=np.array([1.0]),
-        flow=np.array([[1.0]]),
+        inverse_exponent=np.array([1 / scene.gas.polytropic_exponent]),
+        flow=np.array([scene.flow_coefficients]),
         aspect=scene.aspect,
         amplitude=scene.amplitude(x, y)[None],
         tolerance=tolerance,

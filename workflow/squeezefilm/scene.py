@@ -3,22 +3,39 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, hypot, isfinite, pi, radians, sin
+from math import cos, hypot, isfinite, pi, radians, sin, sqrt
 
 import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.profiles import Profile
 
+GAPS_M = (1e-9, 1e-3)
+
 
 @dataclass(frozen=True)
 class Gas:
-    """The film's gas. Density and mean free path only enter the regime warnings."""
+    """The film's gas.
+
+    ``rarefaction`` is ``none`` (viscous flow), ``slip`` (first order) or ``fukui-kaneko``.
+    The density follows the pressure as ρ ~ p^(1/n) with the ``polytropic_exponent`` n: 1 for an
+    isothermal film, the ratio of specific heats for an adiabatic one. Density and, without
+    rarefaction, mean free path only enter the regime warnings.
+    """
 
     viscosity_pa_s: float
     ambient_pressure_pa: float
     density_kg_per_m3: float
     mean_free_path_m: float
+    rarefaction: str
+    polytropic_exponent: float
+
+
+# Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
+# inverse Knudsen number D = √π P H / (2 Kn): Fukui and Kaneko, J. Tribology 112 (1990), 78–83, the
+# branch for D ≥ 5.
+FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
+FUKUI_KANEKO_LEAST_D = 5.0
 
 
 @dataclass(frozen=True)
@@ -97,8 +114,25 @@ class Scene:
 
     @property
     def knudsen(self) -> float:
-        """Knudsen number: mean free path over mean gap. Slip is not modelled yet."""
+        """Knudsen number: mean free path over mean gap, at ambient pressure."""
         return self.gas.mean_free_path_m / self.h0_m
+
+    @property
+    def inverse_knudsen(self) -> float:
+        """D = √π / (2 Kn) at the mean gap and ambient pressure (Fukui and Kaneko)."""
+        return sqrt(pi) / (2 * self.knudsen)
+
+    @property
+    def flow_coefficients(self) -> tuple[float, ...]:
+        """Coefficients c_k of the mass flux Σ c_k H^(3−k) ρ^(1−k) ∇P, the first being 1.
+
+        Slip of first order adds 6 Kn H² (Burgdorfer 1959).
+        """
+        if self.gas.rarefaction == "slip":
+            return (1.0, 6 * self.knudsen)
+        if self.gas.rarefaction == "fukui-kaneko":
+            return tuple(c / self.inverse_knudsen**k for k, c in enumerate(FUKUI_KANEKO))
+        return (1.0,)
 
     @property
     def modified_reynolds(self) -> float:
@@ -137,8 +171,11 @@ def check_scene(scene: Scene) -> None:
     for name in ("h0_m", "hv_m", "phi_r_m", "phi_deg"):
         if not isfinite(getattr(scene, name)):
             raise InputError(f"point {scene.point_id}: {name} is not a finite number")
-    if scene.h0_m <= 0:
-        raise InputError(f"point {scene.point_id}: h0_m = {scene.h0_m:g} must be above 0")
+    if not GAPS_M[0] <= scene.h0_m <= GAPS_M[1]:
+        raise InputError(
+            f"point {scene.point_id}: h0_m = {scene.h0_m:g} must lie between {GAPS_M[0]:g} and "
+            f"{GAPS_M[1]:g}: thinner, there is no film of gas, thicker, it is none"
+        )
     if scene.hv_m < 0:
         raise InputError(f"point {scene.point_id}: hv_m = {scene.hv_m:g} must not be negative")
     if scene.hv_m >= scene.h0_m:
@@ -147,7 +184,9 @@ def check_scene(scene: Scene) -> None:
             "surface and finger touch; the amplitude must stay below the mean gap"
         )
     if scene.phi_r_m < 0:
-        raise InputError(f"point {scene.point_id}: phi_r_m = {scene.phi_r_m:g} must not be negative")
+        raise InputError(
+            f"point {scene.point_id}: phi_r_m = {scene.phi_r_m:g} must not be negative"
+        )
     corner_m = max(
         hypot(
             scene.x_m + side_x * scene.finger.length_x_m / 2,
@@ -171,6 +210,8 @@ def regime_warnings(scene: Scene) -> list[str]:
         warnings.append(
             f"inertia not negligible (modified Reynolds number {scene.modified_reynolds:.2g})"
         )
-    if scene.knudsen > 0.01:
-        warnings.append(f"slip of order {6 * scene.knudsen:.0%} of the flow (Kn {scene.knudsen:.2g})")
+    if scene.knudsen > 0.01 and scene.gas.rarefaction == "none":
+        warnings.append(
+            f"slip of order {6 * scene.knudsen:.0%} of the flow (Kn {scene.knudsen:.2g})"
+        )
     return warnings

@@ -1,5 +1,5 @@
 """The Reynolds equation solved: ``solve(scenes, tolerance=...)`` is the only door."""
 
-from squeezefilm.reynolds.solve import Solution, solve
+from squeezefilm.reynolds.solver import Solution, solve
 
 __all__ = ["Solution", "solve"]

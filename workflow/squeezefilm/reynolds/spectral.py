@@ -106,6 +106,11 @@ class Axis:
         vectors = vectors / np.sqrt(self.weights @ vectors**2)
         return values, vectors, np.linalg.inv(vectors)
 
+    def moments(self, count: int) -> np.ndarray:
+        """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""
+        return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights
+
+    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def interpolation_to(self, finer: Axis) -> np.ndarray:
         """Matrix that carries values on this axis to another one, shape (finer.points, n).
 
@@ -167,6 +172,7 @@ class Period:
             rates[cosine + 1, cosine] = -self.harmonics[cosine]
         return self.fourier.T @ rates @ self.fourier
 
+    @lru_cache(maxsize=64)  # noqa: B019 - periods are few and live as long as the process
     def interpolation_to(self, finer: Period) -> np.ndarray:
         """Matrix that carries values to the nodes of another period, shape (finer.points, points)."""
         angle = np.outer(finer.nodes, self.harmonics)

@@ -12,7 +12,7 @@ from squeezefilm.config import load_config
 from squeezefilm.profiles import Sinc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.solve import symmetry
+from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.scene import Scene
 from squeezefilm.study import scene_of
 from squeezefilm.tables import ScenePoint
@@ -98,7 +98,8 @@ def test_a_surface_at_rest_bears_nothing() -> None:
     ],
 )
 def test_symmetry_is_found_from_the_scene(scene: Scene, expected: tuple[bool, bool]) -> None:
-    assert symmetry(scene) == expected
+    needs = needs_of(scene)
+    assert (needs.fold_x, needs.fold_y) == expected
 
 
 def test_work_groups_of_many_items_give_the_same_forces(paper_scenes: list[Scene]) -> None:
