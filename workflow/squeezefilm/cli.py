@@ -20,6 +20,8 @@ COMMANDS = {
     "validate": "judge a fitted model on simulated forces",
     "figure-data": "build the table that a figure is drawn from",
     "plot": "draw a figure from its table",
+    "table": "make one of the paper's tables",
+    "claims": "compare the paper's claims with the results",
     "warm": "compile the kernels ahead of time",
     "doctor": "check the OpenCL device, caches, lock and versions of this installation",
     "unlock": "remove the lock that a killed run of the workflow left",
