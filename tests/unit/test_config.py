@@ -64,7 +64,10 @@ def added(line: str) -> Callable[[str], str]:
 
 TOLERANCE = "tolerance: 1e-6"
 WRONG = {
-    "misspelled key": (replaced("viscosity_pa_s", "viscosity_pas"), "did you mean 'viscosity_pa_s'"),
+    "misspelled key": (
+        replaced("viscosity_pa_s", "viscosity_pas"),
+        "did you mean 'viscosity_pa_s'",
+    ),
     "unknown section": (added("slip: 1"), "top level: unknown key 'slip'"),
     "missing key": (replaced("  density_kg_per_m3: 1.204\n", ""), "missing 'density_kg_per_m3'"),
     "missing section": (replaced("study: paper\n", ""), "missing 'study'"),
@@ -88,7 +91,10 @@ WRONG = {
     "an empty value": (replaced("frequency_hz: 43270", "frequency_hz:"), "frequency_hz: None"),
     "a list for a section": (replaced("  tolerance: 1e-6\n  device: auto", "  [1, 2]"), "solver:"),
     "key twice": (added("study: other"), "the key 'study' stands twice"),
-    "inner key twice": (replaced(TOLERANCE, f"{TOLERANCE}\n  {TOLERANCE}"), "'tolerance' stands twice"),
+    "inner key twice": (
+        replaced(TOLERANCE, f"{TOLERANCE}\n  {TOLERANCE}"),
+        "'tolerance' stands twice",
+    ),
     "a key that is a number": (added("1: 2"), "the key 1 is not text"),
     "a key that is a list": (added("? [1, 2]\n: 3"), "the key [1, 2] is not text"),
     "a key that is a mapping": (added("? {a: 1}\n: 3"), "is not text"),
@@ -114,7 +120,10 @@ WRONG = {
     "a piston with a wave number": (replaced("kind: sinc", "kind: piston"), "wave_number_per_m"),
     "an unknown scaling": (replaced("scaling: unit", "scaling: inch"), "'inch' is not one of"),
     "a study that is a path": (replaced("study: paper", "study: ../paper"), "study: '../paper'"),
-    "a million seeds": (replaced("two_factor: 20", "two_factor: 1000000"), "greater than the maximum"),
+    "a million seeds": (
+        replaced("two_factor: 20", "two_factor: 1000000"),
+        "greater than the maximum",
+    ),
 }
 
 

@@ -1,0 +1,208 @@
+"""The command line speaks to its user: help, messages, exit statuses; never a traceback."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from squeezefilm import locks
+from squeezefilm.cli import COMMANDS, main
+from squeezefilm.commands.gather import in_order
+from squeezefilm.errors import InputError
+from squeezefilm.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
+
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture(scope="module")
+def config(repository: Path) -> str:
+    return str(repository / "config" / "quick.yaml")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself(command: str, capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as end:
+        main([command, "--help"])
+    assert end.value.code == 0
+    text = capsys.readouterr().out
+    assert f"usage: squeezefilm {command}" in text
+    assert len(text.splitlines()) > 8
+
+
+def test_help_lists_every_command(capsys: Capture) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    text = capsys.readouterr().out
+    for command, summary in COMMANDS.items():
+        assert command in text
+        assert summary.split()[0] in text
+
+
+@pytest.mark.parametrize("words", [[], ["simulat"], ["plan"], ["plan", "nonsense"], ["--nonsense"]])
+def test_a_wrong_call_ends_with_status_2(words: list[str], capsys: Capture) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(words)
+    assert end.value.code == 2
+    assert "usage:" in capsys.readouterr().err
+
+
+def refused(capsys: Capture, *words: str, status: int = 2) -> str:
+    assert main([str(word) for word in words]) == status
+    text = capsys.readouterr().err
+    assert text.startswith("squeezefilm: error: ")
+    assert "Traceback" not in text
+    return text
+
+
+def test_a_wrong_study_is_told_by_the_command_line_too(
+    config: str, tmp_path: Path, capsys: Capture
+) -> None:
+    study = tmp_path / "study.yaml"
+    study.write_text(Path(config).read_text().replace("gas:", "gass:"))
+    text = refused(capsys, "plan", "screen", "--config", study, "--output", tmp_path / "s.csv")
+    assert "unknown key 'gass'; did you mean 'gas'?" in text
+    assert not (tmp_path / "s.csv").exists()
+
+
+def test_a_plan_is_written(config: str, tmp_path: Path) -> None:
+    output = tmp_path / "scenes.csv"
+    assert main(["plan", "screen", "--config", config, "--output", str(output)]) == 0
+    assert len(read_scenes(output)) == 12
+
+
+def test_a_plan_of_a_design_needs_one(config: str, tmp_path: Path, capsys: Capture) -> None:
+    end = ["--config", config, "--output", tmp_path / "s.csv"]
+    assert "needs a --design" in refused(capsys, "plan", "four_factor", *end)
+    assert "takes no --design" in refused(capsys, "plan", "screen", "--design", "d.csv", *end)
+    assert "no such table" in refused(capsys, "plan", "four_factor", "--design", "none.csv", *end)
+
+
+def part(path: Path, *ids: str, status: str = "ok") -> Path:
+    rows = [
+        dict.fromkeys(FORCE_COLUMNS, 1) | {"point_id": name, "status": status, "force_n": 0.5}
+        for name in ids
+    ]
+    write_table(pd.DataFrame(rows), path)
+    return path
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Path:
+    path = tmp_path / "scenes.csv"
+    rows = [
+        {"point_id": str(n), "h0_m": 1, "hv_m": 1, "phi_r_m": 1, "phi_deg": 1} for n in (1, 2, 3)
+    ]
+    write_table(pd.DataFrame(rows), path)
+    return path
+
+
+def test_parts_come_together_in_the_order_of_the_plan(plan: Path, tmp_path: Path) -> None:
+    parts = [part(tmp_path / "b.csv", "3"), part(tmp_path / "a.csv", "2", "1")]
+    output = tmp_path / "forces.csv"
+    assert main(["gather", str(plan), *map(str, parts), "--output", str(output)]) == 0
+    assert list(read_forces(output)["point_id"]) == ["1", "2", "3"]
+
+
+def test_a_failed_scene_is_named_and_nothing_written(
+    plan: Path, tmp_path: Path, capsys: Capture
+) -> None:
+    parts = [part(tmp_path / "a.csv", "1", "3"), part(tmp_path / "b.csv", "2", status="no end")]
+    output = tmp_path / "forces.csv"
+    text = refused(capsys, "gather", plan, *parts, "--output", output, status=1)
+    assert "point 2: no end" in text
+    assert "b.csv" in text
+    assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    ("ids", "message"),
+    [
+        ((["1", "2"], ["2", "3"]), "point 2 is in two parts"),
+        ((["1"], ["3"]), "point 2 is in no part"),
+        ((["1", "2"], ["3", "4"]), "point 4 of the parts is not in the plan"),
+    ],
+)
+def test_parts_that_do_not_make_the_plan_are_refused(
+    ids: tuple[list[str], list[str]], message: str
+) -> None:
+    scenes = pd.DataFrame({"point_id": ["1", "2", "3"]})
+    with pytest.raises(InputError, match=message):
+        in_order(scenes, [pd.DataFrame({"point_id": names}) for names in ids], of="scenes.csv")
+
+
+def test_a_part_of_another_plan_is_refused(plan: Path, tmp_path: Path, capsys: Capture) -> None:
+    table = read_forces(part(tmp_path / "a.csv", "1", "2", "3")).assign(hv_m=[1, 2, 1])
+    write_table(table, tmp_path / "a.csv")
+    text = refused(capsys, "gather", plan, tmp_path / "a.csv", "--output", tmp_path / "f.csv")
+    assert "point 2 was simulated with other factors" in text
+
+
+def fit_file(path: Path, **changes: object) -> Path:
+    fit = {"model": "two_factor", "theta": [7.6, 1.9, -1.0], "points": 60, "global_error": 0.005}
+    path.write_text(json.dumps(fit | {"sum_of_squares": 1e-4} | changes))
+    return path
+
+
+def test_an_extrapolation_asks_every_fit(config: str, tmp_path: Path) -> None:
+    fits = [str(fit_file(tmp_path / name)) for name in ("screen.json", "other.json")]
+    output = tmp_path / "scenes.csv"
+    assert main(["extrapolate", *fits, "--config", config, "--output", str(output)]) == 0
+    scenes = read_scenes(output)
+    assert list(scenes["point_id"]) == ["operating_point", "screen", "other"]
+    assert scenes["hv_m"].between(1.5e-6, 3e-6).all()
+
+
+def test_a_force_out_of_reach_is_told(config: str, tmp_path: Path, capsys: Capture) -> None:
+    fit = fit_file(tmp_path / "screen.json", theta=[0.1, 0.1, -1.0])
+    text = refused(
+        capsys, "extrapolate", fit, "--config", config, "--output", tmp_path / "scenes.csv"
+    )
+    assert "screen.json" in text
+
+
+def test_a_design_of_another_model_is_refused(config: str, tmp_path: Path, capsys: Capture) -> None:
+    fit = fit_file(tmp_path / "fit.json")
+    names = [tmp_path / name for name in ("d.csv", "s.csv", "d.json", "x.csv")]
+    words = ["--config", config, "--output", names[0], "--searches", names[1]]
+    text = refused(
+        capsys, "design", "four-factor", fit, *words, "--summary", names[2], "--distinct", names[3]
+    )
+    assert "a fit of the model two_factor" in text
+
+
+def test_the_lock_of_a_dead_run_alone_is_removed(tmp_path: Path, capsys: Capture) -> None:
+    lock = tmp_path / locks.LOCKS / "0.input.lock"
+    assert main(["unlock", "--folder", str(tmp_path)]) == 0
+    lock.parent.mkdir(parents=True)
+    lock.touch()
+    assert "an unknown run" in refused(capsys, "unlock", "--folder", tmp_path, status=1)
+    locks.record_owner(tmp_path)
+    assert "which still runs" in refused(capsys, "unlock", "--folder", tmp_path, status=1)
+    owner = json.loads((tmp_path / locks.OWNER).read_text())
+    (tmp_path / locks.OWNER).write_text(json.dumps(owner | {"host": "elsewhere"}))
+    assert "cannot be asked" in refused(capsys, "unlock", "--folder", tmp_path, status=1)
+    assert lock.exists()
+    # The same process number, but a process that started at another time: used again.
+    (tmp_path / locks.OWNER).write_text(json.dumps(owner | {"started": 1.0}))
+    assert main(["unlock", "--folder", str(tmp_path)]) == 0
+    assert not lock.exists()
+    assert "which is dead" in capsys.readouterr().out
+
+
+def test_doctor_finds_the_device_and_says_where_things_lie(tmp_path: Path, capsys: Capture) -> None:
+    assert main(["doctor", "--folder", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    for word in ("double precision", "compute_units", "PoCL", "snakemake: 9", "lock: free"):
+        assert word in text
+
+
+def test_doctor_fails_without_a_device_and_says_how_to_mend_it(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SQUEEZEFILM_DEVICE", "no such device")
+    text = refused(capsys, "doctor", "--folder", tmp_path, status=1)
+    assert "pip install" in text
+    assert "SQUEEZEFILM_DEVICE" in text

@@ -1,0 +1,113 @@
+"""The conda environments hold what their stages import, at the versions that are locked."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from squeezefilm.imports import LIBRARY, code_of
+
+CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
+DISTRIBUTION = {"mpl_toolkits": "matplotlib", "skfem": "scikit-fem", "yaml": "pyyaml"}
+RULE = re.compile(
+    r"conda:\s*\"../../envs/(\w+)\.yaml\".*?python -m squeezefilm ([\w-]+)", re.DOTALL
+)
+
+
+def commands_of_environments(repository: Path) -> list[tuple[str, str]]:
+    """Each environment with each command that a rule runs in it."""
+    pairs = set()
+    for path in (repository / "workflow" / "rules").glob("*.smk"):
+        for text in re.split(r"^rule ", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
+            pairs.update(RULE.findall(text))
+    return sorted(pairs)
+
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+ENVIRONMENTS = sorted(path.stem for path in (REPOSITORY / "envs").glob("*.yaml"))
+
+
+def dependencies(environment: str) -> dict[str, str]:
+    text = (REPOSITORY / "envs" / f"{environment}.yaml").read_text(encoding="utf-8")
+    pins = [line.split(" =") for line in yaml.safe_load(text)["dependencies"]]
+    return {name: version for name, version in pins}
+
+
+@pytest.fixture(scope="module")
+def locked() -> dict[str, str]:
+    """Version of each package, by its name on conda-forge; the one for the environments' Python."""
+    text = (REPOSITORY / "requirements.lock").read_text(encoding="utf-8")
+    pins = re.findall(r"^([a-z0-9-]+)==([^ ;\\]+)(?: ; (.*?))? \\$", text, re.MULTILINE)
+    return {
+        CONDA_NAME.get(name, name): version
+        for name, version, condition in pins
+        if ">=" not in condition or "python" not in condition
+    }
+
+
+@pytest.mark.parametrize("environment", ENVIRONMENTS)
+def test_versions_are_those_of_the_lock(environment: str, locked: dict[str, str]) -> None:
+    pins = dependencies(environment)
+    assert pins.pop("python") == "3.12"
+    assert pins == {name: locked[name] for name in pins}
+    assert list(pins) == sorted(pins)
+
+
+@pytest.mark.parametrize("environment", ENVIRONMENTS)
+def test_packages_come_from_conda_forge_alone(environment: str) -> None:
+    text = (REPOSITORY / "envs" / f"{environment}.yaml").read_text(encoding="utf-8")
+    assert yaml.safe_load(text)["channels"] == ["conda-forge", "nodefaults"]
+
+
+def test_every_environment_is_used() -> None:
+    assert {name for name, _ in commands_of_environments(REPOSITORY)} == set(ENVIRONMENTS)
+
+
+@pytest.mark.parametrize(("environment", "command"), commands_of_environments(REPOSITORY))
+def test_an_environment_has_what_its_commands_import(environment: str, command: str) -> None:
+    plug_ins = {"plot": "figures", "figure-data": "figure_data"}.get(command)
+    files = set(code_of(command))
+    if plug_ins:
+        for path in (LIBRARY / plug_ins).glob("*.py"):
+            files.update(code_of(command, f"{plug_ins}.{path.stem}".removesuffix(".__init__")))
+    needed = set().union(*(third_party(path) for path in files if path.suffix == ".py"))
+    missing = {CONDA_NAME.get(name, name) for name in needed} - set(dependencies(environment))
+    # Only for one scene on the command line, and for what runs outside of rules.
+    assert missing <= {"psutil"}, f"envs/{environment}.yaml lacks {missing}, needed by {command}"
+
+
+def third_party(path: Path) -> set[str]:
+    """The distributions that a module imports."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names.update(name.name.partition(".")[0] for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names.add(node.module.partition(".")[0])
+    names -= set(sys.stdlib_module_names) | {"squeezefilm"}
+    return {DISTRIBUTION.get(name, name) for name in names}
+
+
+def test_the_locks_agree_and_name_no_address() -> None:
+    pattern = re.compile(r"^(\S+==\S+)", re.MULTILINE)
+    texts = [
+        (REPOSITORY / name).read_text(encoding="utf-8")
+        for name in ("requirements.lock", "requirements-dev.lock")
+    ]
+    run, dev = (set(pattern.findall(text)) for text in texts)
+    assert run < dev
+    for text in texts:
+        assert "://" not in text
+        assert "--hash=sha256:" in text
+
+
+def test_the_lock_has_every_package_that_the_library_imports() -> None:
+    wanted = set().union(*(third_party(path) for path in LIBRARY.rglob("*.py")))
+    text = (REPOSITORY / "requirements.in").read_text(encoding="utf-8")
+    named = {re.split(r"[\[=<> ]", line)[0] for line in text.splitlines() if line[:1].isalpha()}
+    assert wanted <= named

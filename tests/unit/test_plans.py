@@ -1,0 +1,72 @@
+"""The plans are those of the paper, and have as many points as the rules expect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from squeezefilm.config import Config, load_config, plan_sizes
+from squeezefilm.plans import (
+    centred_grid,
+    finger_positions,
+    four_factor_plan,
+    level_values,
+    random_plan,
+)
+
+
+@pytest.fixture(scope="module")
+def paper(repository: Path) -> Config:
+    return load_config(repository / "config" / "paper.yaml")
+
+
+def test_levels_are_even_and_read_well() -> None:
+    values = level_values({"start": 5e-6, "stop": 10e-6, "levels": 6})
+    assert [str(value) for value in values] == [
+        "5e-06",
+        "6e-06",
+        "7e-06",
+        "8e-06",
+        "9e-06",
+        "1e-05",
+    ]
+
+
+def test_the_screen_has_every_gap_with_every_amplitude_once(paper: Config) -> None:
+    gaps, amplitudes = (level_values(paper["screen"][name]) for name in ("h0_m", "hv_m"))
+    plan = centred_grid(h0_m=gaps, hv_m=amplitudes)
+    pairs = set(zip(plan["h0_m"], plan["hv_m"], strict=True))
+    assert len(plan) == len(pairs) == 60 == plan_sizes(paper)["screen"]
+    assert pairs == {(gap, amplitude) for gap in gaps for amplitude in amplitudes}
+    assert (plan[["phi_r_m", "phi_deg"]] == 0).all(axis=None)
+    assert list(plan["point_id"]) == [str(number) for number in range(1, 61)]
+
+
+def test_the_four_factor_plan_has_13_positions_with_5_points(paper: Config) -> None:
+    positions = finger_positions(**paper["positions"])
+    assert len(positions) == len(set(positions)) == 13
+    assert positions[0] == (0.0, 0.0)
+    plan = four_factor_plan(
+        positions=positions, h0_m=[5e-6] * 5, hv_m=[1e-6, 1.2e-6, 1.4e-6, 1.6e-6, 2e-6]
+    )
+    assert len(plan) == 65 == plan_sizes(paper)["four_factor"]
+    assert not plan.drop(columns="point_id").duplicated().any()
+
+
+def test_the_control_grid_is_dense(paper: Config) -> None:
+    assert paper["error_map"]["h0_m"]["levels"] >= 40
+    assert paper["error_map"]["hv_m"]["levels"] >= 40
+
+
+def test_random_points_fill_their_box_and_repeat() -> None:
+    box = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
+    plan = random_plan(points=400, seed=1, **box)
+    for name, (low, high) in box.items():
+        assert low <= plan[name].min() < low + 0.02 * (high - low)
+        assert high >= plan[name].max() > high - 0.02 * (high - low)
+    factors = plan.drop(columns="point_id")
+    assert np.abs(np.corrcoef(factors.T) - np.eye(4)).max() < 0.2
+    assert plan.equals(random_plan(points=400, seed=1, **box))
+    assert not plan.equals(random_plan(points=400, seed=2, **box))

@@ -1,0 +1,162 @@
+"""A table is read as it is written, or refused with a message that names the file and the place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm.errors import InputError
+from squeezefilm.tables import (
+    FORCE_COLUMNS,
+    SCENE_COLUMNS,
+    read_forces,
+    read_json,
+    read_ok_forces,
+    read_scenes,
+    scene_points,
+    write_json,
+    write_table,
+)
+
+HEADER = ",".join(SCENE_COLUMNS)
+Write = Callable[[str | bytes], Path]
+
+
+@pytest.fixture
+def scenes(tmp_path: Path) -> Write:
+    def write(text: str | bytes) -> Path:
+        path = tmp_path / "scenes.csv"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    return write
+
+
+def test_a_plan_is_read_in_its_order_with_text_for_names(scenes: Write) -> None:
+    table = read_scenes(scenes(f"{HEADER}\n007,5e-6,1e-6,0,0\na b,6e-06,.1e-5,0.001,45\n"))
+    assert list(table["point_id"]) == ["007", "a b"]
+    assert list(table["h0_m"]) == [5e-6, 6e-6]
+    first = scene_points(table)[0]
+    assert (first.point_id, first.hv_m) == ("007", 1e-6)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"\xef\xbb\xbf" + f"{HEADER}\n1,5e-6,1e-6,0,0\n".encode(),
+        f"{HEADER}\r\n1,5e-6,1e-6,0,0\r\n",
+        f"\n{HEADER}\n\n1,5e-6,1e-6,0,0\n\n\n",
+        f"{HEADER}\n1,5e-6,1e-6,0,0",
+        f'{HEADER}\n"1","5e-6","1e-6",0,"0"\n',
+        " point_id , h0_m,hv_m,phi_r_m,phi_deg\n 1, 5e-6 ,1e-6,0,0\n",
+        "phi_deg,phi_r_m,hv_m,h0_m,point_id\n0,0,1e-6,5e-6,1\n",
+    ],
+    ids=["byte order mark", "CRLF", "blank lines", "no last newline", "quotes", "spaces", "order"],
+)
+def test_what_does_not_matter_is_accepted(text: str | bytes, scenes: Write) -> None:
+    table = read_scenes(scenes(text))
+    assert table.to_dict("records") == [
+        {"point_id": "1", "h0_m": 5e-6, "hv_m": 1e-6, "phi_r_m": 0.0, "phi_deg": 0.0}
+    ]
+
+
+ROW = "1,5e-6,1e-6,0,0"
+WRONG = {
+    "nothing": ("", "the table is empty"),
+    "blank lines alone": ("\n\n", "the table is empty"),
+    "no rows": (f"{HEADER}\n", "a header and no rows"),
+    "no header": (f"{ROW}\n{ROW}\n", "column 'point_id' is missing"),
+    "a missing column": ("point_id,h0_m\n1,5e-6\n", "column 'hv_m' is missing"),
+    "a column twice": (f"{HEADER},h0_m\n{ROW},1\n", "column 'h0_m' stands twice"),
+    "a strange column": (f"{HEADER},colour\n{ROW},red\n", "unknown column 'colour'"),
+    "a header in capitals": (f"{HEADER.upper()}\n{ROW}\n", "column 'point_id' is missing"),
+    "a short row": (f"{HEADER}\n{ROW}\n2,5e-6\n", "line 3: 2 cells where the header has 5"),
+    "a long row": (f"{HEADER}\n{ROW},7\n", "line 2: 6 cells where the header has 5"),
+    "a comma for a point": (f"{HEADER}\n1,5,0e-6,1e-6,0,0\n", "line 2: 6 cells"),
+    "semicolons": (HEADER.replace(",", ";") + "\n", "column 'point_id' is missing"),
+    "text for a number": (f"{HEADER}\n1,5um,1e-6,0,0\n", "line 2: h0_m is '5um'"),
+    "an empty number": (f"{HEADER}\n1,,1e-6,0,0\n", "line 2: h0_m is ''"),
+    "NaN": (f"{HEADER}\n1,NaN,1e-6,0,0\n", "line 2: h0_m is 'NaN'"),
+    "infinity": (f"{HEADER}\n1,5e-6,1e-6,0,-inf\n", "line 2: phi_deg is '-inf'"),
+    "beyond a float": (f"{HEADER}\n1,1e999,1e-6,0,0\n", "line 2: h0_m is '1e999'"),
+    "an underscore": (f"{HEADER}\n1,5e-6,1e-6,1_0,0\n", "line 2: phi_r_m is '1_0'"),
+    "a truth value": (f"{HEADER}\n1,True,1e-6,0,0\n", "line 2: h0_m is 'True'"),
+    "no name": (f"{HEADER}\n{ROW}\n ,5e-6,1e-6,0,0\n", "line 3: point_id is empty"),
+    "a name twice": (f"{HEADER}\n{ROW}\n\n{ROW}\n", "line 4: point_id '1' stands in line 2"),
+    "a name twice but for spaces": (f"{HEADER}\n{ROW}\n 1 ,5e-6,1e-6,0,0\n", "stands in line 2"),
+    "an open quote": (f'{HEADER}\n"1,5e-6,1e-6,0,0\n', "cannot be read"),
+    "other letters": (f"{HEADER}\nü,5e-6,1e-6,0,0\n".encode("latin-1"), "cannot be read"),
+    "a binary file": (bytes(range(256)), "scenes.csv"),
+    "a NUL": (f"{HEADER}\n1,5e-6\0,1e-6,0,0\n", "scenes.csv"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_table_is_refused(case: str, scenes: Write) -> None:
+    text, message = WRONG[case]
+    with pytest.raises(InputError) as refusal:
+        read_scenes(scenes(text))
+    assert message in str(refusal.value)
+    assert "scenes.csv" in str(refusal.value)
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such table"):
+        read_scenes(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_scenes(tmp_path)
+
+
+def forces(**changes: object) -> pd.DataFrame:
+    row: dict[str, object] = dict.fromkeys(FORCE_COLUMNS, 0) | {"point_id": "1", "status": "ok"}
+    return pd.DataFrame([row, {**row, "point_id": "2", **changes}])
+
+
+def test_numbers_come_back_to_the_last_bit(tmp_path: Path) -> None:
+    force = np.random.default_rng(1).standard_normal(2) * 1e-3
+    write_table(forces().assign(force_n=force), tmp_path / "forces.csv")
+    assert (read_ok_forces(tmp_path / "forces.csv")["force_n"] == force).all()
+
+
+def test_a_point_that_failed_keeps_its_row_but_cannot_be_used(tmp_path: Path) -> None:
+    write_table(forces(status="did not converge", force_n=None), tmp_path / "forces.csv")
+    table = read_forces(tmp_path / "forces.csv")
+    assert list(table["status"]) == ["ok", "did not converge"]
+    assert np.isnan(table["force_n"].iloc[1])
+    with pytest.raises(InputError, match="point 2: did not converge"):
+        read_ok_forces(tmp_path / "forces.csv")
+
+
+def test_a_point_without_a_force_is_not_ok(tmp_path: Path) -> None:
+    write_table(forces(force_n=None), tmp_path / "forces.csv")
+    with pytest.raises(InputError, match="point 2: force_n is not a finite number"):
+        read_forces(tmp_path / "forces.csv")
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", "3", '{"a": 1', "\x00"])
+def test_a_wrong_json_file_is_refused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "fit.json").write_text(text)
+    with pytest.raises(InputError, match=r"fit\.json"):
+        read_json(tmp_path / "fit.json")
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    write_json({"a": 1}, tmp_path / "new" / "fit.json")
+    assert read_json(tmp_path / "new" / "fit.json") == {"a": 1}
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        write_json({"a": float("nan")}, tmp_path / "new" / "fit.json")
+    assert read_json(tmp_path / "new" / "fit.json") == {"a": 1}
+    assert [path.name for path in (tmp_path / "new").iterdir()] == ["fit.json"]
+
+
+def test_an_output_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    for path in (tmp_path / "file" / "fit.json", tmp_path / "folder"):
+        with pytest.raises(InputError, match="cannot be written"):
+            write_json({}, path)
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
