@@ -1,0 +1,113 @@
+"""Rarefaction and heating: each term against an exact identity or limit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from films import PISTON, film, mean_overpressure, periodic_state
+from scipy.optimize import brentq
+
+from squeezefilm.reynolds import solve
+from squeezefilm.scene import Scene
+
+
+@pytest.mark.parametrize("rarefaction", ["none", "slip", "fukui-kaneko"])
+@pytest.mark.parametrize("exponent", [1.0, 1.4])
+def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
+    rarefaction: str, exponent: float
+) -> None:
+    """⟨Σ c_k H^(3−k) (g_k(P) − g_k(1))⟩ = 0 at every point: mass flows nowhere in the mean.
+
+    g_k is the integral of ρ^(1−k) from ambient pressure, by quadrature here.
+    """
+    scene = film(
+        epsilon=0.5,
+        sigma=150.0,
+        profile=PISTON,
+        rarefaction=rarefaction,
+        knudsen=0.05,
+        polytropic_exponent=exponent,
+    )
+    grid, states = periodic_state(scene, points=32, instants=40)
+    assert states.status[0] == 0
+    gap = 1 + scene.epsilon * np.sin(grid.t.nodes)
+    pressure = 1 + states.overpressure[0]
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    path = 1 + (pressure[..., None] - 1) * (nodes + 1) / 2
+    flow = np.zeros_like(pressure)
+    for k, coefficient in enumerate(scene.flow_coefficients):
+        integral = (path ** ((1 - k) / exponent) * weights).sum(axis=-1) * (pressure - 1) / 2
+        flow += coefficient * gap ** (3 - k) * integral
+    assert np.abs(flow.mean(axis=-1)).max() < 1e-9
+    assert np.abs(flow).max() > 0.1
+
+
+@pytest.mark.parametrize("knudsen", [0.01, 0.1])
+def test_slip_at_infinite_squeeze_number(knudsen: float) -> None:
+    """HP → ψ with ψ²/2 + 6Kψ = (1 + 3ε²/2)/2 + 6K(1 + ε²/2), approached like 1/√σ."""
+    epsilon = 0.4
+    wall = (1 + 1.5 * epsilon**2) / 2 + 6 * knudsen * (1 + epsilon**2 / 2)
+    psi = brentq(lambda value: value**2 / 2 + 6 * knudsen * value - wall, 0.1, 10)
+    limit = psi / np.sqrt(1 - epsilon**2) - 1
+    forces = [
+        mean_overpressure(
+            film(epsilon=epsilon, sigma=sigma, profile=PISTON, rarefaction="slip", knudsen=knudsen),
+            points=96,
+            instants=16,
+            fold=True,
+        )
+        for sigma in (4e4, 16e4)
+    ]
+    assert 2 * forces[1] - forces[0] == pytest.approx(limit, rel=2e-4)
+    assert abs(forces[1] - limit) > 10 * abs(2 * forces[1] - forces[0] - limit)
+
+
+def test_slip_lowers_the_force_by_a_percent_at_five_micrometres() -> None:
+    """physics.md's regime note: −1.0 % at Kn = 0.0134, ε = 0.4, and half of it at 0.0067."""
+
+    def force(scene: Scene) -> float:
+        return solve([scene], tolerance=1e-7)[0].force_n
+
+    changes = [
+        force(film(epsilon=0.4, sigma=sigma, rarefaction="slip", knudsen=knudsen))
+        / force(film(epsilon=0.4, sigma=sigma))
+        - 1
+        for sigma, knudsen in ((2331.0, 0.0134), (583.0, 0.0067))
+    ]
+    assert changes == pytest.approx([-0.010, -0.005], abs=0.001)
+
+
+def test_flow_factors_agree_for_a_dense_gas() -> None:
+    """Fukui and Kaneko's factor is slip with coefficient 1.1466 to first order in Kn."""
+    factor = film(epsilon=0.3, sigma=100.0, rarefaction="fukui-kaneko", knudsen=1e-4)
+    slip = film(epsilon=0.3, sigma=100.0, rarefaction="slip", knudsen=1.1466e-4)
+    forces = [solve([scene], tolerance=1e-8)[0].force_n for scene in (factor, slip)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-6)
+
+
+def test_fast_adiabatic_compression_is_stiffer_by_the_exponent() -> None:
+    """At large σ the linear spring number is n times the isothermal one."""
+    epsilon, sigma = 1e-4, 1e6
+
+    def spring(exponent: float) -> float:
+        scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, polytropic_exponent=exponent)
+        grid, states = periodic_state(scene, points=80, instants=8)
+        force = np.einsum("xyt,x,y->t", states.overpressure[0], grid.x.weights, grid.y.weights)
+        return float(-2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon)
+
+    assert spring(1.4) / spring(1.0) == pytest.approx(1.4, rel=2e-3)
+
+
+def test_a_gas_too_rarefied_for_the_flow_factor_is_refused() -> None:
+    scene = film(epsilon=0.9, sigma=500.0, rarefaction="fukui-kaneko", knudsen=0.17)
+    (solution,) = solve([scene], tolerance=1e-3)
+    assert "rarefied" in solution.status
+    assert np.isnan(solution.force_n)
+
+
+@pytest.mark.parametrize("bearing", [0.0, 100.0, 1000.0])
+def test_krylov_iterations_stay_few_however_fast_the_finger_slides(bearing: float) -> None:
+    scene = film(epsilon=0.4, sigma=583.0, x=0.1, bearing=bearing)
+    _, states = periodic_state(scene, points=48, instants=16, tolerance=1e-8)
+    assert states.status[0] == 0
+    assert states.krylov_iterations[0] <= 100
