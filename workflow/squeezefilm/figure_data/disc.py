@@ -41,7 +41,8 @@ def profile_note(config: Config) -> str:
     actuator = config["actuator"]
     profile, frequency = actuator["profile"], actuator["frequency_hz"] / 1e3
     if profile["kind"] == "sinc":
-        shape = f"ha/hv = sinc({profile['wave_number_per_m']:g} r), r in m, sinc x = sin(πx)/(πx) (eq. 2)"
+        shape = f"ha/hv = sinc({profile['wave_number_per_m']:g} r) (eq. 2), r in m"
+        shape += ", sinc x = sin(πx)/(πx)"
     else:
         shape = f"profile {profile['kind']}"
     return f"{shape}, {frequency:g} kHz. {MEASUREMENT_NOTE}"

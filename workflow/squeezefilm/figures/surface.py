@@ -21,7 +21,7 @@ def add_axes(
     Axes in space do not take part in the usual layout.
     """
     figure.set_layout_engine("none")
-    axes = figure.add_axes((0.02, bottom, 0.94, 1.02 - bottom), projection="3d")
+    axes = figure.add_axes((0.025, bottom, 0.935, 1 - bottom), projection="3d")
     assert isinstance(axes, Axes3D)
     axes.set_box_aspect((1.2, 1.2, 0.85), zoom=1.0)
     axes.view_init(elev=24, azim=azimuth_deg)

@@ -1,0 +1,205 @@
+"""A study's results in small, from reference forces and given parameters: nothing is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, ForceModel
+from squeezefilm.tables import (
+    DESIGN_COLUMNS,
+    FACTOR_COLUMNS,
+    FORCE_COLUMNS,
+    SCENE_COLUMNS,
+    write_json,
+    write_table,
+)
+
+THETA = {
+    "screen": (7.6240, 1.91659, -1.001314),
+    "two_factor_design": (7.8081, 1.83310, -1.000213),
+    "four_factor": (7.3609, 2.07664, -1.000252, 0.016642, -81.115),
+    "four_factor_design": (7.8315, 1.82580, -1.000200, 0.0, -74.672),
+    "four_factor_design_distinct": (7.8352, 1.90070, -1.000200, -0.039971, -71.747),
+}
+PATTERNS = {
+    "A": [(5e-6, 2e-6), (6.91e-6, 2e-6), (10e-6, 0.2e-6)],
+    "B": [(5e-6, 1.45e-6), (5e-6, 2e-6), (10e-6, 0.2e-6)],
+}
+FOUR_FACTOR_POINTS = [
+    (5e-6, 2e-6, 0.0, 0.0),
+    (5e-6, 2e-6, 0.0, 45.0),
+    (5e-6, 2e-6, 2.9e-3, 45.0),
+    (6.9e-6, 2e-6, 0.0, 45.0),
+    (10e-6, 0.2e-6, 2.9e-3, 0.0),
+]
+
+
+@dataclass(frozen=True)
+class Study:
+    """Where the results lie, and which of them the rules hand to figures, tables and claims."""
+
+    root: Path
+    config: Path
+    figures: dict[str, dict[str, str]]
+    tables: dict[str, dict[str, str]]
+    claims: dict[str, str]
+
+    def words(self, inputs: dict[str, str]) -> list[str]:
+        """The inputs as NAME=PATH."""
+        return [f"{name}={path}" for name, path in inputs.items()]
+
+
+@pytest.fixture(scope="session")
+def study(tmp_path_factory: pytest.TempPathFactory, repository: Path) -> Study:
+    """A study with every result that figures, tables and claims are made from."""
+    root = tmp_path_factory.mktemp("study")
+    config = repository / "config" / "paper.yaml"
+    _write_simulations(root, repository / "tests" / "reference")
+    _write_fits(root)
+    _write_designs(root)
+    _write_validations(root, config)
+    rules = _rules_inputs(repository, root)
+    return Study(root, config, rules["FIGURE_INPUTS"], rules["TABLE_INPUTS"], rules["CLAIM_INPUTS"])
+
+
+def _rules_inputs(repository: Path, root: Path) -> dict[str, Any]:
+    """The tables of inputs at the top of the figures' rules, which are plain Python."""
+    text = (repository / "workflow" / "rules" / "figures.smk").read_text(encoding="utf-8")
+    names: dict[str, Any] = {}
+    exec(text[: text.index("\ndef ")].replace("<results>", str(root)), names)
+    return names
+
+
+def _write_forces(root: Path, plan: str, forces: pd.DataFrame) -> None:
+    solver = {
+        "status": "ok",
+        "method": "periodic",
+        "left_out": "",
+        "nx": 24,
+        "ny": 24,
+        "nt": 16,
+        "newton_steps": 5,
+        "krylov_iterations": 33,
+        "residual": 1e-12,
+    }
+    table = forces.assign(force_error_n=2.4e-7 * forces["force_n"], **solver)
+    folder = root / "simulations" / plan
+    write_table(table[list(FORCE_COLUMNS)], folder / "forces.csv")
+    write_table(table[list(SCENE_COLUMNS)], folder / "scenes.csv")
+    write_table(table[["point_id"]].assign(solve_seconds=0.0012), folder / "timings.csv")
+
+
+def _write_simulations(root: Path, reference: Path) -> None:
+    screen = pd.read_csv(reference / "screen_forces.csv", dtype={"point_id": str})
+    plan = pd.read_csv(reference / "four_factor_forces.csv", dtype={"point_id": str})
+    extrapolation = pd.DataFrame(
+        {
+            "point_id": ["operating_point", "screen", "two_factor_design"],
+            "h0_m": 5e-6,
+            "hv_m": [2.2e-6, 2.228e-6, 2.226e-6],
+            "phi_r_m": 0.0,
+            "phi_deg": 0.0,
+            "force_n": [0.962042, 0.9889, 0.9870],
+        }
+    )
+    for name, forces in {
+        "screen": screen,
+        "error_map": screen,
+        "two_factor_design": plan.head(5),
+        "four_factor": plan,
+        "four_factor_control": plan.tail(20),
+        "extrapolation": extrapolation,
+    }.items():
+        _write_forces(root, name, forces)
+    write_json({"device": "Test platform: test device"}, root / "simulations" / "device.json")
+
+
+def _write_fits(root: Path) -> None:
+    for name, theta in THETA.items():
+        model: ForceModel = TWO_FACTOR if len(theta) == 3 else FOUR_FACTOR
+        plan = name if len(theta) == 3 else "four_factor"
+        forces = pd.read_csv(root / "simulations" / plan / "forces.csv")
+        factors = Factors.of(**{column: forces[column] for column in FACTOR_COLUMNS})
+        squares = float(np.sum((model.evaluate(theta, factors) - forces["force_n"]) ** 2))
+        fit = {
+            "model": model.name,
+            "theta": list(theta),
+            "points": 5 if "design" in name else len(forces),
+            "sum_of_squares": squares,
+            "global_error": float(np.sqrt(squares) / np.linalg.norm(forces["force_n"])),
+        }
+        write_json(fit, root / "fits" / f"{name}.json")
+    runs = pd.DataFrame({"bound": [1e6, 1e6, 100.0, 100.0], "sum_of_squares": 8.62e-5})
+    write_table(runs, root / "fits" / "screen_runs.csv")
+
+
+def _write_designs(root: Path) -> None:
+    folder = root / "designs"
+    searches, scalings = [], {}
+    for scaling, counts in {"metre": {"A": 20}, "unit": {"A": 15, "B": 5}}.items():
+        names = [name for name, count in counts.items() for _ in range(count)]
+        for search, name in enumerate(names, start=1):
+            searches += [(scaling, search, name, *point, 1e5) for point in PATTERNS[name]]
+        scalings[scaling] = [
+            {
+                "pattern": name,
+                "count": count,
+                "objective": 1e5,
+                "objective_excess": 0.0 if name == "A" else 0.6,
+                "d_efficiency": 1.0,
+                "points": [{"h0_m": h0_m, "hv_m": hv_m} for h0_m, hv_m in PATTERNS[name]],
+            }
+            for name, count in counts.items()
+        ]
+    columns = ["scaling", "search", "pattern", "h0_m", "hv_m", "objective"]
+    write_table(pd.DataFrame(searches, columns=columns), folder / "two_factor_searches.csv")
+    write_json(
+        {"scaling": "unit", "searches": 20, "scalings": scalings}, folder / "two_factor.json"
+    )
+    two_factor = {
+        "A and B": [PATTERNS["A"][0], PATTERNS["A"][2]],
+        "A": [PATTERNS["A"][1]],
+        "B": [PATTERNS["B"][0]],
+        "augmentation": [(5e-6, 0.2e-6)],
+    }
+    points = [(*point, 0.0, 0.0, origin) for origin, of in two_factor.items() for point in of]
+    _write_design(folder / "two_factor.csv", points)
+    four_factor = [(*point, "paper") for point in FOUR_FACTOR_POINTS]
+    _write_design(folder / "four_factor.csv", four_factor)
+    _write_design(folder / "four_factor_distinct.csv", four_factor)
+
+
+def _write_design(path: Path, points: list[tuple[Any, ...]]) -> None:
+    table = pd.DataFrame(
+        [(str(number), *point) for number, point in enumerate(points, start=1)],
+        columns=list(DESIGN_COLUMNS),
+    )
+    write_table(table, path)
+
+
+def _write_validations(root: Path, config: Path) -> None:
+    for fit, plan in (
+        ("screen", "screen"),
+        ("two_factor_design", "screen"),
+        ("two_factor_design", "error_map"),
+        ("four_factor_design", "four_factor"),
+        ("four_factor_design_distinct", "four_factor"),
+        ("four_factor_design_distinct", "four_factor_control"),
+    ):
+        stem = root / "validation" / f"{fit}_on_{plan}"
+        arguments = [
+            "validate",
+            f"{root}/fits/{fit}.json",
+            f"{root}/simulations/{plan}/forces.csv",
+            f"--config={config}",
+            f"--output={stem}.csv",
+            f"--summary={stem}.json",
+        ]
+        assert cli.main(arguments) == 0

@@ -1,0 +1,151 @@
+"""The claims table: every claim of the paper, judged by a rule, the same on each run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.claims import CLAIMS, COLUMNS, INPUTS, Results, judge, read_results, to_markdown
+from squeezefilm.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def results(study) -> Results:
+    return read_results({name: Path(path) for name, path in study.claims.items()})
+
+
+@pytest.fixture(scope="module")
+def claims(results: Results) -> pd.DataFrame:
+    return judge(results).set_index("claim_id")
+
+
+def verdict(results: Results, claim_id: str) -> str:
+    return str(judge(results).set_index("claim_id").loc[claim_id, "verdict"])
+
+
+def test_the_rules_hand_over_what_the_claims_ask_for(study) -> None:
+    assert set(study.claims) == set(INPUTS)
+
+
+def test_every_claim_of_the_paper_is_there_once_with_a_verdict(claims: pd.DataFrame) -> None:
+    assert claims.index.is_unique
+    assert len(claims) == len(CLAIMS) >= 20
+    assert claims["verdict"].str.match(r"agrees \S+|differs because \S+").all()
+    assert (claims["ours"] != "").all()
+    for paper in ("60", "3", "4.6", "0.99", "1.00", "2.2", "65", "4.5", "12", "13", "about 90"):
+        assert paper in set(claims["paper"])
+
+
+def test_the_papers_own_numbers_agree_with_themselves() -> None:
+    """An accepted interval that left its paper's value out would be no tolerance."""
+    for claim in CLAIMS:
+        try:
+            paper = float(claim.paper)
+        except ValueError:
+            continue
+        low, high = claim.accepted
+        assert low <= paper <= high, claim.claim_id
+        assert paper == 0 or high - low <= 0.5 * paper, claim.claim_id
+
+
+@pytest.mark.parametrize(
+    ("claim_id", "ours", "word"),
+    [
+        ("screen_points", "60", "agrees"),
+        ("screen_error", "0.533", "differs"),
+        ("design_error", "0.987", "differs"),
+        ("patterns", "2", "agrees"),
+        ("union", "4", "differs"),
+        ("simulation_at_2.2", "0.962042", "agrees"),
+        ("model_at_2.2", "0.973", "agrees"),
+        ("amplitude", "2.226", "agrees"),
+        ("smallest_force", "1833", "differs"),
+        ("band", "3.9", "agrees"),
+        ("band_small", "6.4", "differs"),
+        ("four_factor_points", "65", "agrees"),
+        ("locus", "0.0", "agrees"),
+        ("seconds", "below 1 s", "differs"),
+    ],
+)
+def test_our_values(claims: pd.DataFrame, claim_id: str, ours: str, word: str) -> None:
+    assert claims.loc[claim_id, "ours"] == ours
+    assert claims.loc[claim_id, "verdict"].split()[0] == word
+
+
+def test_a_wrong_force_is_seen(results: Results) -> None:
+    """The other convention of sinc gives 2.30 N where the paper's FE gives 0.99 N."""
+    wrong = results.extrapolation.assign(force_n=2.30)
+    assert verdict(results, "simulation_at_2.2").startswith("agrees")
+    assert verdict(replace(results, extrapolation=wrong), "simulation_at_2.2").startswith("differs")
+
+
+def test_a_fit_that_misses_the_minimum_is_seen(results: Results) -> None:
+    runs = results.screen_runs.copy()
+    runs.loc[0, "sum_of_squares"] *= 1.9
+    assert verdict(results, "bounds").startswith("agrees")
+    assert verdict(replace(results, screen_runs=runs), "bounds").startswith("differs")
+
+
+def test_an_error_as_large_as_the_papers_agrees(results: Results) -> None:
+    coarse = results.design_on_screen | {"global_error": 0.046}
+    assert verdict(replace(results, design_on_screen=coarse), "design_error").startswith("agrees")
+
+
+def test_run_times_do_not_change_the_table(results: Results, claims: pd.DataFrame) -> None:
+    for seconds in (1e-4, 0.3):
+        again = judge(replace(results, seconds_per_scene=seconds)).set_index("claim_id")
+        pd.testing.assert_frame_equal(again, claims)
+    days = judge(replace(results, seconds_per_scene=3 * 86400.0)).set_index("claim_id")
+    assert days.loc["seconds", "verdict"].startswith("agrees")
+
+
+def test_what_is_saved_is_said(claims: pd.DataFrame) -> None:
+    for claim_id in ("reduction", "four_factor_reduction"):
+        assert "only where the optimal points are reused" in claims.loc[claim_id, "explanation"]
+
+
+def test_a_guess_is_called_one(claims: pd.DataFrame) -> None:
+    for claim_id in ("band_small", "smallest_force"):
+        assert "A guess, not tested here" in claims.loc[claim_id, "explanation"]
+
+
+def test_small_forces_go_with_the_square_of_the_amplitude(claims: pd.DataFrame) -> None:
+    expected_um = 0.2 * np.sqrt(90 / 1833)
+    assert f"hv = {expected_um:.2g} µm" in claims.loc["smallest_force", "explanation"]
+
+
+def test_the_command_writes_both_files_the_same_each_time(study, tmp_path: Path) -> None:
+    for run in ("a", "b"):
+        paths = [f"--output={tmp_path}/{run}.csv", f"--markdown={tmp_path}/{run}.md"]
+        assert cli.main(["claims", *study.words(study.claims), *paths]) == 0
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    table = pd.read_csv(tmp_path / "a.csv", keep_default_na=False)
+    assert tuple(table.columns) == COLUMNS
+    markdown = (tmp_path / "a.md").read_text(encoding="utf-8")
+    assert markdown == to_markdown(table)
+    assert markdown.count("\n|") == len(table) + 2
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("design_summary", "{}", "'scaling' is missing"),
+        ("design_on_screen", '{"points": 60}', "'global_error' must be a number"),
+        ("screen_fit", '{"theta": "x"}', "'theta' must be a list of numbers"),
+        ("screen_runs", "bound\n1\n", "column 'sum_of_squares' is missing"),
+    ],
+)
+def test_a_broken_result_is_named(
+    study, tmp_path: Path, name: str, text: str, message: str
+) -> None:
+    broken = tmp_path / "broken"
+    broken.write_text(text)
+    paths = {key: Path(path) for key, path in study.claims.items()}
+    with pytest.raises(InputError, match=message) as error:
+        read_results(paths | {name: broken})
+    assert str(broken) in str(error.value)

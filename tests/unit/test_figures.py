@@ -1,0 +1,199 @@
+"""Figures: every one is drawn from its own table, whole, labelled, and the same each time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.text import Text
+
+from squeezefilm import cli
+from squeezefilm.config import load_config
+from squeezefilm.errors import InputError
+from squeezefilm.figure_data import figure_data_module
+from squeezefilm.figures import FIGURES, figure_module, style
+from squeezefilm.notes import one_digit, rounded_up
+from squeezefilm.sources import parse_sources
+
+UNITS = {"fig05": "(mm)", "fig06": "(mm)", "fig15": "(mm)", "fig14": "(%)"}
+
+
+@pytest.fixture(scope="module")
+def tables(study) -> dict[str, Path]:
+    """The table of each figure, as the command line makes it."""
+    paths = {name: study.root / "figures" / f"{name}.csv" for name in FIGURES}
+    for name, path in paths.items():
+        words = study.words(study.figures[name])
+        arguments = ["figure-data", name, *words, f"--config={study.config}", f"--output={path}"]
+        assert cli.main(arguments) == 0
+    return paths
+
+
+def drawn(name: str, data: pd.DataFrame):
+    with style.settings():
+        figure = figure_module(name).draw(data)
+        figure.draw_without_rendering()
+    return figure
+
+
+def saved(
+    name: str, data: pd.DataFrame, folder: Path, *, kinds: tuple[str, ...] = ("png", "svg")
+) -> list[bytes]:
+    paths = [folder / f"{name}.{kind}" for kind in kinds]
+    with style.settings():
+        style.save(figure_module(name).draw(data), paths)
+    return [path.read_bytes() for path in paths]
+
+
+def test_the_rules_hand_over_what_each_figure_asks_for(study) -> None:
+    assert set(study.figures) == set(FIGURES)
+    for name in FIGURES:
+        assert set(study.figures[name]) == set(figure_data_module(name).INPUTS), name
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_nothing_is_clipped_and_axes_have_units(name: str, tables: dict[str, Path]) -> None:
+    figure = drawn(name, pd.read_csv(tables[name]))
+    page, inside = figure.bbox, figure.get_tightbbox().transformed(figure.dpi_scale_trans)
+    assert inside.x0 >= page.x0
+    assert inside.y0 >= page.y0
+    assert inside.x1 <= page.x1
+    assert inside.y1 <= page.y1
+    for axes in figure.axes:
+        for label in (axes.get_xlabel(), axes.get_ylabel()):
+            assert label == "" or label.endswith(("(µm)", "(mm)", "(°)", "(N)", "(%)", "(–)"))
+    assert any(UNITS.get(name, "(µm)") in axes.get_ylabel() for axes in figure.axes)
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_text_is_legible_and_the_width_a_journals(name: str, tables: dict[str, Path]) -> None:
+    figure = drawn(name, pd.read_csv(tables[name]))
+    assert figure.get_figwidth() in (style.SINGLE_COLUMN_IN, style.DOUBLE_COLUMN_IN)
+    sizes = [text.get_fontsize() for text in figure.findobj(match=Text) if text.get_text()]
+    assert min(sizes) >= 6
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_drawing_is_its_tables_and_nothing_elses(
+    name: str, tables: dict[str, Path], tmp_path: Path
+) -> None:
+    """The same table gives the same bytes, another number in it another drawing."""
+    data = pd.read_csv(tables[name])
+    png, svg = saved(name, data, tmp_path / "a")
+    assert [png, svg] == saved(name, data, tmp_path / "b")
+    assert data["note"].iloc[0].split()[0].encode() in svg  # text stays text
+    ElementTree.fromstring(svg)
+    shown = ("amplitude_ratio", "force_n", "relative_error_percent", "hv_um", "phi_r_mm")
+    data.loc[len(data) // 2, next(column for column in shown if column in data)] *= 0.9
+    assert saved(name, data, tmp_path / "c", kinds=("svg",)) != [svg]
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_table_without_a_column_is_refused(
+    name: str, tables: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    missing = figure_module(name).COLUMNS[0]
+    path = tmp_path / "t.csv"
+    pd.read_csv(tables[name]).drop(columns=missing).to_csv(path, index=False)
+    assert cli.main(["plot", name, str(path), "--output", str(tmp_path / "t.png")]) == 2
+    message = capsys.readouterr().err
+    assert "t.csv" in message
+    assert repr(missing) in message
+
+
+def test_figures_know_nothing_of_physics(repository: Path) -> None:
+    allowed = ("squeezefilm.figures", "squeezefilm.errors")
+    forbidden = []
+    for path in sorted((repository / "workflow" / "squeezefilm" / "figures").glob("*.py")):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            if line.startswith(("from squeezefilm", "import squeezefilm")):
+                forbidden += [] if line.split()[1].startswith(allowed) else [path.name]
+    assert not forbidden
+
+
+def test_the_second_pattern_may_be_missing(study, tables: dict[str, Path], tmp_path: Path) -> None:
+    module, inputs = data_of("fig11", study)
+    summary = pd.read_json(inputs["summary"], typ="series")
+    one = summary.to_dict()
+    one["scalings"]["unit"] = one["scalings"]["unit"][:1]
+    inputs["summary"] = tmp_path / "one.json"
+    pd.Series(one).to_json(inputs["summary"])
+    data = module.build(inputs, load_config(study.config))
+    figure = drawn("fig11", data)
+    said = " ".join(text.get_text() for text in figure.findobj(match=Text))
+    assert "no such pattern" in said
+    assert "All 20 searches ended in other patterns: A (15)" in data["note"].iloc[0]
+
+
+def test_black_dots_lie_outside_the_band(tables: dict[str, Path]) -> None:
+    data = pd.read_csv(tables["fig14"])
+    assert data["in_band"].all()
+    data.loc[[3, 7], ["relative_error_percent", "in_band"]] = [[40.0, False], [-40.0, False]]
+    lines = drawn("fig14", data).axes[0].lines
+    black = [line for line in lines if line.get_marker() == "o" and line.get_color() == "black"]
+    np.testing.assert_array_equal(np.sort(black[0].get_ydata()), [-40.0, 40.0])
+
+
+def test_the_edge_of_the_band_is_drawn_where_the_error_reaches_it(tables: dict[str, Path]) -> None:
+    data = pd.read_csv(tables["error_map"])
+    thick = 1.8
+
+    def widths() -> list[float]:
+        contours = drawn("error_map", data).axes[0].collections
+        return [float(np.max(contour.get_linewidth())) for contour in contours]
+
+    assert thick not in widths()
+    data["relative_error_percent"] *= 5
+    assert thick in widths()
+
+
+def test_the_limit_keeps_the_fingers_corner_on_the_disc(study, tables: dict[str, Path]) -> None:
+    data = pd.read_csv(tables["fig05"])
+    limit_mm = data.loc[data["layer"] == "centre_limit", "radius_mm"].iloc[0]
+    assert limit_mm + np.hypot(5, 5) == pytest.approx(10)
+
+
+def test_the_error_map_states_global_and_worst_error(tables: dict[str, Path]) -> None:
+    note = pd.read_csv(tables["error_map"])["note"].iloc[0]
+    assert "global error 0.98" in note
+    assert "largest relative error −6.4" in note
+    assert "no point outside ±15 %" in note
+    assert "test device" in note
+    assert "≤ 3e-7 of the force" in note
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["forces"], "not NAME=PATH"),
+        (["forces=a", "forces=b"], "twice"),
+        (["strange=a"], "no input 'strange'"),
+        (["forces=a"], "fit is missing"),
+    ],
+)
+def test_inputs_are_checked_by_name(words: list[str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        parse_sources(words, names=("forces", "fit"), user="fig08")
+
+
+def test_an_unknown_figure_is_refused() -> None:
+    with pytest.raises(InputError, match="no figure 'fig99'; the figures are fig05"):
+        figure_module("fig99")
+
+
+def test_error_estimates_are_never_rounded_down() -> None:
+    assert [rounded_up(value) for value in (2.4e-7, 9.1e-7, 3e-7, 0.0)] == [
+        "3e-7",
+        "1e-6",
+        "3e-7",
+        "0",
+    ]
+    assert one_digit(5.2e-06) == "5e-6"
+
+
+def data_of(name: str, study) -> tuple[ModuleType, dict[str, Path]]:
+    return figure_data_module(name), {k: Path(v) for k, v in study.figures[name].items()}

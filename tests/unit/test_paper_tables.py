@@ -1,0 +1,84 @@
+"""Tables I to III: parameters, ranges and errors of the results, tidy and for people."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.errors import InputError
+from squeezefilm.fitted import read_fit
+from squeezefilm.paper_tables import TABLES, table_recipe
+from squeezefilm.tables import read_json
+
+
+def made(study, number: str, folder: Path) -> tuple[pd.DataFrame, str]:
+    paths = [folder / f"table{number}.csv", folder / f"table{number}.md"]
+    words = study.words(study.tables[number])
+    output = [f"--output={paths[0]}", f"--markdown={paths[1]}"]
+    assert cli.main(["table", number, *words, *output]) == 0
+    return pd.read_csv(paths[0]), paths[1].read_text(encoding="utf-8")
+
+
+def test_the_rules_hand_over_what_each_table_asks_for(study) -> None:
+    assert {number: set(recipe.inputs) for number, recipe in TABLES.items()} == {
+        number: set(inputs) for number, inputs in study.tables.items()
+    }
+
+
+@pytest.mark.parametrize(
+    ("number", "fits"),
+    [
+        ("1", ["screen", "two_factor_design"]),
+        ("3", ["four_factor", "four_factor_design", "four_factor_design_distinct"]),
+    ],
+)
+def test_parameters_are_those_of_the_fits(
+    study, number: str, fits: list[str], tmp_path: Path
+) -> None:
+    data, _ = made(study, number, tmp_path)
+    for name, (_, rows) in zip(fits, data.groupby("fit", sort=False), strict=True):
+        fit = read_fit(study.root / "fits" / f"{name}.json")
+        assert tuple(rows["value"][:-1]) == pytest.approx(fit.theta)
+        assert set(rows["points"]) == {fit.points}
+
+
+def test_global_errors_are_judged_on_the_first_plan(study, tmp_path: Path) -> None:
+    for number, stem in (
+        ("1", "two_factor_design_on_screen"),
+        ("3", "four_factor_design_on_four_factor"),
+    ):
+        data, _ = made(study, number, tmp_path)
+        errors = data[data["quantity"].str.startswith("global error")]["value"].to_list()
+        judged = read_json(study.root / "validation" / f"{stem}.json")["global_error"]
+        assert errors[1] == pytest.approx(100 * judged)
+        assert errors[0] < errors[1]
+
+
+def test_ranges_of_the_four_factors(study, tmp_path: Path) -> None:
+    data, _ = made(study, "2", tmp_path)
+    ranges = data.set_index("symbol")[["minimum", "maximum"]].T.to_dict("list")
+    assert ranges == {"h0": [5, 10], "hv": [0.2, 2], "φr": [0, 2.9], "φφ": [0, 45]}
+
+
+@pytest.mark.parametrize("number", list(TABLES))
+def test_the_table_for_people_has_every_row_and_states_its_settings(
+    study, number: str, tmp_path: Path
+) -> None:
+    _, markdown = made(study, number, tmp_path)
+    rows = [line for line in markdown.splitlines() if line.startswith("|")]
+    assert len(rows) == {"1": 4, "2": 4, "3": 6}[number] + 2
+    assert len({row.count("|") for row in rows}) == 1
+    assert ("simulations at 13 positions" if number == "2" else "test device") in markdown
+
+
+def test_a_parameter_that_is_zero_but_for_rounding_reads_zero(study, tmp_path: Path) -> None:
+    _, markdown = made(study, "3", tmp_path)
+    assert "| θ3 | – | 0.016642 | 0 | −0.039971 |" in markdown
+
+
+def test_an_unknown_table_is_refused() -> None:
+    with pytest.raises(InputError, match="no table '4'; the tables are 1, 2, 3"):
+        table_recipe("4")
