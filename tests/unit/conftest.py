@@ -73,7 +73,7 @@ def _rules_inputs(repository: Path, root: Path) -> dict[str, Any]:
     """The tables of inputs at the top of the figures' rules, which are plain Python."""
     text = (repository / "workflow" / "rules" / "figures.smk").read_text(encoding="utf-8")
     names: dict[str, Any] = {}
-    exec(text[: text.index("\ndef ")].replace("<results>", str(root)), names)
+    exec(text[: text.index("\nwildcard_constraints:")].replace("<results>", str(root)), names)
     return names
 
 

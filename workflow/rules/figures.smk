@@ -93,13 +93,6 @@ CLAIM_INPUTS = {
 }
 
 
-def named(inputs):
-    """The tables that a command wants as NAME=PATH; `code` and `config` are not among them."""
-    return lambda wildcards, input: " ".join(
-        f"{name}={input[name]}" for name in inputs(wildcards)
-    )
-
-
 wildcard_constraints:
     figure="fig[0-9]+|error_map",
     number="[1-3]",
@@ -114,16 +107,18 @@ rule figure_data:
         "<results>/figures/{figure}.csv",
     log:
         "<logs>/figure_data/{figure}.log",
+    localrule: True
     conda:
         "../../envs/tables.yaml"
-    localrule: True
     threads: 1
     resources:
         mem_mb=500,
         runtime=5,
     params:
         settings=lambda wildcards: settings(f"figure_data.{wildcards.figure}"),
-        tables=named(lambda wildcards: FIGURE_INPUTS[wildcards.figure]),
+        tables=lambda wildcards, input: " ".join(
+            f"{name}={input[name]}" for name in FIGURE_INPUTS[wildcards.figure]
+        ),
     message:
         "Data of {wildcards.figure}"
     shell:
@@ -140,9 +135,9 @@ rule plot:
         svg="<results>/figures/{figure}.svg",
     log:
         "<logs>/plot/{figure}.log",
+    localrule: True
     conda:
         "../../envs/figures.yaml"
-    localrule: True
     threads: 1
     resources:
         mem_mb=1000,
@@ -163,15 +158,17 @@ rule table:
         markdown="<results>/tables/table{number}.md",
     log:
         "<logs>/table/table{number}.log",
+    localrule: True
     conda:
         "../../envs/tables.yaml"
-    localrule: True
     threads: 1
     resources:
         mem_mb=500,
         runtime=5,
     params:
-        tables=named(lambda wildcards: TABLE_INPUTS[wildcards.number]),
+        tables=lambda wildcards, input: " ".join(
+            f"{name}={input[name]}" for name in TABLE_INPUTS[wildcards.number]
+        ),
     message:
         "Table {wildcards.number}"
     shell:
@@ -188,15 +185,15 @@ rule compare_claims:
         markdown="<results>/claims.md",
     log:
         "<logs>/claims.log",
+    localrule: True
     conda:
         "../../envs/tables.yaml"
-    localrule: True
     threads: 1
     resources:
         mem_mb=500,
         runtime=5,
     params:
-        tables=named(lambda wildcards: CLAIM_INPUTS),
+        tables=lambda wildcards, input: " ".join(f"{name}={input[name]}" for name in CLAIM_INPUTS),
     message:
         "The paper's claims beside ours"
     shell:
@@ -218,9 +215,7 @@ for name in FIGURE_INPUTS:
 
 rule figures:
     input:
-        expand(
-            "<results>/figures/{figure}.{format}", figure=FIGURE_INPUTS, format=["png", "svg"]
-        ),
+        expand("<results>/figures/{figure}.{format}", figure=FIGURE_INPUTS, format=["png", "svg"]),
     message:
         "The paper's figures and the error map are drawn"
 
