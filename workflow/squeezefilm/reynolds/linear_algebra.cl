@@ -8,16 +8,17 @@
 #if WORK_ITEMS == 1
 #define SYNC
 #define FOR_EACH(index, count) for (int index = 0; index < (count); index++)
+/* Four instants at a time: `i` counts double4 of the field, `t` those of the period. */
 #define FOR_EACH_POINT(g, row, t, i)                 \
     for (int row = 0, i = 0; row < (g)->rows; row++) \
-        for (int t = 0; t < (g)->nt; t++, i++)
+        for (int t = 0; t < (g)->nt4; t++, i++)
 #else
 #define SYNC barrier(CLK_GLOBAL_MEM_FENCE | CLK_LOCAL_MEM_FENCE)
 #define FOR_EACH(index, count) \
     for (int index = get_local_id(0); index < (count); index += WORK_ITEMS)
-#define FOR_EACH_POINT(g, row, t, i)                                             \
-    for (int i = get_local_id(0), row = i / (g)->nt, t = i % (g)->nt; i < (g)->count; \
-         i += WORK_ITEMS, row = i / (g)->nt, t = i % (g)->nt)
+#define FOR_EACH_POINT(g, row, t, i)                                                   \
+    for (int i = get_local_id(0), row = i / (g)->nt4, t = i % (g)->nt4; i < (g)->count4; \
+         i += WORK_ITEMS, row = i / (g)->nt4, t = i % (g)->nt4)
 #endif
 
 typedef __global double *field;
@@ -56,31 +57,44 @@ BLOCK(1)
 BLOCK(2)
 BLOCK(4)
 
-/* c = a b (+ c) for `panels` panels: a is (rows, inner); b and c have `columns` double4 in a row,
- * `ldb` apart in b and c, and their panels start `panel` double4 apart (a's panels `panel_a`). */
-static void multiply(matrix a, int panel_a, int rows, int inner, matrix4 b, int panel_b, field4 c,
-                     int panel_c, int columns, int panels, int add)
+/* Four rows and up to four double4 columns of a panel. */
+static inline void multiply_block(matrix a, matrix4 b, field4 c, int stride, int inner, int width,
+                                  int add)
 {
+    if (width >= 4) {
+        block_4(a, inner, b, stride, c, stride, inner, add);
+    } else {
+        if (width & 2)
+            block_2(a, inner, b, stride, c, stride, inner, add);
+        if (width & 1)
+            block_1(a, inner, b + (width & 2), stride, c + (width & 2), stride, inner, add);
+    }
+}
+
+/* c = a b (+ c) for `panels` panels of b and c, `panel` double4 apart: a is (rows, inner), and a
+ * row of b and c has `columns` double4. */
+static void multiply(matrix a, int rows, int inner, matrix4 b, field4 c, int panel, int columns,
+                     int panels, int add)
+{
+#if WORK_ITEMS == 1
+    for (int p = 0; p < panels; p++)
+        for (int row = 0; row < rows; row += 4)
+            for (int column = 0; column < columns; column += 4)
+                multiply_block(a + row * inner, b + p * panel + column,
+                               c + p * panel + row * columns + column, columns, inner,
+                               columns - column, add);
+#else
     const int row_blocks = rows / 4, column_blocks = (columns + 3) / 4;
     FOR_EACH(task, panels * row_blocks * column_blocks)
     {
-        const int panel = task / (row_blocks * column_blocks);
+        const int p = task / (row_blocks * column_blocks);
         const int row = 4 * (task / column_blocks % row_blocks);
         const int column = 4 * (task % column_blocks);
-        matrix a_block = a + panel * panel_a + row * inner;
-        matrix4 b_block = b + panel * panel_b + column;
-        field4 c_block = c + panel * panel_c + row * columns + column;
-        const int left = columns - column;
-        if (left >= 4) {
-            block_4(a_block, inner, b_block, columns, c_block, columns, inner, add);
-        } else {
-            if (left & 2)
-                block_2(a_block, inner, b_block, columns, c_block, columns, inner, add);
-            if (left & 1)
-                block_1(a_block, inner, b_block + (left & 2), columns, c_block + (left & 2),
-                        columns, inner, add);
-        }
+        multiply_block(a + row * inner, b + p * panel + column,
+                       c + p * panel + row * columns + column, columns, inner, columns - column,
+                       add);
     }
+#endif
     SYNC;
 }
 
@@ -122,9 +136,19 @@ static double max_over_group(double part, __local double *scratch)
 #endif
 }
 
-static double dot_product(matrix4 a, matrix4 b, int count, __local double *scratch)
+static double sum_of(double4 v) { return (v.x + v.y) + (v.z + v.w); }
+
+static double max_of(double4 v) { return fmax(fmax(v.x, v.y), fmax(v.z, v.w)); }
+
+static double4 larger(double4 a, double4 b) { return a > b ? a : b; }
+
+static double dot_product(matrix4 a, matrix4 b, int count4, __local double *scratch)
 {
-    double4 sum = (double4)(0.0);
-    FOR_EACH(i, count) sum += a[i] * b[i];
-    return sum_over_group(sum.x + sum.y + sum.z + sum.w, scratch);
+    double4 even = (double4)(0.0), odd = (double4)(0.0);
+    FOR_EACH(i, count4 / 2)
+    {
+        even += a[2 * i] * b[2 * i];
+        odd += a[2 * i + 1] * b[2 * i + 1];
+    }
+    return sum_over_group(sum_of(even + odd), scratch);
 }

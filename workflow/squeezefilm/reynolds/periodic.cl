@@ -23,7 +23,8 @@ typedef struct {
     int nx, ny, nt, rows, count, nt4, row4, count4;
     matrix laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
     matrix eigenvalues_x, eigenvalues_y, weights_x, weights_y;
-    matrix fourier, fourier_transposed, time_derivative, sine, cosine;
+    matrix fourier, fourier_transposed, time_derivative;
+    matrix4 sine, cosine;
 #ifdef BEARING
     matrix derivative_x, schur;
 #endif
@@ -34,8 +35,9 @@ typedef struct {
     double epsilon, sigma, bearing, inverse_exponent, diffusivity;
     double flow[FLOW_TERMS];
     matrix amplitude, gradient_squared, laplacian, slope_x;
-    field gap_power[FLOW_TERMS], potential[FLOW_TERMS], response[FLOW_TERMS];
-    field p, work_a, work_b, work_c;
+    field4 gap_power[FLOW_TERMS], potential[FLOW_TERMS], response[FLOW_TERMS];
+    field4 p;
+    field work_a, work_b, work_c;
 } Film;
 
 static Grid make_grid(int nx, int ny, int nt, matrix m)
@@ -57,8 +59,8 @@ static Grid make_grid(int nx, int ny, int nt, matrix m)
     g.eigenvalues_y = m; m += ny;
     g.weights_x = m; m += nx;
     g.weights_y = m; m += ny;
-    g.sine = m; m += nt;
-    g.cosine = m; m += nt;
+    g.sine = (matrix4)m; m += nt;
+    g.cosine = (matrix4)m; m += nt;
 #ifdef BEARING
     g.derivative_x = m;
 #endif
@@ -67,18 +69,18 @@ static Grid make_grid(int nx, int ny, int nt, matrix m)
 
 static void along_x(const Grid *g, matrix a, field in, field out, int add)
 {
-    multiply(a, 0, g->nx, g->nx, (matrix4)in, 0, (field4)out, 0, g->row4, 1, add);
+    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, 0, g->row4, 1, add);
 }
 
 static void along_y(const Grid *g, matrix a, field in, field out, int add)
 {
-    multiply(a, 0, g->ny, g->ny, (matrix4)in, g->row4, (field4)out, g->row4, g->nt4, g->nx, add);
+    multiply(a, g->ny, g->ny, (matrix4)in, (field4)out, g->row4, g->nt4, g->nx, add);
 }
 
 /* out[row][:] = in[row][:] times `transposed` (nt, nt). */
 static void along_t(const Grid *g, matrix transposed, field in, field out, int add)
 {
-    multiply(in, 0, g->rows, g->nt, (matrix4)transposed, 0, (field4)out, 0, g->nt4, 1, add);
+    multiply(in, g->rows, g->nt, (matrix4)transposed, (field4)out, 0, g->nt4, 1, add);
 }
 
 /* modal = (to_modes_x ⊗ to_modes_y ⊗ fourier) values; `values` is overwritten. */
@@ -97,47 +99,47 @@ static void from_modal(const Grid *g, field modal, field work, field values)
     along_t(g, g->fourier, work, values, 0);
 }
 
-static double gap_at(const Grid *g, const Film *film, int row, int t)
+static double4 gap_at(const Grid *g, const Film *film, int row, int t)
 {
-    return 1.0 + film->epsilon * g->sine[t] * film->amplitude[row];
+    return 1.0 + film->epsilon * film->amplitude[row] * g->sine[t];
 }
 
 /* H^(a/2) for a = 3 − k. */
-static double half_power(double gap, int k)
+static double4 half_power(double4 gap, int k)
 {
-    return k == 0 ? gap * sqrt(gap) : k == 1 ? gap : k == 2 ? sqrt(gap) : 1.0;
+    return k == 0 ? gap * sqrt(gap) : k == 1 ? gap : k == 2 ? sqrt(gap) : (double4)(1.0);
 }
 
-/* Density ρ(P) − 1, its derivative, and g_k(P) − g_k(1), exact for small p too. */
+/* Density ρ(P) − 1 and its derivative; g_k(P) − g_k(1) and its derivative. All exact for small p. */
 #ifdef POLYTROPIC
-static double density_rise(const Film *film, double p)
+static double4 density_rise(const Film *film, double4 p)
 {
     return expm1(film->inverse_exponent * log1p(p));
 }
-static double density_slope(const Film *film, double p)
+static double4 density_slope(const Film *film, double4 p)
 {
     return film->inverse_exponent * exp((film->inverse_exponent - 1.0) * log1p(p));
 }
-static double flow_potential(const Film *film, double p, int k)
+static double4 flow_potential(const Film *film, double4 p, int k)
 {
     const double power = (1 - k) * film->inverse_exponent + 1.0;
     return expm1(power * log1p(p)) / power;
 }
-static double flow_slope(const Film *film, double p, int k)
+static double4 flow_slope(const Film *film, double4 p, int k)
 {
     return exp((1 - k) * film->inverse_exponent * log1p(p));
 }
 #else
-static double density_rise(const Film *film, double p) { return p; }
-static double density_slope(const Film *film, double p) { return 1.0; }
-static double flow_potential(const Film *film, double p, int k)
+static double4 density_rise(const Film *film, double4 p) { return p; }
+static double4 density_slope(const Film *film, double4 p) { return (double4)(1.0); }
+static double4 flow_potential(const Film *film, double4 p, int k)
 {
     return k == 0 ? p * (1.0 + 0.5 * p) : k == 1 ? p : k == 2 ? log1p(p) : p / (1.0 + p);
 }
-static double flow_slope(const Film *film, double p, int k)
+static double4 flow_slope(const Film *film, double4 p, int k)
 {
-    const double pressure = 1.0 + p;
-    return k == 0 ? pressure : k == 1 ? 1.0 : k == 2 ? 1.0 / pressure : 1.0 / (pressure * pressure);
+    return k == 0 ? 1.0 + p : k == 1 ? (double4)(1.0) : k == 2 ? 1.0 / (1.0 + p)
+                                                               : 1.0 / ((1.0 + p) * (1.0 + p));
 }
 #endif
 
@@ -148,14 +150,13 @@ static void set_gap(const Grid *g, Film *film)
         const double half_exponent = 0.5 * (3 - k);
         FOR_EACH_POINT(g, row, t, i)
         {
-            const double excursion = film->epsilon * g->sine[t];
-            const double gap = 1.0 + excursion * film->amplitude[row];
+            const double4 gap = gap_at(g, film, row, t);
+            const double4 relative = film->epsilon * g->sine[t] / gap;
             film->gap_power[k][i] = half_power(gap, k);
             film->potential[k][i] =
-                half_exponent * excursion *
+                half_exponent * relative *
                 (film->laplacian[row] +
-                 (half_exponent - 1.0) * excursion * film->gradient_squared[row] / gap) /
-                gap;
+                 (half_exponent - 1.0) * film->gradient_squared[row] * relative);
         }
     }
     SYNC;
@@ -166,11 +167,22 @@ static void add_flow(const Grid *g, const Film *film, int k, field v, field work
 {
     along_x(g, g->laplace_x, v, work, 0);
     along_y(g, g->laplace_y, v, work, 1);
-    matrix power = film->gap_power[k], q = film->potential[k];
+    matrix4 power = film->gap_power[k], q = film->potential[k];
+    matrix4 v4 = (matrix4)v, curvature = (matrix4)work;
+    field4 r4 = (field4)r;
     if (k == 0)
-        FOR_EACH(i, g->count) r[i] = power[i] * (work[i] - q[i] * v[i]);
+        FOR_EACH(i, g->count4) r4[i] = power[i] * (curvature[i] - q[i] * v4[i]);
     else
-        FOR_EACH(i, g->count) r[i] += power[i] * (work[i] - q[i] * v[i]);
+        FOR_EACH(i, g->count4) r4[i] += power[i] * (curvature[i] - q[i] * v4[i]);
+    SYNC;
+}
+
+/* a −= scale b. */
+static void subtract(const Grid *g, field a, double scale, field b)
+{
+    field4 a4 = (field4)a;
+    matrix4 b4 = (matrix4)b;
+    FOR_EACH(i, g->count4) a4[i] -= scale * b4[i];
     SYNC;
 }
 
@@ -179,54 +191,63 @@ static void add_flow(const Grid *g, const Film *film, int k, field v, field work
 static void residual(const Grid *g, Film *film, field modal, __local double *scratch)
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
-    double diffusivity = 0.0;
+    field4 v4 = (field4)v, work4 = (field4)work, r4 = (field4)r;
+    double4 diffusivity = (double4)(0.0);
     for (int k = 0; k < FLOW_TERMS; k++) {
         FOR_EACH_POINT(g, row, t, i)
         {
-            const double gap = gap_at(g, film, row, t), p = film->p[i];
-            const double power = film->gap_power[k][i];
-            const double response = film->flow[k] * power * flow_slope(film, p, k) /
-                                    (gap * density_slope(film, p));
-            v[i] = film->flow[k] * power * flow_potential(film, p, k);
+            const double4 gap = gap_at(g, film, row, t), p = film->p[i];
+            const double4 power = film->gap_power[k][i];
+            const double4 response = film->flow[k] * power * flow_slope(film, p, k) /
+                                     (gap * density_slope(film, p));
+            v4[i] = film->flow[k] * power * flow_potential(film, p, k);
             film->response[k][i] = response;
             diffusivity += response * power;
         }
         SYNC;
         add_flow(g, film, k, v, work, r);
     }
-    film->diffusivity = sum_over_group(diffusivity, scratch) / g->count;
+    film->diffusivity = sum_over_group(sum_of(diffusivity), scratch) / g->count;
     FOR_EACH_POINT(g, row, t, i)
     {
-        work[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
-        r[i] -= film->sigma * film->epsilon * film->amplitude[row] * g->cosine[t];
+        work4[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
+        r4[i] -= film->sigma * film->epsilon * film->amplitude[row] * g->cosine[t];
 #ifdef BEARING
-        r[i] -= film->bearing * film->epsilon * film->slope_x[row] * g->sine[t];
+        r4[i] -= film->bearing * film->epsilon * film->slope_x[row] * g->sine[t];
 #endif
     }
     SYNC;
     along_t(g, g->time_derivative, work, v, 0);
-    FOR_EACH(i, g->count) r[i] -= film->sigma * v[i];
-    SYNC;
+    subtract(g, r, film->sigma, v);
 #ifdef BEARING
     along_x(g, g->derivative_x, work, v, 0);
-    FOR_EACH(i, g->count) r[i] -= film->bearing * v[i];
-    SYNC;
+    subtract(g, r, film->bearing, v);
 #endif
     to_modal(g, r, modal);
 }
 
-/* Add the time term −σ dw/dT, diagonal here: harmonic k has a cosine and a sine coefficient with
- * d/dT (c cos kT + s sin kT) = k s cos kT − k c sin kT. */
+/* Harmonic k has a cosine coefficient c, at k in a row's first half, and a sine coefficient s in
+ * its second half: d/dT (c cos kT + s sin kT) = k s cos kT − k c sin kT. The places for k = 0 hold
+ * the mean and the last cosine, which both have no rate. Two harmonics are treated at a time. */
+typedef __global double2 *pair;
+typedef __global const double2 *pairs;
+
+static double2 speeds(const Film *film, int j)
+{
+    return film->sigma * (double2)(2 * j, 2 * j + 1);
+}
+
+/* Add the time term −σ dw/dT. */
 static void add_time_term(const Grid *g, const Film *film, matrix w, field modal)
 {
+    const int half_row = g->nt / 4;
     FOR_EACH(row, g->rows)
     {
-        field m = modal + row * g->nt;
-        matrix from = w + row * g->nt;
-        for (int harmonic = 1; harmonic < g->nt / 2; harmonic++) {
-            const double speed = film->sigma * harmonic;
-            m[2 * harmonic - 1] -= speed * from[2 * harmonic];
-            m[2 * harmonic] += speed * from[2 * harmonic - 1];
+        pair m = (pair)(modal + row * g->nt);
+        pairs from = (pairs)(w + row * g->nt);
+        for (int j = 0; j < half_row; j++) {
+            m[j] -= speeds(film, j) * from[half_row + j];
+            m[half_row + j] += speeds(film, j) * from[j];
         }
     }
     SYNC;
@@ -235,56 +256,53 @@ static void add_time_term(const Grid *g, const Film *film, matrix w, field modal
 #ifdef BEARING
 /* Solve (D Δ − Λ d/dX − σ d/dT) w = modal in place, in the real Schur basis of the operator along
  * x: back-substitution through the quasi-triangular matrix g->schur, for every mode along y and
- * every harmonic, which is a complex number c − i s here. */
+ * every harmonic, which is the complex number c − i s here and has the rate i k. */
 static void precondition(const Grid *g, const Film *film, field modal)
 {
-    const int nx = g->nx, nt = g->nt, stride = g->ny * nt;
+    const int nx = g->nx, stride = g->ny * g->nt, half_row = g->nt / 4;
     matrix triangle = g->schur;
     FOR_EACH(column, g->ny)
     {
         const double shift = film->diffusivity * g->eigenvalues_y[column];
-        field m = modal + column * nt;
+        field m = modal + column * g->nt;
         int top;
         for (int bottom = nx - 1; bottom >= 0; bottom = top - 1) {
-            const int paired = bottom > 0 && triangle[bottom * nx + bottom - 1] != 0.0;
-            top = bottom - paired;
+            const int coupled = bottom > 0 && triangle[bottom * nx + bottom - 1] != 0.0;
+            top = bottom - coupled;
             for (int i = top; i <= bottom; i++)
                 for (int j = bottom + 1; j < nx; j++) {
                     const double entry = film->diffusivity * triangle[i * nx + j];
-                    for (int t = 0; t < nt; t++)
-                        m[i * stride + t] -= entry * m[j * stride + t];
+                    field4 to = (field4)(m + i * stride);
+                    matrix4 from = (matrix4)(m + j * stride);
+                    for (int t = 0; t < g->nt4; t++)
+                        to[t] -= entry * from[t];
                 }
             const double a = film->diffusivity * triangle[top * nx + top] + shift;
             const double b = film->diffusivity * triangle[top * nx + bottom];
             const double c = film->diffusivity * triangle[bottom * nx + top];
             const double d = film->diffusivity * triangle[bottom * nx + bottom] + shift;
-            for (int harmonic = 0; harmonic <= nt / 2; harmonic++) {
-                const int real = harmonic == 0 ? 0 : 2 * harmonic - 1;
-                const int paired_time = harmonic > 0 && harmonic < nt / 2;
-                const double speed = paired_time ? film->sigma * harmonic : 0.0;
-                field u = m + top * stride + real, v = m + bottom * stride + real;
-                const double2 ru = (double2)(u[0], paired_time ? -u[1] : 0.0);
-                if (!paired) {
-                    const double scale = 1.0 / (a * a + speed * speed);
-                    u[0] = scale * (a * ru.x - speed * ru.y);
-                    if (paired_time)
-                        u[1] = -scale * (a * ru.y + speed * ru.x);
+            pair u = (pair)(m + top * stride), v = (pair)(m + bottom * stride);
+            for (int j = 0; j < half_row; j++) {
+                const double2 speed = speeds(film, j);
+                const double2 u_re = u[j], u_im = -u[half_row + j];
+                if (!coupled) {
+                    const double2 scale = 1.0 / (a * a + speed * speed);
+                    u[j] = scale * (a * u_re - speed * u_im);
+                    u[half_row + j] = -scale * (a * u_im + speed * u_re);
                 } else {
-                    /* [a − iS, b; c, d − iS] by Cramer's rule. */
-                    const double2 rv = (double2)(v[0], paired_time ? -v[1] : 0.0);
-                    const double2 det =
-                        (double2)(a * d - b * c - speed * speed, -speed * (a + d));
-                    const double2 nu = (double2)(d * ru.x + speed * ru.y - b * rv.x,
-                                                 d * ru.y - speed * ru.x - b * rv.y);
-                    const double2 nv = (double2)(a * rv.x + speed * rv.y - c * ru.x,
-                                                 a * rv.y - speed * rv.x - c * ru.y);
-                    const double scale = 1.0 / (det.x * det.x + det.y * det.y);
-                    u[0] = scale * (nu.x * det.x + nu.y * det.y);
-                    v[0] = scale * (nv.x * det.x + nv.y * det.y);
-                    if (paired_time) {
-                        u[1] = -scale * (nu.y * det.x - nu.x * det.y);
-                        v[1] = -scale * (nv.y * det.x - nv.x * det.y);
-                    }
+                    /* (a − iS, b; c, d − iS) by Cramer's rule. */
+                    const double2 v_re = v[j], v_im = -v[half_row + j];
+                    const double2 det_re = a * d - b * c - speed * speed;
+                    const double2 det_im = -speed * (a + d);
+                    const double2 scale = 1.0 / (det_re * det_re + det_im * det_im);
+                    const double2 top_re = d * u_re + speed * u_im - b * v_re;
+                    const double2 top_im = d * u_im - speed * u_re - b * v_im;
+                    const double2 low_re = a * v_re + speed * v_im - c * u_re;
+                    const double2 low_im = a * v_im - speed * v_re - c * u_im;
+                    u[j] = scale * (top_re * det_re + top_im * det_im);
+                    v[j] = scale * (low_re * det_re + low_im * det_im);
+                    u[half_row + j] = -scale * (top_im * det_re - top_re * det_im);
+                    v[half_row + j] = -scale * (low_im * det_re - low_re * det_im);
                 }
             }
         }
@@ -292,23 +310,21 @@ static void precondition(const Grid *g, const Film *film, field modal)
     SYNC;
 }
 #else
-/* Solve (D Δ − σ d/dT) w = modal in place: two by two, or one by one where time has no rate. */
+/* Solve (D Δ − σ d/dT) w = modal in place: two unknowns by two for each harmonic. */
 static void precondition(const Grid *g, const Film *film, field modal)
 {
+    const int half_row = g->nt / 4;
     FOR_EACH(row, g->rows)
     {
         const double diffusion =
             film->diffusivity * (g->eigenvalues_x[row / g->ny] + g->eigenvalues_y[row % g->ny]);
-        const double inverse = 1.0 / diffusion;
-        field m = modal + row * g->nt;
-        m[0] *= inverse;
-        m[g->nt - 1] *= inverse;
-        for (int harmonic = 1; harmonic < g->nt / 2; harmonic++) {
-            const double speed = film->sigma * harmonic;
-            const double scale = 1.0 / (diffusion * diffusion + speed * speed);
-            const double cosine = m[2 * harmonic - 1], sine = m[2 * harmonic];
-            m[2 * harmonic - 1] = scale * (diffusion * cosine + speed * sine);
-            m[2 * harmonic] = scale * (diffusion * sine - speed * cosine);
+        pair m = (pair)(modal + row * g->nt);
+        for (int j = 0; j < half_row; j++) {
+            const double2 speed = speeds(film, j);
+            const double2 scale = 1.0 / (diffusion * diffusion + speed * speed);
+            const double2 cosine = m[j], sine = m[half_row + j];
+            m[j] = scale * (diffusion * cosine + speed * sine);
+            m[half_row + j] = scale * (diffusion * sine - speed * cosine);
         }
     }
     SYNC;
@@ -319,28 +335,30 @@ static void precondition(const Grid *g, const Film *film, field modal)
 static void apply_jacobian(const Grid *g, const Film *film, field w, field out)
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
-#if FLOW_TERMS == 1 && !defined(BEARING)
-    from_modal(g, w, work, v);
-    FOR_EACH(i, g->count) v[i] *= film->response[0][i];
-    SYNC;
-    add_flow(g, film, 0, v, work, r);
-#else
+    field4 v4 = (field4)v;
     /* `out` keeps the nodal values of w until the terms are added up. */
     from_modal(g, w, work, out);
+    matrix4 nodal = (matrix4)out;
     for (int k = 0; k < FLOW_TERMS; k++) {
-        FOR_EACH(i, g->count) v[i] = film->response[k][i] * out[i];
+        matrix4 response = film->response[k];
+        FOR_EACH(i, g->count4) v4[i] = response[i] * nodal[i];
         SYNC;
         add_flow(g, film, k, v, work, r);
     }
 #ifdef BEARING
     along_x(g, g->derivative_x, out, v, 0);
-    FOR_EACH(i, g->count) r[i] -= film->bearing * v[i];
-    SYNC;
-#endif
+    subtract(g, r, film->bearing, v);
 #endif
     to_modal(g, r, out);
     add_time_term(g, film, w, out);
     precondition(g, film, out);
+}
+
+static void scale_field(const Grid *g, field a, double factor)
+{
+    field4 a4 = (field4)a;
+    FOR_EACH(i, g->count4) a4[i] *= factor;
+    SYNC;
 }
 
 static double norm(const Grid *g, field a, __local double *scratch)
@@ -358,9 +376,7 @@ static int gmres(const Grid *g, const Film *film, field basis, field small, doub
     const int lead = most + 1;
     field hessenberg = small, right = hessenberg + lead * most, cosines = right + lead,
           sines = cosines + most;
-    const double scale = -1.0 / beta;
-    FOR_EACH(i, g->count) basis[i] *= scale;
-    SYNC;
+    scale_field(g, basis, -1.0 / beta);
     double left = beta;
     int steps = 0;
     if (get_local_id(0) == 0)
@@ -372,16 +388,13 @@ static int gmres(const Grid *g, const Film *film, field basis, field small, doub
         for (int j = 0; j <= steps; j++) {
             field4 old = (field4)(basis + j * g->count), new = (field4)next;
             const double overlap = dot_product(old, new, g->count4, scratch) / g->nt;
-            FOR_EACH(i, g->count4) new[i] -= overlap * old[i];
             if (get_local_id(0) == 0)
                 column[j] = overlap;
-            SYNC;
+            subtract(g, next, overlap, basis + j * g->count);
         }
         const double length = norm(g, next, scratch);
-        if (length > 0.0) {
-            const double inverse = 1.0 / length;
-            FOR_EACH(i, g->count) next[i] *= inverse;
-        }
+        if (length > 0.0)
+            scale_field(g, next, 1.0 / length);
         if (get_local_id(0) == 0) {
             for (int j = 0; j < steps; j++) {
                 const double upper = column[j], lower = column[j + 1];
@@ -408,37 +421,33 @@ static int gmres(const Grid *g, const Film *film, field basis, field small, doub
             right[j] /= hessenberg[j * lead + j];
         }
     SYNC;
-    FOR_EACH(i, g->count)
-    {
-        double sum = 0.0;
-        for (int j = 0; j < steps; j++)
-            sum += right[j] * basis[j * g->count + i];
-        basis[i] = sum;
-    }
-    SYNC;
+    if (steps > 0)
+        scale_field(g, basis, right[0]);
+    for (int j = 1; j < steps; j++)
+        subtract(g, basis, -right[j], basis + j * g->count);
     return steps;
 }
 
 /* Mean overpressure over film and period, in units of ambient pressure. */
 static double mean_overpressure(const Grid *g, const Film *film, __local double *scratch)
 {
-    double sum = 0.0;
+    double4 sum = (double4)(0.0);
     FOR_EACH(row, g->rows)
     {
-        double over_period = 0.0;
-        for (int t = 0; t < g->nt; t++)
-            over_period += film->p[row * g->nt + t];
+        double4 over_period = (double4)(0.0);
+        for (int t = 0; t < g->nt4; t++)
+            over_period += film->p[row * g->nt4 + t];
         sum += g->weights_x[row / g->ny] * g->weights_y[row % g->ny] * over_period;
     }
-    return sum_over_group(sum, scratch) / g->nt;
+    return sum_over_group(sum_of(sum), scratch) / g->nt;
 }
 
 /* Largest share of a pressure step that takes at most 9/10 of the pressure anywhere. */
-static double safe_share(const Grid *g, const Film *film, field step, __local double *scratch)
+static double safe_share(const Grid *g, const Film *film, matrix4 step, __local double *scratch)
 {
-    double steepest = 0.0;
-    FOR_EACH(i, g->count) steepest = fmax(steepest, -step[i] / (1.0 + film->p[i]));
-    steepest = max_over_group(steepest, scratch);
+    double4 most = (double4)(0.0);
+    FOR_EACH(i, g->count4) most = larger(most, -step[i] / (1.0 + film->p[i]));
+    const double steepest = max_over_group(max_of(most), scratch);
     return steepest > 0.9 ? 0.9 / steepest : 1.0;
 }
 
@@ -467,9 +476,9 @@ __kernel void periodic_state(const int scenes, const int nx, const int ny, const
     field space = workspace + get_group_id(0) * workspace_size;
     Film film;
     for (int k = 0; k < FLOW_TERMS; k++) {
-        film.gap_power[k] = space;
-        film.potential[k] = space + g.count;
-        film.response[k] = space + 2 * g.count;
+        film.gap_power[k] = (field4)space;
+        film.potential[k] = (field4)(space + g.count);
+        film.response[k] = (field4)(space + 2 * g.count);
         space += 3 * g.count;
     }
     film.work_a = space;
@@ -499,7 +508,7 @@ __kernel void periodic_state(const int scenes, const int nx, const int ny, const
         film.gradient_squared = s + g.rows;
         film.laplacian = s + 2 * g.rows;
         film.slope_x = s + (PROFILE_FIELDS - 1) * g.rows;
-        film.p = state + (ulong)scene * g.count;
+        film.p = (field4)(state + (ulong)scene * g.count);
 #ifdef BEARING
         g.modes_x = schur + (ulong)scene * 3 * nx * nx;
         g.to_modes_x = g.modes_x + nx * nx;
@@ -528,33 +537,33 @@ __kernel void periodic_state(const int scenes, const int nx, const int ny, const
             /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
             const double target = fmax(0.3 * goal, fmin(0.1 * beta, beta * beta));
             krylov += gmres(&g, &film, basis, small, beta, target, most_krylov, scratch);
-            field w = film.work_b;
-            from_modal(&g, basis, film.work_a, w);
+            field4 step = (field4)film.work_b;
+            from_modal(&g, basis, film.work_a, film.work_b);
             FOR_EACH_POINT(&g, row, t, i)
-                w[i] /= gap_at(&g, &film, row, t) * density_slope(&film, film.p[i]);
+                step[i] /= gap_at(&g, &film, row, t) * density_slope(&film, film.p[i]);
             SYNC;
-            const double share = safe_share(&g, &film, w, scratch);
-            FOR_EACH(i, g.count) film.p[i] += share * w[i];
+            const double share = safe_share(&g, &film, step, scratch);
+            FOR_EACH(i, g.count4) film.p[i] += share * step[i];
             SYNC;
             force = mean_overpressure(&g, &film, scratch);
         }
-        double most = 0.0, deficit = -INFINITY, thinness = -INFINITY;
+        double4 size = (double4)(0.0), deficit = (double4)(-INFINITY), thinness = deficit;
         FOR_EACH_POINT(&g, row, t, i)
         {
-            const double pressure = 1.0 + film.p[i];
-            most = fmax(most, fabs(film.p[i]));
-            deficit = fmax(deficit, -pressure);
-            thinness = fmax(thinness, -pressure * gap_at(&g, &film, row, t));
+            const double4 p = film.p[i], pressure = 1.0 + p;
+            size = larger(size, fabs(p));
+            deficit = larger(deficit, -pressure);
+            thinness = larger(thinness, -pressure * gap_at(&g, &film, row, t));
         }
-        most = max_over_group(most, scratch);
-        deficit = max_over_group(deficit, scratch);
-        thinness = max_over_group(thinness, scratch);
+        const double largest = max_over_group(max_of(size), scratch);
+        const double lowest = -max_over_group(max_of(deficit), scratch);
+        const double thinnest = -max_over_group(max_of(thinness), scratch);
         if (get_local_id(0) == 0) {
             results[5 * scene] = force;
             results[5 * scene + 1] = beta;
-            results[5 * scene + 2] = most;
-            results[5 * scene + 3] = -deficit;
-            results[5 * scene + 4] = -thinness;
+            results[5 * scene + 2] = largest;
+            results[5 * scene + 3] = lowest;
+            results[5 * scene + 4] = thinnest;
             counts[3 * scene] = status;
             counts[3 * scene + 1] = newton;
             counts[3 * scene + 2] = krylov;

@@ -148,7 +148,8 @@ class Axis:
 class Period:
     """Equidistant collocation in time T over one period 2π, an even number of points.
 
-    The real orthonormal Fourier basis is ordered 1, cos T, sin T, cos 2T, …, cos(n/2)T.
+    The real orthonormal Fourier basis with n = points / 2 is ordered 1, cos T, …, cos (n−1)T,
+    cos nT, sin T, …, sin (n−1)T: a harmonic's sine lies n places behind its cosine.
     """
 
     points: int
@@ -159,42 +160,43 @@ class Period:
 
     @cached_property
     def harmonics(self) -> np.ndarray:
-        """Harmonic of each basis function, shape (points,); the last has no derivative here."""
-        return (np.arange(self.points) + 1) // 2
+        """Harmonic of each basis function, shape (points,); cos nT has no derivative here."""
+        half = self.points // 2
+        return np.concatenate([np.arange(half), [half], np.arange(1, half)])
+
+    def _basis(self, instants: np.ndarray) -> np.ndarray:
+        """The basis functions at some instants, shape (points, instants)."""
+        angle = np.outer(self.harmonics, instants)
+        is_sine = np.arange(self.points)[:, None] > self.points // 2
+        basis = np.where(is_sine, np.sin(angle), np.cos(angle)) * np.sqrt(2 / self.points)
+        basis[[0, self.points // 2]] /= np.sqrt(2)
+        return basis
 
     @cached_property
     def fourier(self) -> np.ndarray:
         """Orthonormal rows: coefficients = fourier @ values, shape (points, points)."""
-        angle = np.outer(self.harmonics, self.nodes)
-        odd = np.arange(self.points)[:, None] % 2 == 1
-        matrix = np.where(odd, np.cos(angle), np.sin(angle)) * np.sqrt(2 / self.points)
-        matrix[0] = np.sqrt(1 / self.points)
-        matrix[-1] /= np.sqrt(2)
-        return matrix
+        return self._basis(self.nodes)
 
     @property
     def last_coefficients(self) -> np.ndarray:
         """Rows that give the amplitudes of the last quarter of a function's harmonics."""
-        return self.fourier[3 * self.points // 4 :] * np.sqrt(2 / self.points)
+        last = self.harmonics >= 3 * self.points // 8
+        return self.fourier[last] * np.sqrt(2 / self.points)
 
     @cached_property
     def derivative(self) -> np.ndarray:
         """d/dT on the nodes, shape (points, points)."""
+        half = self.points // 2
         rates = np.zeros((self.points, self.points))
-        for cosine in range(1, self.points - 1, 2):
-            rates[cosine, cosine + 1] = self.harmonics[cosine]
-            rates[cosine + 1, cosine] = -self.harmonics[cosine]
+        for cosine in range(1, half):
+            rates[cosine, half + cosine] = cosine
+            rates[half + cosine, cosine] = -cosine
         return self.fourier.T @ rates @ self.fourier
 
     @lru_cache(maxsize=64)  # noqa: B019 - periods are few and live as long as the process
     def interpolation_to(self, finer: Period) -> np.ndarray:
         """Matrix that carries values to the nodes of another period, shape (finer.points, points)."""
-        angle = np.outer(finer.nodes, self.harmonics)
-        odd = np.arange(self.points) % 2 == 1
-        basis = np.where(odd, np.cos(angle), np.sin(angle)) * np.sqrt(2 / self.points)
-        basis[:, 0] = np.sqrt(1 / self.points)
-        basis[:, -1] /= np.sqrt(2)
-        return basis @ self.fourier
+        return self._basis(finer.nodes).T @ self.fourier
 
 
 @lru_cache(maxsize=64)

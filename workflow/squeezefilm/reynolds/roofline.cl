@@ -1,0 +1,43 @@
+/* The device's limits and the solver's parts, each repeated, to set one beside the other.
+ * Compiled after linear_algebra.cl and periodic.cl. */
+
+/* Twelve independent chains of double4 multiply-adds: 2 · 4 · 12 flop a turn and work-item. */
+__kernel void multiply_add_peak(const int turns, field out)
+{
+    double4 a = (double4)(1e-9 * get_global_id(0)), sum[12];
+    const double4 factor = (double4)(0.999999);
+    for (int i = 0; i < 12; i++)
+        sum[i] = a + i;
+    for (int turn = 0; turn < turns; turn++)
+        for (int i = 0; i < 12; i++)
+            sum[i] = sum[i] * factor + a;
+    for (int i = 1; i < 12; i++)
+        sum[0] += sum[i];
+    out[get_global_id(0)] = sum[0].x + sum[0].y + sum[0].z + sum[0].w;
+}
+
+/* c = a + 3 b over each group's own stretch of memory: 24 bytes a number. */
+__kernel void stream_triad(const int count4, const int turns, field4 a, field4 b, field4 c)
+{
+    const size_t start = get_group_id(0) * (size_t)count4;
+    for (int turn = 0; turn < turns; turn++) {
+        FOR_EACH(i, count4) c[start + i] = a[start + i] + 3.0 * b[start + i];
+        SYNC;
+    }
+}
+
+/* The solver's products, `turns` times, on each group's own two fields. */
+__kernel void panel_products(const int which, const int turns, const int nx, const int ny,
+                             const int nt, matrix matrices, field workspace)
+{
+    const Grid g = make_grid(nx, ny, nt, matrices);
+    field in = workspace + get_group_id(0) * (size_t)(2 * g.count), out = in + g.count;
+    for (int turn = 0; turn < turns; turn++) {
+        if (which == 0)
+            along_x(&g, g.laplace_x, in, out, 0);
+        else if (which == 1)
+            along_y(&g, g.laplace_y, in, out, 0);
+        else
+            along_t(&g, g.fourier, in, out, 0);
+    }
+}
