@@ -20,7 +20,6 @@ from squeezefilm.errors import InputError
 from squeezefilm.fitted import FittedModel, number, read_fit
 from squeezefilm.force_model import Factors, get_model
 from squeezefilm.markdown import markdown_table
-from squeezefilm.notes import percent
 from squeezefilm.sources import read_columns
 from squeezefilm.tables import (
     FACTOR_COLUMNS,
@@ -357,13 +356,14 @@ def _four_factor_error(results: Results) -> Finding:
     error = _error(results.four_factor_design_on_plan)
     distinct = _error(results.four_factor_distinct_on_plan)
     control = _error(results.four_factor_distinct_on_control)
+    # Two digits: the place of one point on its line of equal hv/h0 is free, and moves the third.
     return Finding(
         value=100 * error,
-        ours=f"{100 * error:.3g}",
+        ours=f"{100 * error:.2g}",
         explanation=(
             f"On the {len(results.four_factor)} simulations; the paper does not state its control "
-            f"set. With five physically distinct points: {percent(distinct)}, and "
-            f"{percent(control)} on {results.four_factor_distinct_on_control['points']} random "
+            f"set. With five physically distinct points: {100 * distinct:.2g} %, and "
+            f"{100 * control:.2g} % on {results.four_factor_distinct_on_control['points']} random "
             "control points."
         ),
     )

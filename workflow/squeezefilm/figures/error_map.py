@@ -34,7 +34,7 @@ def draw(data: pd.DataFrame) -> Figure:
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     filled = axes.contourf(h0_um, hv_um, error, levels=levels, cmap=style.DIVERGING)
     lines = axes.contour(h0_um, hv_um, error, levels=levels, colors="0.25", linewidths=0.5)
-    axes.clabel(lines, fontsize=6, fmt="%g")
+    axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
     if reach > band:
         axes.contour(h0_um, hv_um, np.abs(error), levels=[band], colors="black", linewidths=1.8)
     design = style.rows(data, "design")
