@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
+from squeezefilm.reynolds.spectral import axis
 from squeezefilm.scene import Scene
 
 # Values of a profile that should agree by symmetry agree to rounding.
 SYMMETRIC = 1e-13
+PROBE_POINTS = 24
 
 
 @dataclass(frozen=True)
@@ -21,6 +24,8 @@ class Needs:
         bearing: the finger slides.
         flow_terms: 1 for viscous flow, more for a rarefied gas.
         polytropic: the gas is not isothermal.
+        curvature_x, curvature_y: largest |∂²s/∂X²|, |∂²s/∂Y²| of the profile under the finger,
+            lengths in units of the finger's sides.
     """
 
     fold_x: bool
@@ -28,6 +33,8 @@ class Needs:
     bearing: bool
     flow_terms: int
     polytropic: bool
+    curvature_x: float
+    curvature_y: float
 
     @property
     def left_out(self) -> tuple[tuple[str, str], ...]:
@@ -51,16 +58,43 @@ def needs_of(scene: Scene) -> Needs:
 
     Sliding along x breaks the symmetry along x.
     """
-    nodes = (np.arange(12) + 0.37) / 12.5
-    x, y = np.meshgrid(nodes, nodes, indexing="ij")
-    s = scene.amplitude(x, y)
+    even_x, even_y, curvature_x, curvature_y = _shape_under_finger(_Place(scene))
     bearing = scene.bearing_number != 0
-    even_x = np.abs(scene.amplitude(1 - x, y) - s).max() < SYMMETRIC
-    even_y = np.abs(scene.amplitude(x, 1 - y) - s).max() < SYMMETRIC
     return Needs(
-        fold_x=bool(even_x) and not bearing,
-        fold_y=bool(even_y),
+        fold_x=even_x and not bearing,
+        fold_y=even_y,
         bearing=bearing,
         flow_terms=len(scene.flow_coefficients),
         polytropic=scene.gas.polytropic_exponent != 1,
+        curvature_x=curvature_x,
+        curvature_y=curvature_y,
+    )
+
+
+class _Place:
+    """A scene as far as the profile under the finger goes: scenes at one place are equal."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.key = (scene.actuator.profile, scene.finger, scene.x_m, scene.y_m)
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Place) and self.key == other.key
+
+
+@lru_cache(maxsize=4096)
+def _shape_under_finger(place: _Place) -> tuple[bool, bool, float, float]:
+    """Evenness along x and y, and largest curvature along x and y."""
+    probe = axis(PROBE_POINTS, False)
+    x, y = np.meshgrid(probe.all_nodes, probe.all_nodes, indexing="ij")
+    s = place.scene.amplitude(x, y)
+    twice = probe.derivative @ probe.derivative
+    return (
+        bool(np.abs(s[::-1] - s).max() < SYMMETRIC),
+        bool(np.abs(s[:, ::-1] - s).max() < SYMMETRIC),
+        float(np.abs(twice @ s).max()),
+        float(np.abs(s @ twice.T).max()),
     )

@@ -115,9 +115,8 @@ def _first_grid(scene: Scene, needs: Needs, tolerance: float) -> Grid:
         epsilon=scene.epsilon,
         sigma=scene.sigma,
         aspect=scene.aspect,
+        needs=needs,
         tolerance=tolerance,
-        fold_x=needs.fold_x,
-        fold_y=needs.fold_y,
     )
 
 
@@ -125,7 +124,9 @@ def _grouped(waiting: Iterable[_Progress]) -> Iterable[list[_Progress]]:
     """Scenes that can be solved in one launch: same grid, finger shape and terms."""
     groups: dict[object, list[_Progress]] = defaultdict(list)
     for progress in waiting:
-        groups[progress.grid, progress.scene.aspect, progress.needs].append(progress)
+        needs = progress.needs
+        terms = (needs.bearing, needs.flow_terms, needs.polytropic)
+        groups[progress.grid, progress.scene.aspect, terms].append(progress)
     return groups.values()
 
 
