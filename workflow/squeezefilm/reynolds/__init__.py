@@ -1,5 +1,6 @@
 """The Reynolds equation solved: ``solve(scenes, tolerance=...)`` is the only door."""
 
-from squeezefilm.reynolds.solver import Solution, solve
+from squeezefilm.reynolds.solution import Solution
+from squeezefilm.reynolds.solver import solve
 
 __all__ = ["Solution", "solve"]

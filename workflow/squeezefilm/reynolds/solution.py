@@ -1,0 +1,35 @@
+"""What solving a scene gives, whatever the method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The mean force of one scene and how it was obtained.
+
+    Attributes:
+        force_n: mean force over a period; NaN unless ``status`` is ``ok``.
+        force_error_n: estimate of its absolute error.
+        status: ``ok``, or what went wrong.
+        method: name of the method.
+        left_out: what the scene did not need.
+        nx, ny, nt: collocation points across the finger and over the period.
+        newton_steps, krylov_iterations: over all grids.
+        residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
+        work: floating-point operations of the iterations, for sharing out run time.
+    """
+
+    force_n: float
+    force_error_n: float
+    status: str
+    method: str
+    left_out: str
+    nx: int
+    ny: int
+    nt: int
+    newton_steps: int
+    krylov_iterations: int
+    residual: float
+    work: float
