@@ -20,6 +20,7 @@ from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
 from squeezefilm.scene import Scene, regime_warnings
 from squeezefilm.study import scene_of
@@ -120,7 +121,7 @@ def _simulate_table(
     except InputError as error:
         raise InputError(f"{options.scenes}: {error}") from None
     device = choose_device(wanted_device)
-    warm(device, moving=scenes[0].bearing_number != 0)
+    warm(device, needs_of(scenes[0]))
     start = time.perf_counter()
     with tqdm(total=len(scenes), unit="scene", desc=str(options.scenes), disable=None) as bar:
         solutions = solve(scenes, tolerance=tolerance, device=device, report=bar.update)

@@ -11,10 +11,12 @@ import argparse
 
 from squeezefilm.config import load_config
 from squeezefilm.reynolds import device
+from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
-from squeezefilm.tables import write_json
+from squeezefilm.study import scene_of
+from squeezefilm.tables import ScenePoint, write_json
 
-SECTIONS = ("finger", "solver")
+SECTIONS = ("gas", "actuator", "finger", "solver")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,5 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     wanted = config["solver"]["device"]
-    warm(device.choose_device(wanted), bearing=config["finger"]["speed_x_m_per_s"] != 0)
+    at_rest = ScenePoint("any", h0_m=5e-6, hv_m=0.0, phi_r_m=0.0, phi_deg=0.0)
+    warm(device.choose_device(wanted), needs_of(scene_of(at_rest, config)))
     write_json(device.describe(wanted), options.output)

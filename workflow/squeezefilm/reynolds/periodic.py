@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from squeezefilm.reynolds.device import Device, build
+from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 
 SOURCES = ("linear_algebra.cl", "periodic.cl")
@@ -206,17 +207,15 @@ def _schur_forms(problems: Problems, grid: Grid) -> np.ndarray:
     return forms
 
 
-def warm(
-    device: Device, *, bearing: bool = False, flow_terms: int = 1, polytropic: bool = False
-) -> None:
-    """Build and load the kernels, so that the first batch pays for its own solving alone."""
+def warm(device: Device, needs: Needs) -> None:
+    """Build and load the kernels that a scene needs, so that the first batch need not wait."""
     grid = Grid(nx=4, ny=4, nt=8, fold_x=False, fold_y=False)
     problems = Problems(
         epsilon=np.zeros(1),
         sigma=np.ones(1),
-        bearing=np.full(1, float(bearing)),
-        inverse_exponent=np.full(1, 0.8 if polytropic else 1.0),
-        flow=np.ones((1, flow_terms)),
+        bearing=np.full(1, float(needs.bearing)),
+        inverse_exponent=np.full(1, 0.8 if needs.polytropic else 1.0),
+        flow=np.ones((1, needs.flow_terms)),
         aspect=1.0,
         amplitude=np.ones((1, 6, 6)),
         tolerance=1.0,
