@@ -89,6 +89,8 @@ def test_a_fit_that_misses_the_minimum_is_seen(results: Results) -> None:
     runs.loc[0, "sum_of_squares"] *= 1.9
     assert verdict(results, "bounds").startswith("agrees")
     assert verdict(replace(results, screen_runs=runs), "bounds").startswith("differs")
+    one = results.screen_runs[results.screen_runs["bound"] == 100]
+    assert verdict(replace(results, screen_runs=one), "bounds").startswith("differs")
 
 
 def test_an_error_as_large_as_the_papers_agrees(results: Results) -> None:
