@@ -148,8 +148,8 @@ def _bounds(results: Results) -> Finding:
         value=spread,
         ours=shown if len(bounds) > 1 else "one bound only",
         explanation=(
-            f"{len(squares)} runs: bounds {', '.join(f'±{bound:g}' for bound in bounds)}, seeds, and "
-            "differential evolution as a cross-check. The search uses asinh(θ), for with θ itself "
+            f"{len(squares)} runs: bounds {', '.join(f'±{bound:g}' for bound in bounds)}; seeds; "
+            "differential evolution as a check. The search uses asinh(θ), for with θ itself "
             "GAs often miss the minimum."
         ),
     )
