@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
 from squeezefilm.errors import InputError
-from squeezefilm.fit import genetic_search
+from squeezefilm.search import genetic_search
 
 Array = NDArray[np.float64]
 Gradient = Callable[[Array], Array]
