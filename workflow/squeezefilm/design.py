@@ -33,6 +33,11 @@ SINGULAR = 1e100
 SCALINGS = ("unit", "micrometre", "metre", "scene")
 
 
+KICKS = 4
+KICK = 0.05
+"""Descents from a design kicked by so much, in unit factors, before a search is believed."""
+
+
 @dataclass(frozen=True)
 class Box:
     """The space of the experiment: one lower and one upper limit for each named factor."""
@@ -234,6 +239,8 @@ def search_design(
 ) -> Design:
     """One search for the best design of so many points: genetic algorithm, then a local descent.
 
+    The descent can end on a saddle, halfway along a line of equal hv/h0 on which the criterion
+    hardly changes. So it is repeated from points kicked off the design found, and the best is kept.
     Equal arguments give an equal result. Raises InputError where no design with a finite
     criterion was found.
     """
@@ -247,7 +254,14 @@ def search_design(
         first=10 * population,
         generations=generations,
     )
-    return refine(criterion, criterion.box.from_unit(found.x.reshape(points, factors)))
+    box = criterion.box
+    best = refine(criterion, box.from_unit(found.x.reshape(points, factors)))
+    kicks = np.random.default_rng(seed).normal(scale=KICK, size=(KICKS, points, factors))
+    for kick in kicks:
+        start = box.from_unit(np.clip(box.to_unit(best.points) + kick, 0, 1))
+        if float(criterion.value(start)) < SINGULAR:
+            best = min(best, refine(criterion, start), key=lambda design: design.value)
+    return best
 
 
 def refine(criterion: Criterion, points: Array, *, fixed: int = 0) -> Design:

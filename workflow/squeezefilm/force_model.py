@@ -184,10 +184,14 @@ def _position(theta: Array, factors: Factors) -> Array:
 
 
 def _radicands(theta: Array, factors: Factors) -> tuple[Array, Array]:
-    """What stands under the upper and the lower root of eq. (14)."""
+    """What stands under the upper and the lower root of eq. (14).
+
+    Parameters of a wide search may overflow here; what is not finite is not defined either.
+    """
     square = factors.epsilon**2
-    upper = 1 + theta[..., 0, None] * square
-    lower = 1 - theta[..., 1, None] * _position(theta, factors) * square
+    with np.errstate(over="ignore", invalid="ignore"):
+        upper = 1 + theta[..., 0, None] * square
+        lower = 1 - theta[..., 1, None] * _position(theta, factors) * square
     return upper, lower
 
 
