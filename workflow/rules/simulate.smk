@@ -88,7 +88,7 @@ rule simulate:
         code=code("simulate"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.csv",
-        kernels=ancient("<results>/simulations/device.json"),
+        kernels="<results>/simulations/device.json",
     output:
         forces="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.csv",
         timings="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.timings.csv",

@@ -1,0 +1,188 @@
+"""An edit makes anew exactly what depends on it.
+
+What depends on it is found apart from the workflow's own way of finding it: from what each job's
+process loaded, opened and read while the quick study ran (tracing/), completed by the standard
+library's modulefinder, which reads byte code, with the modules that a job might load another time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from modulefinder import ModuleFinder
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from squeezefilm.config import load_config
+from squeezefilm.errors import InputError
+from squeezefilm.study import check_study
+
+from .conftest import Finished, Planner, Trace
+
+LIBRARY = Path("workflow/squeezefilm")
+REPOSITORY = Path(__file__).resolve().parents[2]
+CODE = sorted(
+    path.relative_to(REPOSITORY)
+    for folder in (REPOSITORY / LIBRARY, REPOSITORY / "workflow/schemas")
+    for path in folder.rglob("*")
+    if path.is_file() and path.suffix != ".pyc"
+)
+
+
+@dataclass(frozen=True)
+class Job:
+    """A job of the finished run: what it wrote, what it had as input, what its process used."""
+
+    rule: str
+    outputs: frozenset[str]
+    inputs: frozenset[str]
+    trace: Trace
+    code: frozenset[Path]
+
+
+@cache
+def imported_by(module: Path, checkout: Path) -> frozenset[Path]:
+    """The modules of the library that a module can import, by modulefinder."""
+    finder = ModuleFinder(path=[str(checkout / "workflow")])
+    finder.load_file(str(checkout / module))
+    files = (Path(found.__file__) for found in finder.modules.values() if found.__file__)
+    return frozenset(file.relative_to(checkout) for file in files)
+
+
+@pytest.fixture(scope="session")
+def jobs(finished: Finished, planner: Planner) -> list[Job]:
+    """Every job, told by the command it ran."""
+    by_command: dict[str, list[dict[str, str]]] = {}
+    for row in planner.rows():
+        if row["shellcmd"].strip() not in ("", "-"):
+            by_command.setdefault(row["shellcmd"], []).append(row)
+    traces = {" ".join(trace.arguments): trace for trace in finished.traces}
+    found = []
+    for command, rows in by_command.items():
+        words = " ".join(command.split("-m squeezefilm ")[1].split(" >")[0].split())
+        trace = traces[words]
+        may_load = (imported_by(module, finished.folder) for module in trace.modules)
+        found.append(
+            Job(
+                rule=rows[0]["rule"],
+                outputs=frozenset(row["output_file"] for row in rows),
+                inputs=frozenset(rows[0]["input-file(s)"].split(",")),
+                trace=trace,
+                code=trace.files.union(*may_load),
+            )
+        )
+    assert len(found) == len(traces) > 40
+    return found
+
+
+def with_dependents(first: set[str], jobs: list[Job]) -> set[str]:
+    """Files, and all that are made from them."""
+    reached = set(first)
+    while True:
+        more = {
+            output for job in jobs for output in job.outputs if not reached.isdisjoint(job.inputs)
+        }
+        if more <= reached:
+            return reached
+        reached |= more
+
+
+def test_all_that_a_job_uses_is_among_its_inputs(jobs: list[Job]) -> None:
+    for job in jobs:
+        used = {str(path) for path in job.trace.files}
+        assert used <= job.inputs, (job.outputs, used - job.inputs)
+
+
+def test_every_solver_file_is_in_use(jobs: list[Job]) -> None:
+    used = set().union(*(job.code for job in jobs))
+    for name in ("reynolds/periodic.cl", "reynolds/periodic.py", "fit.py", "design.py"):
+        assert LIBRARY / name in used
+
+
+@pytest.mark.parametrize("path", CODE, ids=str)
+def test_an_edit_of_the_code_makes_anew_what_it_reaches(
+    path: Path, jobs: list[Job], planner: Planner
+) -> None:
+    mark = {".py": "\nEDITED = True\n", ".cl": "\n#define EDITED 1\n"}.get(path.suffix, "\n# new\n")
+    text = (planner.folder / path).read_text(encoding="utf-8")
+    reached = {output for job in jobs if path in job.code for output in job.outputs}
+    expected = with_dependents(reached, jobs)
+    assert planner.made_anew(edits={path: text + mark}) == expected
+
+
+def leaves(values: dict[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """The keys of a study; a profile is one, since its keys belong together."""
+    for key, value in values.items():
+        if isinstance(value, dict) and key != "profile":
+            yield from leaves(value, (*place, key))
+        elif key != "study":
+            yield (*place, key)
+
+
+STUDY = yaml.safe_load((REPOSITORY / "config/quick.yaml").read_text(encoding="utf-8"))
+
+
+def others(value: Any) -> Iterator[Any]:
+    """Values to try instead of one."""
+    if isinstance(value, dict):
+        yield {"kind": "piston"}
+    elif isinstance(value, bool):
+        yield not value
+    elif isinstance(value, list):
+        yield value[:-1]
+        yield [*value, 7]
+    elif isinstance(value, int | float) or value[:1].isdigit():
+        number = float(value) if isinstance(value, str) else value
+        yield from (number * 1.001, number * 0.999, number + 1, number - 1, 1e-3)
+    else:
+        yield from ("slip", "metre", "pocl")
+
+
+@pytest.mark.parametrize("place", [*leaves(STUDY)], ids=".".join)
+def test_an_edit_of_the_study_makes_anew_what_reads_its_section(
+    place: tuple[str, ...], jobs: list[Job], planner: Planner, tmp_path: Path
+) -> None:
+    text = edited_study(planner.folder / "config/quick.yaml", place, tmp_path)
+    made = planner.made_anew(edits={Path("config/quick.yaml"): text})
+    if place[0] == "simulation":
+        # No command reads it: the number of chunks is in the names of the files.
+        simulated = f"results/quick/simulations/{place[-1]}"
+        gathered = {f"{simulated}/{name}.csv" for name in ("forces", "timings")}
+        chunks = {name for name in made if name.startswith(f"{simulated}/chunks/")}
+        assert chunks
+        assert made - chunks == with_dependents(gathered, jobs)
+    else:
+        read = {o for job in jobs if place[0] in job.trace.sections for o in job.outputs}
+        assert made == with_dependents(read, jobs)
+
+
+def edited_study(path: Path, place: tuple[str, ...], folder: Path) -> str:
+    """The study with another valid value at one place."""
+    for attempt in range(5):
+        study = dict(load_config(path))
+        section = study
+        for key in place[:-1]:
+            section[key] = section = dict(section[key])
+        tried = list(others(section[place[-1]]))
+        if attempt >= len(tried):
+            break
+        section[place[-1]] = tried[attempt]
+        text = yaml.safe_dump(study)
+        (folder / "study.yaml").write_text(text, encoding="utf-8")
+        try:
+            check_study(load_config(folder / "study.yaml"))
+        except InputError:
+            continue
+        return text
+    pytest.fail(f"no other valid value for {'.'.join(place)}")
+
+
+def test_after_all_edits_are_undone_nothing_is_made_anew(planner: Planner) -> None:
+    for path in [*CODE, Path("config/quick.yaml")]:
+        file = planner.folder / path
+        file.write_bytes(file.read_bytes())  # the same text, a new time
+    assert planner.made_anew() == set()

@@ -1,0 +1,141 @@
+"""The quick study runs from start to end, and then there is nothing left to do."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from squeezefilm.tables import read_forces, read_scenes
+
+from .conftest import QUICK, Finished, copy_checkout, snakemake
+
+NOTHING = "Nothing to be done"
+
+
+def test_the_quick_study_is_made(finished: Finished) -> None:
+    assert "(100%) done" in finished.log
+
+
+def test_every_plan_has_a_force_for_every_point(finished: Finished) -> None:
+    plans = sorted((finished.folder / "results/quick/simulations").glob("*/scenes.csv"))
+    assert len(plans) == 8
+    for path in plans:
+        scenes, forces = read_scenes(path), read_forces(path.with_name("forces.csv"))
+        assert list(scenes["point_id"]) == list(forces["point_id"])
+        assert (forces["status"] == "ok").all()
+        assert (forces["force_error_n"] <= 2e-4 * forces["force_n"]).all()
+
+
+def test_the_models_describe_their_points(finished: Finished) -> None:
+    for fit in ("screen", "four_factor"):
+        path = finished.folder / f"results/quick/validation/{fit}_on_{fit}.json"
+        assert json.loads(path.read_text())["global_error"] < 0.02
+
+
+def test_progress_is_shown(finished: Finished) -> None:
+    assert "Simulate screen, part 1 of 2" in finished.log
+    assert "of" in finished.log
+    assert "steps (" in finished.log
+
+
+def test_a_second_run_has_nothing_to_do(finished: Finished) -> None:
+    done = snakemake(finished.folder, *QUICK)
+    assert done.returncode == 0
+    assert NOTHING in done.stdout
+
+
+def test_a_copy_of_the_checkout_with_its_results_has_nothing_to_do(
+    finished: Finished, tmp_path: Path
+) -> None:
+    copy = copy_checkout(finished.folder, tmp_path / "elsewhere", "results", ".snakemake")
+    done = snakemake(copy, *QUICK)
+    assert done.returncode == 0
+    assert NOTHING in done.stdout
+
+
+def test_each_rule_has_logs_and_simulations_have_benchmarks(finished: Finished) -> None:
+    assert list((finished.folder / "logs/quick/fit").glob("*.log"))
+    assert list((finished.folder / "benchmarks/quick/simulate/screen").glob("*.tsv"))
+
+
+def test_an_edit_is_carried_out_and_undone(finished: Finished, tmp_path: Path) -> None:
+    folder = copy_checkout(finished.folder, tmp_path / "edited", "results", ".snakemake")
+    plans = folder / "workflow/squeezefilm/plans.py"
+    before = plans.read_text()
+    # One amplitude a thousandth larger: a change of behaviour that reaches the forces.
+    plans.write_text(before.replace('f"{value:.12g}"', 'f"{value * 1.001:.12g}"'))
+    target = "results/quick/simulations/screen/forces.csv"
+    original = (folder / target).read_bytes()
+    times = {path: path.stat().st_mtime_ns for path in (folder / "results").rglob("*.csv")}
+    assert snakemake(folder, *QUICK, target).returncode == 0
+    assert (folder / target).read_bytes() != original
+    again = {path for path, time in times.items() if path.stat().st_mtime_ns != time}
+    assert {str(path.relative_to(folder / "results/quick/simulations")) for path in again} == {
+        "screen/scenes.csv",
+        "screen/chunks/1-of-2.csv",
+        "screen/chunks/1-of-2.timings.csv",
+        "screen/chunks/2-of-2.csv",
+        "screen/chunks/2-of-2.timings.csv",
+        "screen/forces.csv",
+        "screen/timings.csv",
+    }
+    plans.write_text(before)
+    assert snakemake(folder, *QUICK, target).returncode == 0
+    assert (folder / target).read_bytes() == original
+    assert NOTHING in snakemake(folder, *QUICK, target).stdout
+
+
+def test_a_scene_that_fails_is_named_and_the_others_finish(
+    finished: Finished, tmp_path: Path
+) -> None:
+    folder = copy_checkout(finished.folder, tmp_path / "failing")
+    shutil.copytree(finished.folder / "results", folder / "results")
+    chunk = folder / "results/quick/simulations/screen/chunks/2-of-2.csv"
+    table = read_forces(chunk)
+    table.loc[0, ["status", "force_n"]] = ["no convergence in 40 steps", float("nan")]
+    table.to_csv(chunk, index=False)
+    target = "results/quick/simulations/screen/forces.csv"
+    arguments = (*QUICK, target, "--forcerun", "gather", "--rerun-triggers", "mtime")
+    done = snakemake(folder, *arguments)
+    assert done.returncode != 0
+    name = table["point_id"].iloc[0]
+    assert f"no force for point {name}: no convergence in 40 steps" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert len(read_forces(chunk)) == len(table)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("viscosity_pa_s", "viscosity", "did you mean 'viscosity_pa_s'"),
+        ("43270", "fast", "'fast' is not of type 'number'"),
+        ("0.0029]", "0.0035]", "off the actuator"),
+        ("stop: 2e-6", "stop: 6e-6", "surface and finger touch"),
+        ("tolerance: 1e-4", "tolerance: .nan", "nan is not a finite number"),
+    ],
+)
+def test_a_wrong_study_ends_before_anything_runs(
+    finished: Finished, tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    text = (finished.folder / "config/quick.yaml").read_text()
+    assert old in text
+    (tmp_path / "wrong.yaml").write_text(text.replace(old, new))
+    done = snakemake(finished.folder, "--configfile", str(tmp_path / "wrong.yaml"))
+    assert done.returncode != 0
+    assert message in done.stdout
+    assert "Traceback" not in done.stdout
+    assert "Building DAG" not in done.stdout
+
+
+def test_a_mixture_of_studies_is_refused(finished: Finished) -> None:
+    for arguments in (
+        ("--config", "study=mine"),
+        ("--configfile", "config/paper.yaml", "config/quick.yaml"),
+    ):
+        done = snakemake(finished.folder, "--dry-run", *arguments)
+        assert done.returncode != 0
+        assert "squeezefilm: error:" in done.stdout
+        assert "Traceback" not in done.stdout

@@ -1,0 +1,77 @@
+"""Every target can be planned, from nothing, and makes its own part alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from .conftest import Planner, copy_checkout, snakemake
+
+
+@pytest.fixture(scope="module")
+def fresh(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Planner]:
+    """A checkout without results."""
+    planner = Planner(copy_checkout(repository, tmp_path_factory.mktemp("fresh") / "checkout"))
+    yield planner
+    planner.close()
+
+
+def targets(folder: Path) -> list[str]:
+    done = snakemake(folder, "--list-target-rules", "--quiet", "all")
+    lines = (line.strip() for line in done.stdout.splitlines())
+    return [line for line in lines if line and " " not in line]
+
+
+def plans_of(rows: list[dict[str, str]]) -> set[str]:
+    """The plans that a target simulates."""
+    return {Path(row["output_file"]).parts[3] for row in rows if row["rule"] == "simulate"}
+
+
+TWO_FACTOR = {"screen", "error_map", "two_factor_design", "extrapolation"}
+FOUR_FACTOR = {
+    "four_factor",
+    "four_factor_design",
+    "four_factor_design_distinct",
+    "four_factor_control",
+}
+
+
+def test_every_target_can_be_planned(fresh: Planner) -> None:
+    names = targets(fresh.folder)
+    assert {"paper", "all", "two_factor", "four_factor", "figures", "tables", "claims"} <= set(
+        names
+    )
+    assert {f"fig{number:02}" for number in range(5, 17)} <= set(names)
+    for name in names:
+        assert len(fresh.rows(name)) >= 3, name
+
+
+def test_the_default_target_is_everything(fresh: Planner) -> None:
+    everything = fresh.made_anew()
+    assert everything == fresh.made_anew("paper")
+    for name in ("two_factor", "four_factor", "figures", "tables", "claims"):
+        assert fresh.made_anew(name) < everything
+    assert plans_of(fresh.rows()) == TWO_FACTOR | FOUR_FACTOR
+
+
+def test_two_factors_need_no_simulation_of_four(fresh: Planner) -> None:
+    assert plans_of(fresh.rows("two_factor")) == TWO_FACTOR
+
+
+def test_a_figure_needs_its_own_simulations_alone(fresh: Planner) -> None:
+    assert plans_of(fresh.rows("fig07")) == set()
+    assert plans_of(fresh.rows("fig08")) == {"screen"}
+    assert plans_of(fresh.rows("fig13")) == {"screen", "two_factor_design"}
+
+
+def test_the_paper_is_the_default_study(fresh: Planner) -> None:
+    done = snakemake(fresh.folder, "--dry-run", "--quiet", "all", "fig08")
+    assert "Simulate screen, part 2 of 2" in done.stdout
+    assert done.returncode == 0
+
+
+def test_the_paper_is_simulated_in_chunks(fresh: Planner) -> None:
+    done = snakemake(fresh.folder, "--summary", "results/paper/simulations/error_map/forces.csv")
+    assert "error_map/chunks/4-of-4.csv" in done.stdout
