@@ -12,6 +12,7 @@ from squeezefilm.errors import InputError, RunError
 
 COMMANDS = {
     "simulate": "forces of a table of scenes, or of one scene given by --h0 and --hv",
+    "explain": "say what each scene of a table needs and what is left out, without solving",
     "plan": "write the scenes of a plan",
     "extrapolate": "write the scenes at which fitted models expect a wanted force",
     "gather": "put the simulated parts of a plan together",
@@ -22,6 +23,8 @@ COMMANDS = {
     "plot": "draw a figure from its table",
     "table": "make one of the paper's tables",
     "claims": "compare the paper's claims with the results",
+    "work-precision": "error against run time of the solver and of other methods",
+    "stability": "stiff and extreme films, each with a verdict",
     "warm": "compile the kernels ahead of time",
     "doctor": "check the OpenCL device, caches, lock and versions of this installation",
     "unlock": "remove the lock that a killed run of the workflow left",

@@ -14,6 +14,8 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 
 from squeezefilm.config import Config, load_config
@@ -22,6 +24,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
+from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.scene import Scene, regime_warnings
 from squeezefilm.study import scene_of
 from squeezefilm.tables import (
@@ -37,6 +40,15 @@ PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 TOLERANCES = (1e-10, 0.1)
 
 
+@dataclass(frozen=True)
+class Settings:
+    """How to solve: the config's solver section, unless the command line says otherwise."""
+
+    tolerance: float
+    method: str
+    device: str
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", nargs="?", metavar="SCENES.csv", help="table of scenes")
     parser.add_argument(
@@ -45,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--output", metavar="FORCES.csv", help="table of forces to write")
     parser.add_argument("--timings", metavar="TIMINGS.csv", help="table of run times to write")
     parser.add_argument("--tolerance", type=float, help="instead of the config's solver.tolerance")
+    parser.add_argument("--method", choices=METHODS, help="instead of the config's solver.method")
     parser.add_argument("--device", help="instead of the config's solver.device")
     parser.add_argument("--chunk", metavar="I/N", help="only the I-th of N parts of the table")
     parser.add_argument(
@@ -64,16 +77,18 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(
             f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
         )
-    wanted = options.device or config["solver"]["device"]
+    settings = Settings(
+        tolerance=tolerance,
+        method=options.method or config["solver"]["method"],
+        device=options.device or config["solver"]["device"],
+    )
     if options.h0 is not None or options.hv is not None:
-        _simulate_one(options, config, tolerance=tolerance, wanted_device=wanted)
+        _simulate_one(options, config, settings)
     else:
-        _simulate_table(options, config, tolerance=tolerance, wanted_device=wanted)
+        _simulate_table(options, config, settings)
 
 
-def _simulate_one(
-    options: argparse.Namespace, config: Config, *, tolerance: float, wanted_device: str
-) -> None:
+def _simulate_one(options: argparse.Namespace, config: Config, settings: Settings) -> None:
     if options.scenes is not None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.h0 is None or options.hv is None:
@@ -86,9 +101,11 @@ def _simulate_one(
         phi_deg=_quantity(options.phi, option="--phi", unit="deg"),
     )
     scene = scene_of(point, config)
-    device = choose_device(wanted_device)
-    (solution,) = solve([scene], tolerance=tolerance, device=device)
-    if solution.status != "ok":
+    device = choose_device(settings.device)
+    (solution,) = solve(
+        [scene], tolerance=settings.tolerance, method=settings.method, device=device
+    )
+    if not isfinite(solution.force_n):
         raise RunError(solution.status)
     print(f"force {solution.force_n:.9g} N ± {solution.force_error_n:.1g} N")
     print(
@@ -96,17 +113,17 @@ def _simulate_one(
         f"phi {scene.phi_deg:g}°; epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}"
     )
     print(
-        f"{solution.method}, {solution.nx} × {solution.ny} × {solution.nt} points, "
+        f"{solution.method} on {solution.nx} × {solution.ny} × {solution.nt} points, "
         f"{solution.krylov_iterations} Krylov iterations; left out: {solution.left_out}; "
         f"{device.name}"
     )
     for warning in regime_warnings(scene):
         print(f"note: {warning}")
+    if solution.status != "ok":
+        raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
 
 
-def _simulate_table(
-    options: argparse.Namespace, config: Config, *, tolerance: float, wanted_device: str
-) -> None:
+def _simulate_table(options: argparse.Namespace, config: Config, settings: Settings) -> None:
     from tqdm import tqdm
 
     if options.scenes is None or options.output is None:
@@ -120,11 +137,17 @@ def _simulate_table(
         scenes = [scene_of(point, config) for point in points]
     except InputError as error:
         raise InputError(f"{options.scenes}: {error}") from None
-    device = choose_device(wanted_device)
+    device = choose_device(settings.device)
     warm(device, needs_of(scenes[0]))
     start = time.perf_counter()
     with tqdm(total=len(scenes), unit="scene", desc=str(options.scenes), disable=None) as bar:
-        solutions = solve(scenes, tolerance=tolerance, device=device, report=bar.update)
+        solutions = solve(
+            scenes,
+            tolerance=settings.tolerance,
+            method=settings.method,
+            device=device,
+            report=bar.update,
+        )
     seconds = time.perf_counter() - start
     columns = {
         name: [getattr(solution, name) for solution in solutions]

@@ -24,6 +24,7 @@ class Needs:
         bearing: the finger slides.
         flow_terms: 1 for viscous flow, more for a rarefied gas.
         polytropic: the gas is not isothermal.
+        uniform: the whole finger sees the full amplitude.
         curvature_x, curvature_y: largest |∂²s/∂X²|, |∂²s/∂Y²| of the profile under the finger,
             lengths in units of the finger's sides.
     """
@@ -33,24 +34,34 @@ class Needs:
     bearing: bool
     flow_terms: int
     polytropic: bool
+    uniform: bool
     curvature_x: float
     curvature_y: float
 
     @property
-    def left_out(self) -> tuple[tuple[str, str], ...]:
-        """What the scene does not need, each with the reason."""
+    def halves_left_out(self) -> tuple[LeftOut, ...]:
+        """Mirror images of what is solved."""
+        why = "the profile is even about the finger's middle, and nothing else breaks that"
+        folds = (("mirror half in x", self.fold_x), ("mirror half in y", self.fold_y))
+        return tuple(LeftOut(what, why) for what, fold in folds if fold)
+
+    @property
+    def terms_left_out(self) -> tuple[LeftOut, ...]:
+        """Terms of the full equation that are zero for this scene."""
         parts = (
-            (self.fold_x, "mirror half in x", "the profile is even about the finger's middle"),
-            (self.fold_y, "mirror half in y", "the profile is even about the finger's middle"),
             (not self.bearing, "bearing term", "the finger is at rest"),
             (self.flow_terms == 1, "rarefaction", "gas.rarefaction is none"),
             (not self.polytropic, "heating", "gas.polytropic_exponent is 1"),
         )
-        return tuple((what, why) for out, what, why in parts if out)
+        return tuple(LeftOut(what, why) for out, what, why in parts if out)
 
-    @property
-    def left_out_text(self) -> str:
-        return "; ".join(what for what, _ in self.left_out)
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One thing that a scene does not need, and why not."""
+
+    what: str
+    why: str
 
 
 def needs_of(scene: Scene) -> Needs:
@@ -58,7 +69,7 @@ def needs_of(scene: Scene) -> Needs:
 
     Sliding along x breaks the symmetry along x.
     """
-    even_x, even_y, curvature_x, curvature_y = _shape_under_finger(_Place(scene))
+    even_x, even_y, uniform, curvature_x, curvature_y = _shape_under_finger(_Place(scene))
     bearing = scene.bearing_number != 0
     return Needs(
         fold_x=even_x and not bearing,
@@ -66,6 +77,7 @@ def needs_of(scene: Scene) -> Needs:
         bearing=bearing,
         flow_terms=len(scene.flow_coefficients),
         polytropic=scene.gas.polytropic_exponent != 1,
+        uniform=uniform,
         curvature_x=curvature_x,
         curvature_y=curvature_y,
     )
@@ -86,8 +98,8 @@ class _Place:
 
 
 @lru_cache(maxsize=4096)
-def _shape_under_finger(place: _Place) -> tuple[bool, bool, float, float]:
-    """Evenness along x and y, and largest curvature along x and y."""
+def _shape_under_finger(place: _Place) -> tuple[bool, bool, bool, float, float]:
+    """Evenness along x and y, uniformity, and largest curvature along x and y."""
     probe = axis(PROBE_POINTS, False)
     x, y = np.meshgrid(probe.all_nodes, probe.all_nodes, indexing="ij")
     s = place.scene.amplitude(x, y)
@@ -95,6 +107,7 @@ def _shape_under_finger(place: _Place) -> tuple[bool, bool, float, float]:
     return (
         bool(np.abs(s[::-1] - s).max() < SYMMETRIC),
         bool(np.abs(s[:, ::-1] - s).max() < SYMMETRIC),
+        bool(np.abs(s - 1).max() < SYMMETRIC),
         float(np.abs(twice @ s).max()),
         float(np.abs(s @ twice.T).max()),
     )

@@ -12,7 +12,7 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic import STATUS, Grid, Problems, States, solve_batch
 from squeezefilm.reynolds.resolution import finer_grid, first_grid
-from squeezefilm.reynolds.solution import Solution
+from squeezefilm.reynolds.solution import Solution, left_out_text
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
 # Share of the tolerance that Newton's iteration may leave; the grids get the rest.
@@ -163,7 +163,7 @@ def _judge(
             force_error_n=error * scene.force_scale_n,
             status=status,
             method="periodic",
-            left_out=progress.needs.left_out_text,
+            left_out=left_out_text(progress.needs.halves_left_out + progress.needs.terms_left_out),
             nx=grid.x.full_points,
             ny=grid.y.full_points,
             nt=grid.nt,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+from squeezefilm.reynolds.needs import LeftOut
 
 
 @dataclass(frozen=True)
@@ -33,3 +36,8 @@ class Solution:
     krylov_iterations: int
     residual: float
     work: float
+
+
+def left_out_text(parts: Iterable[LeftOut]) -> str:
+    """The ``left_out`` column of a scene."""
+    return "; ".join(part.what for part in parts)

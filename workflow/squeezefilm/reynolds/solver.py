@@ -1,20 +1,57 @@
-"""From scenes to forces with errors, each by the method that it needs."""
+"""From scenes to forces with errors, each by the cheapest method that holds the tolerance."""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
+import numpy as np
+
+from squeezefilm.reynolds import limits
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.limits import LimitForces, limit_axis, limit_points
+from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import solve_periodic
-from squeezefilm.reynolds.solution import Solution
+from squeezefilm.reynolds.solution import Solution, left_out_text
 from squeezefilm.scene import Scene
+
+# The methods from cheap to dear; the limits know their own error before anything is solved.
+LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
+METHODS = ("auto", *LIMITS, "periodic")
+# Which squeeze number a limit's grid must resolve layers of, if any.
+RESOLVES_LAYERS = {"small-amplitude", "matched-limit"}
+
+
+@dataclass(frozen=True)
+class LimitResult:
+    """A scene's mean overpressure by a limit, its error estimate, and the grid behind it."""
+
+    method: str
+    mean: float
+    error: float
+    nx: int
+    ny: int
+
+    @property
+    def flops(self) -> float:
+        """Floating-point operations, roughly: two fast solves, with their grid error."""
+        return 40.0 * self.nx * self.ny * (self.nx + self.ny)
+
+    @property
+    def left_out(self) -> LeftOut:
+        return LeftOut("time", f"the {self.method} is good to {self.error / abs(self.mean):.1e}")
+
+    def holds(self, tolerance: float) -> bool:
+        """Whether the estimate meets a relative tolerance; ``nan`` does not."""
+        return self.error <= tolerance * abs(self.mean)
 
 
 def solve(
     scenes: Sequence[Scene],
     *,
     tolerance: float,
+    method: str = "auto",
     device: Device | None = None,
     report: Callable[[int], object] = lambda solved: None,
 ) -> list[Solution]:
@@ -24,9 +61,152 @@ def solve(
 
     Args:
         tolerance: relative error asked for.
+        method: one of METHODS. ``auto`` takes the first limit whose error estimate holds the
+            tolerance, else the periodic state. A limit asked for by name always gives its force;
+            the status then says where its estimate is above the tolerance.
         device: an OpenCL device; the default one if left out.
         report: called with the number of scenes that were finished, as they are.
     """
-    device = device or choose_device()
     needs = [needs_of(scene) for scene in scenes]
-    return solve_periodic(scenes, needs, tolerance=tolerance, device=device, report=report)
+    solutions: dict[int, Solution] = {}
+    for index, result in by_limits(scenes, needs, tolerance=tolerance, method=method).items():
+        solutions[index] = _limit_solution(scenes[index], needs[index], result, tolerance)
+        report(1)
+    if method in LIMITS:
+        for index in set(range(len(scenes))) - set(solutions):
+            solutions[index] = _not_applicable(method)
+            report(1)
+    left = [index for index in range(len(scenes)) if index not in solutions]
+    if left:
+        periodic = solve_periodic(
+            [scenes[index] for index in left],
+            [needs[index] for index in left],
+            tolerance=tolerance,
+            device=device or choose_device(),
+            report=report,
+        )
+        solutions.update(zip(left, periodic, strict=True))
+    return [solutions[index] for index in range(len(scenes))]
+
+
+def by_limits(
+    scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
+) -> dict[int, LimitResult]:
+    """The scenes that a limit solves, by index: to the tolerance if ``auto``, else at any error."""
+    if method == "periodic":
+        return {}
+    results: dict[int, LimitResult] = {}
+    for name in LIMITS if method == "auto" else (method,):
+        waiting = [
+            index
+            for index in range(len(scenes))
+            if index not in results
+            and _applies(name, scenes[index], needs[index])
+            and (method != "auto" or _promises(name, scenes[index], tolerance))
+        ]
+        for index, result in _evaluate(name, scenes, waiting, tolerance=tolerance).items():
+            if method != "auto" or result.holds(tolerance):
+                results[index] = result
+    return results
+
+
+def _applies(name: str, scene: Scene, needs: Needs) -> bool:
+    """Whether the limit was derived for this scene's terms at all."""
+    if needs.bearing or needs.polytropic or needs.flow_terms > 2 or scene.epsilon == 0:
+        return False
+    return name != "closed-form" or (needs.uniform and needs.flow_terms == 1)
+
+
+def _promises(name: str, scene: Scene, tolerance: float) -> bool:
+    """Whether the limit's error has the least chance to hold the tolerance, by its order alone."""
+    order = {
+        "closed-form": 0.3 * scene.sigma**-0.5,
+        "fast-limit": 0.02 * scene.sigma**-0.5,
+        "boundary-layer": 0.1 / scene.sigma,
+        "small-amplitude": 0.1 * scene.epsilon**2,
+        "matched-limit": 0.1 * scene.epsilon**2 / scene.sigma,
+    }
+    return order[name] <= tolerance
+
+
+def _evaluate(
+    name: str, scenes: Sequence[Scene], which: Sequence[int], *, tolerance: float
+) -> dict[int, LimitResult]:
+    """One limit on some of the scenes, those with one grid together."""
+    groups: dict[tuple[int, int], list[int]] = defaultdict(list)
+    for index in which:
+        scene = scenes[index]
+        layers = scene.sigma if name in RESOLVES_LAYERS else 1.0
+        groups[
+            limit_points(tolerance=tolerance, sigma=layers),
+            limit_points(tolerance=tolerance, sigma=layers * scene.aspect**2),
+        ].append(index)
+    results = {}
+    for (nx, ny), group in groups.items():
+        forces = _limit(name, [scenes[index] for index in group], nx=nx, ny=ny)
+        for index, mean, error in zip(group, forces.mean, forces.error, strict=True):
+            results[index] = LimitResult(name, float(mean), float(error), nx, ny)
+    return results
+
+
+def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForces:
+    epsilon = np.array([scene.epsilon for scene in scenes])
+    sigma = np.array([scene.sigma for scene in scenes])
+    aspect = np.array([scene.aspect for scene in scenes])
+    if name == "closed-form":
+        return limits.closed_form(epsilon=epsilon, sigma=sigma, aspect=aspect)
+    x, y = np.meshgrid(limit_axis(nx).all_nodes, limit_axis(ny).all_nodes, indexing="ij")
+    places = {(scene.x_m, scene.y_m): scene.amplitude(x, y) for scene in scenes}
+    function = {
+        "fast-limit": limits.fast_limit,
+        "boundary-layer": limits.boundary_layer_limit,
+        "small-amplitude": limits.small_amplitude,
+        "matched-limit": limits.matched_limit,
+    }[name]
+    return function(
+        epsilon=epsilon,
+        sigma=sigma,
+        amplitude=np.stack([places[scene.x_m, scene.y_m] for scene in scenes]),
+        aspect=aspect,
+        slip=np.array([sum(scene.flow_coefficients[1:]) for scene in scenes]),
+    )
+
+
+def _limit_solution(scene: Scene, needs: Needs, result: LimitResult, tolerance: float) -> Solution:
+    status = "ok"
+    if not np.isfinite(result.error):
+        status = f"{result.method} says nothing of its error here"
+    elif not result.holds(tolerance):
+        status = f"{result.method} is good to {result.error / abs(result.mean):.1e} only"
+    finite = np.isfinite(result.error)
+    return Solution(
+        force_n=result.mean * scene.force_scale_n if finite else np.nan,
+        force_error_n=result.error * scene.force_scale_n if finite else np.nan,
+        status=status,
+        method=result.method,
+        left_out=left_out_text((result.left_out, *needs.terms_left_out)),
+        nx=result.nx,
+        ny=result.ny,
+        nt=0,
+        newton_steps=0,
+        krylov_iterations=0,
+        residual=0.0,
+        work=result.flops,
+    )
+
+
+def _not_applicable(method: str) -> Solution:
+    return Solution(
+        force_n=np.nan,
+        force_error_n=np.nan,
+        status=f"{method} does not know this scene's profile or terms",
+        method=method,
+        left_out="",
+        nx=0,
+        ny=0,
+        nt=0,
+        newton_steps=0,
+        krylov_iterations=0,
+        residual=0.0,
+        work=0.0,
+    )

@@ -195,7 +195,7 @@ class Period:
 
     @lru_cache(maxsize=64)  # noqa: B019 - periods are few and live as long as the process
     def interpolation_to(self, finer: Period) -> np.ndarray:
-        """Matrix that carries values to the nodes of another period, shape (finer.points, points)."""
+        """Matrix that carries values to another period's nodes, shape (finer.points, points)."""
         return self._basis(finer.nodes).T @ self.fourier
 
 

@@ -1,0 +1,93 @@
+"""What each scene needs: method, domain, terms, points, what is left out and why.
+
+  squeezefilm explain SCENES.csv --config CONFIG.yaml
+  squeezefilm explain SCENES.csv --config CONFIG.yaml --output EXPLAINED.csv
+
+Nothing is solved. The expected error is relative, the expected cost in millions of floating-point
+operations; notes say where the Reynolds equation itself is stretched.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import pandas as pd
+
+from squeezefilm.config import load_config
+from squeezefilm.errors import InputError
+from squeezefilm.reynolds.explain import Explanation, explain
+from squeezefilm.reynolds.solver import METHODS
+from squeezefilm.scene import Scene, regime_warnings
+from squeezefilm.study import scene_of
+from squeezefilm.tables import read_scenes, scene_points, write_table
+
+SECTIONS = ("gas", "actuator", "finger", "solver")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--output", metavar="EXPLAINED.csv", help="table to write, with every row")
+    parser.add_argument("--tolerance", type=float, help="instead of the config's solver.tolerance")
+    parser.add_argument("--method", choices=METHODS, help="instead of the config's solver.method")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    tolerance = options.tolerance or config["solver"]["tolerance"]
+    method = options.method or config["solver"]["method"]
+    points = scene_points(read_scenes(options.scenes))
+    try:
+        scenes = [scene_of(point, config) for point in points]
+    except InputError as error:
+        raise InputError(f"{options.scenes}: {error}") from None
+    explanations = explain(scenes, tolerance=tolerance, method=method)
+    table = pd.DataFrame(
+        [_row(scene, each) for scene, each in zip(scenes, explanations, strict=True)]
+    )
+    if options.output is not None:
+        write_table(table, options.output)
+    print(_summary(table, tolerance=tolerance))
+
+
+def _row(scene: Scene, explanation: Explanation) -> dict[str, object]:
+    return {
+        "point_id": scene.point_id,
+        "epsilon": scene.epsilon,
+        "sigma": scene.sigma,
+        "bearing_number": scene.bearing_number,
+        "knudsen": scene.knudsen,
+        "modified_reynolds": scene.modified_reynolds,
+        "method": explanation.method,
+        "domain": explanation.domain,
+        "terms": "; ".join(explanation.terms),
+        "nx": explanation.nx,
+        "ny": explanation.ny,
+        "nt": explanation.nt,
+        "left_out": "; ".join(part.what for part in explanation.left_out),
+        "why": "; ".join(f"{part.what}: {part.why}" for part in explanation.left_out),
+        "expected_error": explanation.expected_error,
+        "expected_mflop": explanation.expected_mflop,
+        "notes": "; ".join(regime_warnings(scene)),
+    }
+
+
+def _summary(table: pd.DataFrame, *, tolerance: float) -> str:
+    """The rows that are treated alike, put together."""
+    kinds = table.assign(points=1).groupby(
+        ["method", "domain", "terms", "left_out"], sort=False, as_index=False
+    )
+    summary = kinds.agg(
+        scenes=("points", "sum"),
+        nx=("nx", "max"),
+        ny=("ny", "max"),
+        nt=("nt", "max"),
+        expected_error=("expected_error", "max"),
+        expected_mflop=("expected_mflop", "sum"),
+    )
+    notes = table.loc[table["notes"] != "", "notes"]
+    lines = [f"{len(table)} scenes at tolerance {tolerance:g}:", ""]
+    lines.append(summary.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
+    if len(notes):
+        lines += ["", f"{len(notes)} scenes carry notes, such as: {notes.iloc[0]}"]
+    return "\n".join(lines)

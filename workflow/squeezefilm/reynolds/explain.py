@@ -1,0 +1,92 @@
+"""What will be done about a scene, at what cost, and what is left out and why; nothing is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from squeezefilm.reynolds.needs import LeftOut, needs_of
+from squeezefilm.reynolds.refinement import grid_for, iteration_flops
+from squeezefilm.reynolds.resolution import finer_grid
+from squeezefilm.reynolds.solver import by_limits
+from squeezefilm.scene import Scene
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """One scene's way to its force.
+
+    Attributes:
+        method: name of the method.
+        domain: ``whole``, ``half`` or ``quarter`` of the finger.
+        terms: the terms of the equation that are solved.
+        nx, ny, nt: points across the finger and over the period, on the finest grid expected.
+        left_out: what the scene does not need, with the reasons.
+        expected_error: relative; a limit's own estimate, else the tolerance.
+        expected_mflop: millions of floating-point operations, to within a factor of about two.
+    """
+
+    method: str
+    domain: str
+    terms: tuple[str, ...]
+    nx: int
+    ny: int
+    nt: int
+    left_out: tuple[LeftOut, ...]
+    expected_error: float
+    expected_mflop: float
+
+
+def explain(
+    scenes: Sequence[Scene], *, tolerance: float, method: str = "auto"
+) -> list[Explanation]:
+    """How ``solve`` would treat the scenes; its arguments."""
+    needs = [needs_of(scene) for scene in scenes]
+    limits = by_limits(scenes, needs, tolerance=tolerance, method=method)
+    explanations = []
+    for index, (scene, need) in enumerate(zip(scenes, needs, strict=True)):
+        terms = ["squeeze"]
+        terms += ["bearing"] * need.bearing
+        terms += [scene.gas.rarefaction] * (need.flow_terms > 1)
+        terms += ["polytropic gas"] * need.polytropic
+        if index in limits:
+            result = limits[index]
+            explanations.append(
+                Explanation(
+                    method=result.method,
+                    domain="whole",
+                    terms=tuple(terms),
+                    nx=result.nx,
+                    ny=result.ny,
+                    nt=0,
+                    left_out=(result.left_out, *need.terms_left_out),
+                    expected_error=result.error / abs(result.mean),
+                    expected_mflop=result.flops / 1e6,
+                )
+            )
+            continue
+        first = grid_for(scene, need, tolerance=tolerance)
+        finest = finer_grid(first) or first
+        explanations.append(
+            Explanation(
+                method="periodic",
+                domain=("whole", "half", "quarter")[need.fold_x + need.fold_y],
+                terms=tuple(terms),
+                nx=finest.x.full_points,
+                ny=finest.y.full_points,
+                nt=finest.nt,
+                left_out=need.halves_left_out + need.terms_left_out,
+                expected_error=tolerance,
+                expected_mflop=(
+                    _expected_iterations(scene.epsilon) * iteration_flops(first)
+                    + 6 * iteration_flops(finest)
+                )
+                / 1e6,
+            )
+        )
+    return explanations
+
+
+def _expected_iterations(epsilon: float) -> float:
+    """Krylov iterations and Newton steps from rest on the first grid (fitted, ε 0.05–0.95)."""
+    return 8 + 15 * epsilon / (1 - epsilon) ** 0.5
