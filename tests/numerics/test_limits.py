@@ -1,0 +1,265 @@
+"""Methods without time steps against known values, the periodic solver and their own errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from films import PISTON, SINC, film, mean_overpressure
+
+from squeezefilm.profiles import Profile, Sinc
+from squeezefilm.reynolds import boundary_layer
+from squeezefilm.reynolds.limits import (
+    LimitForces,
+    boundary_layer_limit,
+    closed_form,
+    fast_limit,
+    limit_axis,
+    limit_points,
+    matched_limit,
+    small_amplitude,
+)
+
+FINE = 31
+
+
+def limit(
+    method: Callable[..., LimitForces],
+    *,
+    epsilon: list[float] | np.ndarray,
+    sigma: list[float] | np.ndarray,
+    profile: Profile = SINC,
+    x: float = 0.0,
+    y: float = 0.0,
+    aspect: float = 1.0,
+    points: int = FINE,
+    slip: float = 0.0,
+) -> LimitForces:
+    """A method applied to films under one finger."""
+    nodes = limit_axis(points).all_nodes
+    along_x, along_y = np.meshgrid(nodes, nodes, indexing="ij")
+    scene = film(epsilon=0.1, sigma=1.0, profile=profile, x=x, y=y, aspect=aspect)
+    s = scene.amplitude(along_x, along_y)
+    return method(
+        epsilon=np.array(epsilon),
+        sigma=np.array(sigma),
+        amplitude=np.repeat(s[None], len(epsilon), axis=0),
+        aspect=aspect,
+        slip=slip,
+    )
+
+
+@pytest.mark.parametrize(
+    ("a", "d", "g"),
+    [(0.05, -0.002210, 0.106105), (0.2, -0.035542, 0.426760), (0.4, -0.145800, 0.867386)],
+)
+def test_boundary_layer_functions_at_known_excursions(a: float, d: float, g: float) -> None:
+    """Values found with an independent solver, to its digits; d is even and g odd."""
+    assert boundary_layer.integrals(np.array([a, -a])) == (
+        pytest.approx([d, d], abs=3e-6),
+        pytest.approx([g, -g], abs=2e-5),
+    )
+
+
+def test_boundary_layer_of_small_excursions_is_linear() -> None:
+    a = 1e-3
+    d, g = boundary_layer.integrals(np.array([a]))
+    assert d / a**2 == pytest.approx(-5 * np.sqrt(2) / 8, rel=1e-6)
+    assert g / a == pytest.approx(3 / np.sqrt(2), rel=1e-6)
+    assert boundary_layer.compute(a) == pytest.approx((d[0] / a**2, g[0] / a), rel=1e-4)
+
+
+@pytest.mark.parametrize("row", [12])
+def test_stored_table_of_the_boundary_layer_can_be_made_again(row: int) -> None:
+    table = boundary_layer.read_table()
+    assert table[:, 0] == pytest.approx(boundary_layer.table_nodes(), abs=1e-14)
+    assert boundary_layer.compute(table[row, 0]) == pytest.approx(table[row, 1:], rel=1e-8)
+
+
+def test_table_of_the_boundary_layer_is_smooth_between_its_rows() -> None:
+    d, g = boundary_layer.integrals(np.array([0.53]))
+    assert (d[0] / 0.53**2, g[0] / 0.53) == pytest.approx(boundary_layer.compute(0.53), rel=1e-8)
+    assert np.isnan(boundary_layer.integrals(np.array([0.99]))[0]).all()
+
+
+def test_fast_limit_of_the_sinc() -> None:
+    forces = limit(fast_limit, epsilon=[0.1, 0.44], sigma=[1e9, 1e9])
+    assert forces.mean == pytest.approx([0.0045767166, 0.0951846761], rel=1e-6)
+
+
+@pytest.mark.parametrize("aspect", [1.0, 0.3])
+def test_fast_limit_of_a_piston_is_the_closed_form(aspect: float) -> None:
+    epsilon, sigma = np.array([0.01, 0.5, 0.97]), np.full(3, 1e4)
+    expected = np.sqrt(1 + 1.5 * epsilon**2) / np.sqrt(1 - epsilon**2) - 1
+    forces = limit(fast_limit, epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
+    assert forces.mean == pytest.approx(expected, rel=1e-11)
+    closed = closed_form(epsilon=epsilon, sigma=sigma, aspect=aspect)
+    assert closed.mean == pytest.approx(expected, rel=1e-11)
+    assert closed.error == pytest.approx(forces.error, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("profile", "epsilon", "sigma", "converged", "relative_error"),
+    [
+        (SINC, 0.44, 583.0, 0.0945747144, 1.7e-3),
+        (SINC, 0.44, 2331.0, 0.0949461577, 1.4e-4),
+        (SINC, 0.44, 1e4, None, 9.7e-6),
+        (PISTON, 0.4, 583.0, None, 1.34e-4),
+        (PISTON, 0.4, 2331.0, None, 3.15e-5),
+        (PISTON, 0.4, 1e4, None, 7.1e-6),
+    ],
+)
+def test_what_the_boundary_layer_limit_leaves_out(
+    profile: Profile, epsilon: float, sigma: float, converged: float | None, relative_error: float
+) -> None:
+    """The sinc's errors fall like 1/σ² here; the piston's, from its corners alone, like 1/σ."""
+    if converged is None:
+        scene = film(epsilon=epsilon, sigma=sigma, profile=profile)
+        converged = mean_overpressure(scene, points=56, instants=20, fold=True)
+    forces = limit(boundary_layer_limit, epsilon=[epsilon], sigma=[sigma], profile=profile)
+    error = abs(forces.mean[0] / converged - 1)
+    assert error == pytest.approx(relative_error, rel=0.1)
+    assert error * converged <= forces.error[0]
+
+
+def test_order_of_the_limits_in_the_squeeze_number() -> None:
+    """The fast limit is left by 1/√σ, the boundary layer's by 1/σ where only corners are left."""
+    sigma = np.array([500.0, 2000.0, 8000.0])
+    converged = np.array(
+        [
+            mean_overpressure(
+                film(epsilon=0.4, sigma=number, profile=PISTON), points=56, instants=20, fold=True
+            )
+            for number in sigma
+        ]
+    )
+    epsilon = np.full(3, 0.4)
+    orders = []
+    for method in (fast_limit, boundary_layer_limit):
+        mean = limit(method, epsilon=epsilon, sigma=sigma, profile=PISTON).mean
+        errors = np.abs(mean - converged)
+        orders.append(np.log(errors[:-1] / errors[1:]) / np.log(4))
+    assert orders[0] == pytest.approx(0.5, abs=0.05)
+    assert orders[1] == pytest.approx(1.0, abs=0.1)
+
+
+def test_second_order_of_the_sinc() -> None:
+    sigma = [20.0, 583.0, 2331.0]
+    forces = limit(small_amplitude, epsilon=[0.01] * 3, sigma=sigma, points=47)
+    expected = np.array([0.2240822625, 0.4521765445, 0.4544710516])
+    assert forces.mean == pytest.approx(expected * 0.01**2, rel=1e-8)
+
+
+def test_composite_is_second_order_at_small_amplitude_and_boundary_layer_at_large_sigma() -> None:
+    second = limit(small_amplitude, epsilon=[1e-3], sigma=[200.0])
+    matched = limit(matched_limit, epsilon=[1e-3], sigma=[200.0])
+    assert matched.mean == pytest.approx(second.mean, rel=1e-6)
+    layer = limit(boundary_layer_limit, epsilon=[0.6], sigma=[1e5], points=95)
+    matched = limit(matched_limit, epsilon=[0.6], sigma=[1e5], points=95)
+    assert matched.mean == pytest.approx(layer.mean, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("method", "relative_error"), [(boundary_layer_limit, 6e-4), (matched_limit, 6e-5)]
+)
+def test_wide_finger_off_the_centre(
+    method: Callable[..., LimitForces], relative_error: float
+) -> None:
+    epsilon, sigma, x, y, aspect = 0.4, 3000.0, 0.2, -0.1, 0.6
+    scene = film(epsilon=epsilon, sigma=sigma, x=x, y=y, aspect=aspect)
+    converged = mean_overpressure(scene, points=32, instants=16)
+    forces = limit(method, epsilon=[epsilon], sigma=[sigma], x=x, y=y, aspect=aspect)
+    assert forces.mean[0] == pytest.approx(converged, rel=relative_error)
+    assert abs(forces.mean[0] - converged) <= forces.error[0]
+
+
+def test_slip_at_large_squeeze_number() -> None:
+    """ψ²/2 + slip ψ harmonic, rim value (1 + 3ε²s²/2)/2 + slip (1 + ε²s²/2): constant for s = 1."""
+    epsilon, slip = 0.5, 0.3
+    harmonic = (1 + 1.5 * epsilon**2) / 2 + slip * (1 + epsilon**2 / 2)
+    mass = -slip + np.sqrt(slip**2 + 2 * harmonic)
+    forces = limit(fast_limit, epsilon=[epsilon], sigma=[1e6], profile=PISTON, slip=slip)
+    assert forces.mean[0] == pytest.approx(mass / np.sqrt(1 - epsilon**2) - 1, rel=1e-12)
+    assert mass < np.sqrt(1 + 1.5 * epsilon**2)
+
+
+@pytest.mark.parametrize(
+    ("method", "relative_error"),
+    [(boundary_layer_limit, 1e-2), (small_amplitude, 2e-2), (matched_limit, 5e-4)],
+)
+def test_slip_off_the_centre(method: Callable[..., LimitForces], relative_error: float) -> None:
+    place = {"x": 0.1, "y": 0.2, "aspect": 0.7}
+    scene = film(epsilon=0.2, sigma=800.0, rarefaction="slip", knudsen=0.05, **place)
+    converged = mean_overpressure(scene, points=28, instants=16)
+    forces = limit(method, epsilon=[0.2], sigma=[800.0], slip=0.3, **place)
+    assert forces.mean[0] == pytest.approx(converged, rel=relative_error)
+    assert abs(forces.mean[0] - converged) <= forces.error[0]
+
+
+def test_limits_say_where_they_do_not_hold() -> None:
+    thick = limit(boundary_layer_limit, epsilon=[0.3, 0.3], sigma=[5.0, 500.0])
+    assert np.isinf(thick.error).tolist() == [True, False]
+    beyond = limit(boundary_layer_limit, epsilon=[0.99], sigma=[1e4], profile=PISTON)
+    assert np.isinf(beyond.error).all()
+    with pytest.raises(ValueError, match="odd number"):
+        limit_axis(12)
+
+
+def test_a_grid_too_coarse_for_the_profile_is_noticed() -> None:
+    rough = Sinc(wave_number_per_m=900.0)
+    exact = limit(fast_limit, epsilon=[0.4], sigma=[1e8], profile=rough, points=63)
+    coarse = limit(fast_limit, epsilon=[0.4], sigma=[1e8], profile=rough, points=9)
+    error = abs(coarse.mean[0] - exact.mean[0])
+    assert 1e-2 * exact.mean[0] < error < coarse.error[0]
+
+
+@pytest.mark.parametrize("method", [small_amplitude, matched_limit])
+def test_layers_too_thin_for_the_grid_are_noticed(method: Callable[..., LimitForces]) -> None:
+    """Here both grids' means agree by cancellation; their densities do not."""
+    place = {"epsilon": [0.017], "sigma": [2808.0], "profile": PISTON, "aspect": 0.84}
+    exact, coarse = limit(method, points=47, **place), limit(method, points=11, **place)
+    assert abs(coarse.mean - exact.mean) < coarse.error
+
+
+@pytest.mark.parametrize(
+    ("method", "largest_median"),
+    [(fast_limit, 3), (boundary_layer_limit, 30), (small_amplitude, 12), (matched_limit, 60)],
+)
+def test_error_estimates_hold_on_random_films(
+    method: Callable[..., LimitForces],
+    largest_median: float,
+    random_films: list[tuple[dict[str, float], Profile, float]],
+) -> None:
+    ratios = []
+    for numbers, profile, converged in random_films:
+        points = limit_points(
+            tolerance=1e-3, sigma=numbers["sigma"] * max(1.0, numbers["aspect"]) ** 2
+        )
+        epsilon, sigma = [numbers["epsilon"]], [numbers["sigma"]]
+        place = {name: numbers[name] for name in ("x", "y", "aspect")}
+        forces = limit(
+            method, epsilon=epsilon, sigma=sigma, profile=profile, points=points, **place
+        )
+        ratios.append(forces.error[0] / abs(forces.mean[0] - converged))
+    assert min(ratios) > 1
+    # Honest, but not by despair.
+    assert np.median(ratios) < largest_median
+
+
+@pytest.fixture(scope="module")
+def random_films() -> list[tuple[dict[str, float], Profile, float]]:
+    """Films with their forces converged to about 1e-7."""
+    generator = np.random.default_rng(7)
+    films = []
+    for profile in (PISTON, SINC, Sinc(wave_number_per_m=180.0)) * 4:
+        numbers = {
+            "epsilon": generator.uniform(0.02, 0.8),
+            "sigma": 10 ** generator.uniform(1.6, 3.5),
+            "x": generator.uniform(-0.3, 0.3),
+            "y": generator.uniform(-0.3, 0.3),
+            "aspect": 10 ** generator.uniform(-0.3, 0.3),
+        }
+        scene = film(profile=profile, **numbers)
+        films.append((numbers, profile, mean_overpressure(scene, points=32, instants=36)))
+    return films
