@@ -26,6 +26,7 @@ COMMANDS = {
     "work-precision": "error against run time of the solver and of other methods",
     "stability": "stiff and extreme films, each with a verdict",
     "warm": "compile the kernels ahead of time",
+    "roofline": "measure the solver's kernels beside the limits of the device",
     "doctor": "check the OpenCL device, caches, lock and versions of this installation",
     "unlock": "remove the lock that a killed run of the workflow left",
 }

@@ -1,4 +1,4 @@
-"""What will be done about a scene, at what cost, and what is left out and why; nothing is solved."""
+"""What will be done about a scene, at what cost, and what is left out and why, unsolved."""
 
 from __future__ import annotations
 

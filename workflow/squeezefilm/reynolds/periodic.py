@@ -151,7 +151,7 @@ def solve_batch(
         *(np.int32(n) for n in grid.shape),
         np.int32(MOST_NEWTON),
         np.int32(most_krylov),
-        sent(_matrices(grid, aspect=problems.aspect, bearing=moving)),
+        sent(grid_matrices(grid, aspect=problems.aspect, bearing=moving)),
         sent(numbers),
         sent(_profile_fields(problems, grid, slope=moving)),
         sent(_schur_forms(problems, grid) if moving else np.zeros(1)),
@@ -223,8 +223,8 @@ def warm(device: Device, needs: Needs) -> None:
     solve_batch(problems=problems, grid=grid, device=device)
 
 
-def _matrices(grid: Grid, *, aspect: float, bearing: bool) -> np.ndarray:
-    """The batch's matrices in one array, in the order in which the kernel's make_grid reads them."""
+def grid_matrices(grid: Grid, *, aspect: float, bearing: bool) -> np.ndarray:
+    """The batch's matrices in one array, in the order in which make_grid reads them."""
     values_x, vectors_x, inverse_x = grid.x.modes
     values_y, vectors_y, inverse_y = grid.y.modes
     parts = [

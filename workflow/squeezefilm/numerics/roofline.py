@@ -1,0 +1,127 @@
+"""The solver's parts beside the limits of the device they run on (a roofline, as a table).
+
+Arithmetic is set against a multiply-add peak and memory against a stream triad, both measured
+through the same OpenCL queue (Williams, Waterman and Patterson, Comm. ACM 52 (2009), 65–76).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from squeezefilm.reynolds.device import Device, build
+from squeezefilm.reynolds.periodic import Grid, Problems, grid_matrices, solve_batch
+from squeezefilm.reynolds.refinement import iteration_flops
+
+SOURCES = ("linear_algebra.cl", "periodic.cl", "roofline.cl")
+REPEATS = 5
+PEAK_TURNS = 2_000_000
+TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}
+TRIAD_TRAFFIC_BYTES = 8e9
+PRODUCT_FLOPS = 1.5e9
+# Quarter and whole finger of the paper's scenes, and a grid for a stiff scene.
+GRIDS = {
+    "quarter": Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True),
+    "whole": Grid(nx=24, ny=24, nt=16, fold_x=False, fold_y=False),
+    "fine": Grid(nx=48, ny=48, nt=24, fold_x=False, fold_y=False),
+}
+
+
+@dataclass(frozen=True)
+class Rate:
+    """One part's speed; a share is relative to the limit that binds it."""
+
+    part: str
+    grid: str
+    gflop_per_s: float
+    gbyte_per_s: float
+    binding: str
+    share: float
+
+
+def measure(device: Device) -> list[Rate]:
+    """Rates of all compute units together, medians of repeats by the wall clock."""
+    import pyopencl as cl
+
+    program = build(device, sources=SOURCES, defines=("FLOW_TERMS=1", "PROFILE_FIELDS=3"))
+    flags = cl.mem_flags
+
+    def sent(values: np.ndarray) -> Any:
+        return cl.Buffer(device.context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=values)
+
+    def seconds(kernel: str, *arguments: Any) -> float:
+        handle = cl.Kernel(program, kernel)
+        shape = (device.groups * device.work_items,), (device.work_items,)
+
+        def run() -> None:
+            handle(device.queue, *shape, *arguments)
+            device.queue.finish()
+
+        return _median_seconds(run)
+
+    items = device.groups * device.work_items
+    rates = []
+    time_s = seconds("multiply_add_peak", np.int32(PEAK_TURNS), sent(np.zeros(items)))
+    peak = 2 * 4 * 12 * PEAK_TURNS * items / time_s / 1e9
+    rates.append(Rate("multiply-add peak", "", peak, 0.0, "arithmetic", 1.0))
+    for name, size in TRIAD_BYTES.items():
+        count4 = size // (3 * 32)
+        turns = max(1, int(TRIAD_TRAFFIC_BYTES / (96 * count4 * device.groups)))
+        fields = [sent(np.ones(4 * count4 * device.groups)) for _ in range(3)]
+        time_s = seconds("stream_triad", np.int32(count4), np.int32(turns), *fields)
+        stream = 96 * count4 * turns * device.groups / time_s / 1e9
+        rates.append(Rate(f"stream triad {name}", "", 0.0, stream, "memory", 1.0))
+    for name, grid in GRIDS.items():
+        matrices = sent(grid_matrices(grid, aspect=1.0, bearing=False))
+        nx, ny, nt = grid.shape
+        workspace = sent(np.zeros(2 * nx * ny * nt * device.groups))
+        for which, (part, inner) in enumerate((("along x", nx), ("along y", ny), ("along t", nt))):
+            flops = 2.0 * nx * ny * nt * inner
+            turns = int(PRODUCT_FLOPS / flops)
+            sizes = (np.int32(n) for n in (which, turns, nx, ny, nt))
+            time_s = seconds("panel_products", *sizes, matrices, workspace)
+            rate = flops * turns * device.groups / time_s / 1e9
+            rates.append(Rate(f"product {part}", name, rate, 0.0, "arithmetic", rate / peak))
+        rate = _solve_rate(grid, device)
+        rates.append(Rate("whole solve", name, rate, 0.0, "arithmetic", rate / peak))
+    return rates
+
+
+def _solve_rate(grid: Grid, device: Device) -> float:
+    """GFLOP/s of a batch's whole Newton–Krylov solve, counting its products alone."""
+    scenes = 8 * device.groups
+    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
+    shape = np.sinc(1.098 * np.hypot(x - 0.5, y - 0.5))
+    problems = Problems(
+        epsilon=np.full(scenes, 0.4),
+        sigma=np.linspace(583.0, 2331.0, scenes),
+        bearing=np.zeros(scenes),
+        inverse_exponent=np.ones(scenes),
+        flow=np.ones((scenes, 1)),
+        aspect=1.0,
+        amplitude=np.broadcast_to(shape, (scenes, *shape.shape)),
+        tolerance=1e-8,
+    )
+    states = solve_batch(problems=problems, grid=grid, device=device)
+    iterations = states.krylov_iterations.sum() + states.newton_steps.sum()
+
+    def run() -> None:
+        solve_batch(problems=problems, grid=grid, device=device)
+
+    return float(iterations * iteration_flops(grid) / _median_seconds(run) / 1e9)
+
+
+def _median_seconds(run: Callable[[], None]) -> float:
+    """Wall seconds of a call, after one that warms it."""
+    run()
+    spans = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        run()
+        spans.append(time.perf_counter() - start)
+    return median(spans)
