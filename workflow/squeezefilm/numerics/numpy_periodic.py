@@ -19,6 +19,7 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import DTypeLike
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from squeezefilm.errors import RunError
@@ -96,22 +97,24 @@ def periodic_state(
     ny: int = 24,
     nt: int = 16,
     tolerance: float = 1e-10,
+    dtype: DTypeLike = np.float64,
 ) -> PeriodicState:
     """Periodic film pressure at nx x ny inner points and nt (even) times of one period.
 
     bearing: the bearing number Lambda of a surface sliding in X.
     tolerance: on the root mean square of the preconditioned residual, a mass perturbation.
+    dtype: of all fields and matrices; np.float32 shows what single precision would do.
 
     Raises RunError when Newton's method does not get there.
     """
-    grid_x, grid_y = chebyshev_grid(nx), chebyshev_grid(ny)
+    grid_x, grid_y = (_in_precision(chebyshev_grid(n), dtype) for n in (nx, ny))
     inside = slice(1, -1)
     x_second, y_second = grid_x.second[inside, inside], grid_y.second[inside, inside]
     x_first = grid_x.first[inside, inside]
     area = np.outer(grid_x.weights[inside], grid_y.weights[inside])
 
     # Gap and its derivatives; s is differentiated on the whole grid, rim included.
-    s_rim = amplitude(*np.meshgrid(grid_x.x, grid_y.x, indexing="ij"))
+    s_rim = amplitude(*np.meshgrid(grid_x.x, grid_y.x, indexing="ij")).astype(dtype)
     s, s_x, s_y, s_lap = (
         field[inside, inside]
         for field in (
@@ -121,7 +124,7 @@ def periodic_state(
             grid_x.second @ s_rim + s_rim @ grid_y.second.T,
         )
     )
-    phase = 2 * math.pi * np.arange(nt)[:, None, None] / nt
+    phase = (2 * math.pi * np.arange(nt)[:, None, None] / nt).astype(dtype)
     wave = epsilon * np.sin(phase)
     gap = 1 + wave * s
     gap_half = np.sqrt(gap)
@@ -129,7 +132,7 @@ def periodic_state(
     c = 1.5 * wave * s_lap / gap + 0.75 * wave**2 * (s_x**2 + s_y**2) / gap**2
     squeeze = sigma * epsilon * s * np.cos(phase) + bearing * wave * s_x
 
-    i_k = 1j * np.arange(nt // 2 + 1)[:, None, None]
+    i_k = (1j * np.arange(nt // 2 + 1)[:, None, None]).astype(np.result_type(dtype, np.complex64))
     i_k[-1] = 0  # the derivative of the sawtooth mode vanishes at the points
 
     def transport(mass: FloatArray) -> FloatArray:
@@ -172,7 +175,7 @@ def periodic_state(
             )
         norms: list[float] = []
         w, _ = gmres(
-            LinearOperator((right.size, right.size), matvec=product, dtype=float),
+            LinearOperator((right.size, right.size), matvec=product, dtype=dtype),
             right,
             rtol=min(0.1, max(0.1 * size, 0.3 * tolerance / size)),
             restart=KRYLOV_ITERATIONS,
@@ -220,6 +223,11 @@ def periodic_force(
         change=state.residual,
         settings={"nx": nx, "ny": ny, "nt": nt, "tolerance": tolerance},
     )
+
+
+def _in_precision(grid: ChebyshevGrid, dtype: DTypeLike) -> ChebyshevGrid:
+    """The grid rounded to a precision."""
+    return ChebyshevGrid(*(part.astype(dtype) for part in vars(grid).values()))
 
 
 def _real_eigenvectors(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -82,7 +82,7 @@ def march_to_periodic(
     state = start
     images: list[FloatArray] = []
     residuals: list[FloatArray] = []
-    for count in range(1, periods + 1):
+    for count in range(1, periods + 1):  # noqa: B007 - returned
         image, force = period(state)
         residual = image - state
         change = float(np.abs(residual).max())

@@ -1,0 +1,93 @@
+# Accuracy and run time of the solver: `snakemake numerics`. Not part of the whole paper.
+
+# Times are taken with nothing else running: such a rule asks for all cores.
+ALONE = workflow.cores or 1
+# Threads of BLAS that wait for work count as processor time; every method gets one.
+ONE_BLAS_THREAD = "OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1"
+
+NUMERICS = ["work_precision", "stability"]
+
+
+rule work_precision:
+    input:
+        code=code("work-precision"),
+        config=ancient(CONFIG_FILE),
+        fit="<results>/fits/screen.json",
+    output:
+        "<results>/numerics/work_precision.csv",
+    log:
+        "<logs>/numerics/work_precision.log",
+    benchmark:
+        "<benchmarks>/numerics/work_precision.tsv"
+    conda:
+        "../../envs/numerics.yaml"
+    threads: ALONE
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        settings=settings("commands.work_precision"),
+        blas=ONE_BLAS_THREAD,
+    message:
+        "Error against run time of the solver and of other methods"
+    shell:
+        "{params.blas} python -m squeezefilm work-precision {input.fit} "
+        "--config {input.config} --output {output} >{log} 2>&1"
+
+
+rule stability:
+    input:
+        code=code("stability"),
+        config=ancient(CONFIG_FILE),
+    output:
+        "<results>/numerics/stability.csv",
+    log:
+        "<logs>/numerics/stability.log",
+    benchmark:
+        "<benchmarks>/numerics/stability.tsv"
+    conda:
+        "../../envs/numerics.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        settings=settings("commands.stability"),
+        blas=ONE_BLAS_THREAD,
+    message:
+        "Stiff and extreme films, each with a verdict"
+    shell:
+        "{params.blas} POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm stability "
+        "--config {input.config} --output {output} >{log} 2>&1"
+
+
+rule plot_numerics:
+    input:
+        code=lambda wildcards: code("plot", f"figures.{wildcards.numerics_figure}"),
+        data="<results>/numerics/{numerics_figure}.csv",
+    output:
+        png="<results>/numerics/{numerics_figure}.png",
+        svg="<results>/numerics/{numerics_figure}.svg",
+    log:
+        "<logs>/numerics/plot_{numerics_figure}.log",
+    wildcard_constraints:
+        numerics_figure="|".join(NUMERICS),
+    localrule: True
+    conda:
+        "../../envs/figures.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    message:
+        "Draw {wildcards.numerics_figure}"
+    shell:
+        "python -m squeezefilm plot {wildcards.numerics_figure} {input.data} "
+        "--output {output.png} {output.svg} >{log} 2>&1"
+
+
+rule numerics:
+    input:
+        expand("<results>/numerics/{name}.{format}", name=NUMERICS, format=["csv", "png", "svg"]),
+    message:
+        "Accuracy, run time and stability of the solver are known"

@@ -1,0 +1,70 @@
+"""Error against run time of the solver and of other people's methods, as a table.
+
+  squeezefilm work-precision FIT.json --config CONFIG.yaml --output TABLE.csv
+
+Errors are those of the mean force against a reference that shares nothing with any method; run
+times are medians of repeats, processor time of all threads and wall time. FIT.json is the fitted
+empirical model whose own error is noted beside, for it tells where a solver's error no longer
+matters. Times need a quiet machine, and BLAS with a single thread (OPENBLAS_NUM_THREADS=1).
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+import pandas as pd
+
+from squeezefilm.config import load_config
+from squeezefilm.fitted import read_fit
+from squeezefilm.numerics.work_precision import (
+    COLUMNS,
+    FILMS,
+    cold_starts,
+    missing_peers,
+    work_precision,
+)
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.tables import write_table
+
+SECTIONS = ("solver", "numerics")
+SAMPLE = (FILMS[4], FILMS[5])
+BATCH = 100
+RUNGS = {"full": 10, "sample": 4}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("fit", metavar="FIT.json", help="the fitted empirical model")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--output", required=True, metavar="TABLE.csv")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    settings = config["numerics"]
+    full = settings["extent"] == "full"
+    device = choose_device(config["solver"]["device"])
+    model_error = read_fit(options.fit).global_error
+    warm = work_precision(
+        FILMS if full else SAMPLE,
+        repeats=settings["repeats"],
+        batch=BATCH,
+        longest_seconds=settings["longest_seconds"],
+        rungs=RUNGS[settings["extent"]],
+        model_error=model_error,
+        device=device,
+        log=lambda text: print(text, file=sys.stderr, flush=True),
+    )
+    cold = cold_starts(device=device).assign(model_error=model_error)
+    table = pd.concat([warm, cold], ignore_index=True)[list(COLUMNS)]
+    write_table(table.assign(note=_note(settings["repeats"], device.name)), options.output)
+
+
+def _note(repeats: int, device: str) -> str:
+    missing = missing_peers()
+    left_out = f" Not installed and left out: {', '.join(missing)}." if missing else ""
+    return (
+        f"Centred sinc unless said. Warm, median of {repeats}; processor time of all threads. "
+        f"OpenCL: {device}; a batch has {BATCH} films. CN: Crank–Nicolson. Runs longer than that "
+        f"of a line's last dot were not made.{left_out}"
+    )
