@@ -17,6 +17,7 @@ import pytest
 HERE = Path(__file__).resolve().parent
 PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")
 QUICK = ("--configfile", "config/quick.yaml")
+EVERYTHING = ("paper", "numerics")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -88,6 +89,7 @@ def finished(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Fini
     done = snakemake(
         folder,
         *QUICK,
+        *EVERYTHING,
         environment={"PYTHONPATH": str(HERE / "tracing"), "SQUEEZEFILM_TRACES": str(traces)},
     )
     assert done.returncode == 0, done.stdout[-6000:]

@@ -21,7 +21,7 @@ from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.study import check_study
 
-from .conftest import Finished, Planner, Trace
+from .conftest import EVERYTHING, Finished, Planner, Trace
 
 LIBRARY = Path("workflow/squeezefilm")
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -57,7 +57,7 @@ def imported_by(module: Path, checkout: Path) -> frozenset[Path]:
 def jobs(finished: Finished, planner: Planner) -> list[Job]:
     """Every job, told by the command it ran."""
     by_command: dict[str, list[dict[str, str]]] = {}
-    for row in planner.rows():
+    for row in planner.rows(*EVERYTHING):
         if row["shellcmd"].strip() not in ("", "-"):
             by_command.setdefault(row["shellcmd"], []).append(row)
     traces = {" ".join(trace.arguments): trace for trace in finished.traces}
@@ -111,7 +111,7 @@ def test_an_edit_of_the_code_makes_anew_what_it_reaches(
     text = (planner.folder / path).read_text(encoding="utf-8")
     reached = {output for job in jobs if path in job.code for output in job.outputs}
     expected = with_dependents(reached, jobs)
-    assert planner.made_anew(edits={path: text + mark}) == expected
+    assert planner.made_anew(*EVERYTHING, edits={path: text + mark}) == expected
 
 
 def leaves(values: dict[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -139,7 +139,7 @@ def others(value: Any) -> Iterator[Any]:
         number = float(value) if isinstance(value, str) else value
         yield from (number * 1.001, number * 0.999, number + 1, number - 1, 1e-3)
     else:
-        yield from ("slip", "metre", "pocl")
+        yield from ("slip", "metre", "full", "pocl")
 
 
 @pytest.mark.parametrize("place", [*leaves(STUDY)], ids=".".join)
@@ -147,7 +147,7 @@ def test_an_edit_of_the_study_makes_anew_what_reads_its_section(
     place: tuple[str, ...], jobs: list[Job], planner: Planner, tmp_path: Path
 ) -> None:
     text = edited_study(planner.folder / "config/quick.yaml", place, tmp_path)
-    made = planner.made_anew(edits={Path("config/quick.yaml"): text})
+    made = planner.made_anew(*EVERYTHING, edits={Path("config/quick.yaml"): text})
     if place[0] == "simulation":
         # No command reads it: the number of chunks is in the names of the files.
         simulated = f"results/quick/simulations/{place[-1]}"
@@ -185,4 +185,4 @@ def test_after_all_edits_are_undone_nothing_is_made_anew(planner: Planner) -> No
     for path in [*CODE, Path("config/quick.yaml")]:
         file = planner.folder / path
         file.write_bytes(file.read_bytes())  # the same text, a new time
-    assert planner.made_anew() == set()
+    assert planner.made_anew(*EVERYTHING) == set()

@@ -10,7 +10,7 @@ import pytest
 
 from squeezefilm.tables import read_forces, read_scenes
 
-from .conftest import QUICK, Finished, copy_checkout, snakemake
+from .conftest import EVERYTHING, QUICK, Finished, copy_checkout, snakemake
 
 NOTHING = "Nothing to be done"
 
@@ -42,7 +42,7 @@ def test_progress_is_shown(finished: Finished) -> None:
 
 
 def test_a_second_run_has_nothing_to_do(finished: Finished) -> None:
-    done = snakemake(finished.folder, *QUICK)
+    done = snakemake(finished.folder, *QUICK, *EVERYTHING)
     assert done.returncode == 0
     assert NOTHING in done.stdout
 
@@ -51,7 +51,7 @@ def test_a_copy_of_the_checkout_with_its_results_has_nothing_to_do(
     finished: Finished, tmp_path: Path
 ) -> None:
     copy = copy_checkout(finished.folder, tmp_path / "elsewhere", "results", ".snakemake")
-    done = snakemake(copy, *QUICK)
+    done = snakemake(copy, *QUICK, *EVERYTHING)
     assert done.returncode == 0
     assert NOTHING in done.stdout
 

@@ -1,6 +1,6 @@
 # What all stages share: the configuration, the code a command depends on, the call of a command.
 
-import os
+import json
 import sys
 from pathlib import Path
 from shlex import quote
@@ -65,8 +65,12 @@ def code(command, *modules):
 
 
 def settings(module, key=None):
-    """The sections of the configuration that a module reads, to name as a rule's params."""
-    return {name: CONFIG[name] for name in imports.sections_of(module, key)}
+    """The sections of the configuration that a module reads, to name as a rule's params.
+
+    As text with sorted keys, so that their order in the file does not matter.
+    """
+    sections = {name: CONFIG[name] for name in imports.sections_of(module, key)}
+    return json.dumps(sections, sort_keys=True)
 
 
 def chunk_files(plan, suffix):
