@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from films import PISTON, SINC, film
+from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 
 from squeezefilm.config import load_config
 from squeezefilm.profiles import Sinc
@@ -51,7 +51,7 @@ def test_known_forces_of_the_paper_s_actuator(hv_m: float, phi_r_m: float, force
 def test_errors_are_honest_on_random_scenes(paper_scenes: list[Scene], tolerance: float) -> None:
     """True error ≤ estimate in 99 %, and the estimate is within the tolerance or useful."""
     exact = np.array([s.force_n for s in solve(paper_scenes, tolerance=1e-9)])
-    solutions = solve(paper_scenes, tolerance=tolerance)
+    solutions = solve(paper_scenes, tolerance=tolerance, method="periodic")
     assert {solution.status for solution in solutions} == {"ok"}
     force = np.array([solution.force_n for solution in solutions])
     estimate = np.array([solution.force_error_n for solution in solutions])
@@ -59,6 +59,45 @@ def test_errors_are_honest_on_random_scenes(paper_scenes: list[Scene], tolerance
     assert np.mean(error <= estimate) >= 0.99
     assert np.all(estimate <= np.maximum(100 * error, tolerance * force * (1 + 1e-9)))
     assert np.all(error <= tolerance * force)
+
+
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-3, 1e-4])
+def test_the_cheapest_method_that_is_taken_holds_the_tolerance(
+    paper_scenes: list[Scene], tolerance: float
+) -> None:
+    exact = np.array([s.force_n for s in solve(paper_scenes, tolerance=1e-8)])
+    solutions = solve(paper_scenes, tolerance=tolerance)
+    force = np.array([solution.force_n for solution in solutions])
+    estimate = np.array([solution.force_error_n for solution in solutions])
+    assert {solution.status for solution in solutions} == {"ok"}
+    assert np.all(np.abs(force - exact) <= tolerance * force)
+    assert np.mean(np.abs(force - exact) <= estimate) >= 0.99
+    if tolerance >= 1e-2:
+        assert not any(solution.method == "periodic" for solution in solutions)
+
+
+def test_a_limit_by_name_gives_its_force_and_says_when_it_is_not_good_enough() -> None:
+    scene = film(epsilon=0.4, sigma=583.0)
+    (solution,) = solve([scene], tolerance=1e-5, method="boundary-layer")
+    assert "boundary-layer is good to" in solution.status
+    (exact,) = solve([scene], tolerance=1e-8)
+    assert 0 < abs(solution.force_n - exact.force_n) <= solution.force_error_n
+
+
+def test_a_limit_that_does_not_know_a_term_refuses_the_scene() -> None:
+    sliding = film(epsilon=0.4, sigma=583.0, bearing=1.0)
+    (solution,) = solve([sliding], tolerance=1e-2, method="boundary-layer")
+    assert "does not know" in solution.status
+    assert solve([sliding], tolerance=1e-2)[0].method == "periodic"
+
+
+def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order() -> None:
+    """Where the periodic force would drown in rounding, the expansion is exact enough."""
+    (solution,) = solve([film(epsilon=1e-5, sigma=1e-3, profile=PISTON)], tolerance=1e-6)
+    assert (solution.status, solution.method) == ("ok", "small-amplitude")
+    # F = (5/4) ε² S(σ) with S = 0.00170251052 σ² for σ → 0 (T4 and T1 of Blech's series).
+    expected = 1.25 * 1e-10 * 0.00170251052 * 1e-6 * LENGTH_M**2 * PRESSURE_PA
+    assert solution.force_n == pytest.approx(expected, rel=1e-5)
 
 
 def test_result_does_not_depend_on_the_other_scenes(paper_scenes: list[Scene]) -> None:
@@ -113,9 +152,10 @@ def test_work_groups_of_many_items_give_the_same_forces(paper_scenes: list[Scene
     ("epsilon", "sigma"), [(0.98, 10.0), (0.95, 1e5), (0.01, 0.1), (0.5, 1e6), (0.9, 0.1)]
 )
 def test_extreme_films_are_solved(epsilon: float, sigma: float) -> None:
-    (solution,) = solve([film(epsilon=epsilon, sigma=sigma, profile=SINC)], tolerance=1e-4)
+    scene = film(epsilon=epsilon, sigma=sigma, profile=SINC)
+    (solution,) = solve([scene], tolerance=1e-4, method="periodic")
     assert solution.status == "ok"
-    (finer,) = solve([film(epsilon=epsilon, sigma=sigma, profile=SINC)], tolerance=1e-5)
+    (finer,) = solve([scene], tolerance=1e-5, method="periodic")
     assert abs(solution.force_n - finer.force_n) <= solution.force_error_n + finer.force_error_n
 
 
