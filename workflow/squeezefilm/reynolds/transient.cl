@@ -67,7 +67,8 @@ static void along_y(const Grid *g, matrix transposed, field in, field out, int a
 
 static double sum4(double4 a) { return a.x + a.y + a.z + a.w; }
 
-/* The gap H = 1 + excursion · s, and what depends on it alone. */
+/* The gap H = 1 + excursion · s, and what depends on it alone. Each work-item reads only what it has
+ * written itself, so that no barrier is needed, which a caller could not make conditional. */
 static void set_gap(const Grid *g, Film *film, double excursion)
 {
     film->excursion = excursion;
@@ -80,7 +81,6 @@ static void set_gap(const Grid *g, Film *film, double excursion)
             1.5 * excursion * inverse *
             (film->laplacian[i] + 0.5 * excursion * inverse * film->gradient_squared[i]);
     }
-    SYNC;
 }
 
 /* out = f(T, y) for the gap as set, and the overpressure. IMPLICIT: sets the Jacobian too. */
@@ -225,28 +225,29 @@ static int gmres(const Grid *g, const Film *film, double c, field basis, field s
     return steps;
 }
 
-/* Solve y − c f(T, y) = z from the guess in y. Returns whether the error left in y is at most
- * `tolerance` by its estimate, the preconditioned residual. */
-static bool solve_stage(const Grid *g, Film *film, double c, field y, matrix z, double tolerance,
-                        field basis, field small, int *newton, int *krylov, __local double *scratch)
+/* Solve y − c f(T, y) = z from the guess in y; `rates` becomes f. Returns whether the error left in
+ * y is at most `tolerance` by its estimate, the preconditioned residual. An explicit stage, c = 0,
+ * comes with y = z and is done at once. */
+static bool solve_stage(const Grid *g, Film *film, double c, field y, matrix z, field rates,
+                        double tolerance, field basis, field small, int *newton, int *krylov,
+                        __local double *scratch)
 {
-    for (int step = 0; step < NEWTON; step++) {
-        rate(g, film, y, basis, scratch);
-        FOR_EACH(i, g->count) basis[i] = y[i] - z[i] - c * basis[i];
+    double beta = 0.0;
+    for (int step = 0;; step++) {
+        rate(g, film, y, rates, scratch);
+        FOR_EACH(i, g->count) basis[i] = y[i] - z[i] - c * rates[i];
         SYNC;
         precondition(g, film, c, basis);
-        const double beta = norm(g, basis, scratch);
-        if (beta <= tolerance)
-            return true;
-        if (!isfinite(beta))
-            return false;
+        beta = norm(g, basis, scratch);
+        if (beta <= tolerance || !isfinite(beta) || step == NEWTON)
+            break;
         const double target = fmax(0.3 * tolerance, fmin(0.1 * beta, beta * beta));
         *krylov += gmres(g, film, c, basis, small, beta, target, scratch);
         *newton += 1;
         FOR_EACH(i, g->count) y[i] -= basis[i];
         SYNC;
     }
-    return false;
+    return beta <= tolerance;
 }
 #endif
 
@@ -276,8 +277,6 @@ __kernel void march_films(const int scenes, const int nx, const int ny, const in
 {
     const Grid g = make_grid(nx, ny, matrices);
     matrix b = table + stages * stages, nodes = b + stages;
-    /* The last stage is the next step's first one: its rate need not be found again. */
-    const bool first_is_last = table[stages * stages - 1] != 0.0;
     __local int taken;
     field space = workspace + get_group_id(0) * workspace_size;
     Film film;
@@ -321,8 +320,8 @@ __kernel void march_films(const int scenes, const int nx, const int ny, const in
             double lowest = INFINITY, highest = -INFINITY, phase = -1.0;
             FOR_EACH(k, g.count4) mean[k] = 0.0;
             SYNC;
-            for (int step = 0; step < steps && status == MARCHED; step++) {
-                for (int i = 0; i < stages && status == MARCHED; i++) {
+            for (int step = 0; step < steps; step++) {
+                for (int i = 0; i < stages; i++) {
                     if (phase != (step + nodes[i]) / steps) {
                         phase = (step + nodes[i]) / steps;
                         set_gap(&g, &film,
@@ -330,44 +329,43 @@ __kernel void march_films(const int scenes, const int nx, const int ny, const in
                     }
                     matrix row = table + i * stages;
                     field own = rates + i * g.count;
-                    if (i == 0 && first_is_last && period + step > 0) {
-                        matrix last = rates + (stages - 1) * g.count;
-                        FOR_EACH(k, g.count) own[k] = last[k];
-                        SYNC;
-                    } else {
-                        FOR_EACH(k, g.count4)
-                        {
-                            double4 sum_of_rates = 0.0;
-                            for (int j = 0; j < i; j++)
-                                sum_of_rates += row[j] * ((matrix4)rates)[j * g.count4 + k];
-                            ((field4)known)[k] = ((matrix4)y)[k] + h * sum_of_rates;
-                        }
-                        SYNC;
-#ifdef IMPLICIT
-                        const double c = h * row[i];
-                        if (c != 0.0) {
-                            FOR_EACH(k, g.count) stage[k] = known[k] + c * own[k - g.count];
-                            SYNC;
-                            if (!solve_stage(&g, &film, c, stage, known, number[4], basis, small,
-                                             &newton, &krylov, scratch))
-                                status = STALLED;
-                            FOR_EACH(k, g.count) own[k] = (stage[k] - known[k]) / c;
-                            SYNC;
-                        } else
-#endif
-                            rate(&g, &film, known, own, scratch);
+                    FOR_EACH(k, g.count4)
+                    {
+                        double4 sum_of_rates = 0.0;
+                        for (int j = 0; j < i; j++)
+                            sum_of_rates += row[j] * ((matrix4)rates)[j * g.count4 + k];
+                        ((field4)known)[k] = ((matrix4)y)[k] + h * sum_of_rates;
                     }
+                    SYNC;
+#ifdef IMPLICIT
+                    /* First guess: the rate of the stage before. */
+                    const double c = h * row[i];
+                    FOR_EACH(k, g.count)
+                    stage[k] = known[k] + (c != 0.0 ? c * own[k - g.count] : 0.0);
+                    SYNC;
+                    if (!solve_stage(&g, &film, c, stage, known, own, number[4], basis, small,
+                                     &newton, &krylov, scratch) &&
+                        status == MARCHED)
+                        status = STALLED;
+                    /* The rate that fits the stage exactly: what is left of the equations in it is
+                     * small, but what is left in f is not where the film is stiff. */
+                    if (c != 0.0)
+                        FOR_EACH(k, g.count) own[k] = (stage[k] - known[k]) / c;
+                    SYNC;
+#else
+                    rate(&g, &film, known, own, scratch);
+#endif
                     const double share = b[i] / steps;
                     FOR_EACH(k, g.count4) mean[k] += share * film.overpressure[k];
                     SYNC;
+                    const double force =
+                        dot_product((matrix4)g.area, film.overpressure, g.count4, scratch);
                     if (i == 0) {
-                        const double force =
-                            dot_product((matrix4)g.area, film.overpressure, g.count4, scratch);
                         lowest = fmin(lowest, force);
                         highest = fmax(highest, force);
-                        if (!isfinite(force))
-                            status = NOT_PHYSICAL;
                     }
+                    if (!isfinite(force) && status == MARCHED)
+                        status = NOT_PHYSICAL;
                 }
                 FOR_EACH(k, g.count4)
                 {

@@ -223,6 +223,7 @@ def march(
     ramp_periods: float = 0.0,
     overpressure: np.ndarray | None = None,
     first_period: int = 0,
+    allow_unstable: bool = False,
 ) -> March:
     """Follow films through ``periods`` periods from rest or from a given state.
 
@@ -235,9 +236,12 @@ def march(
         ramp_periods: the amplitude rises as sin² over so many periods.
         overpressure: P − 1 at the beginning of ``first_period``, shape (scenes, nx, ny); zero, the
             film at rest, if left out.
+        allow_unstable: march even with fewer steps than an explicit scheme is sure to be stable
+            with. A weak instability saturates: the force is then wrong without any other sign.
 
     Raises:
-        InputError: for another scheme's name, or scenes with terms that marching does not know.
+        InputError: for another scheme's name, scenes with terms that marching does not know, or a
+            grid whose numbers of unknowns are no multiples of four; for too few explicit steps.
     """
     import pyopencl as cl
 
@@ -245,10 +249,19 @@ def march(
         raise InputError(f"scheme {scheme!r}: unknown; allowed are {', '.join(SCHEMES)}")
     if problems.flow.shape[1] > 1 or np.any(problems.inverse_exponent != 1):
         raise InputError("march: marching in time is for isothermal films without slip only")
+    if grid.nx % 4 or grid.ny % 4:
+        raise InputError(f"march: {grid.nx} × {grid.ny} unknowns; both must be multiples of 4")
     method = SCHEMES[scheme]
     scenes = len(problems.epsilon)
     moving = bool(np.any(problems.bearing))
     steps = np.broadcast_to(np.asarray(steps_per_period, dtype=float), (scenes,))
+    stable = steps_for_stability(problems=problems, grid=grid, scheme=scheme)
+    if not allow_unstable and np.any(steps < stable):
+        few = int(np.argmax(stable / steps))
+        raise InputError(
+            f"march: {steps[few]:.0f} steps per period with {scheme} are too few at "
+            f"sigma = {problems.sigma[few]:g}; {stable[few]:.0f} are sure to be stable"
+        )
     numbers = np.column_stack(
         [
             problems.epsilon,

@@ -1,0 +1,439 @@
+"""Marching in time against the periodic state, linear theory, and the schemes' own theory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import e, pi, sqrt
+
+import numpy as np
+import pytest
+from films import PISTON, SINC, film, mean_overpressure
+
+from squeezefilm.errors import InputError
+from squeezefilm.profiles import Profile
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.periodic import Grid, Problems
+from squeezefilm.reynolds.transient import (
+    SCHEMES,
+    March,
+    SettledForce,
+    choose,
+    march,
+    settle,
+    steps_for_stability,
+    transient_force,
+)
+
+DEVICE = choose_device()
+
+
+def quarter_grid(points: int) -> Grid:
+    return Grid(nx=points // 2, ny=points // 2, nt=4, fold_x=True, fold_y=True)
+
+
+def problems_on(
+    grid: Grid,
+    *,
+    epsilon: tuple[float, ...],
+    sigma: float,
+    profile: Profile = SINC,
+    aspect: float = 1.0,
+    position: float = 0.0,
+    bearing: float = 0.0,
+    tolerance: float = 1e-9,
+) -> Problems:
+    """Scenes that differ in ε alone, with the finger at `position` along x."""
+    scenes = len(epsilon)
+    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
+    scene = film(epsilon=0.1, sigma=1.0, profile=profile, aspect=aspect, x=position)
+    s = scene.amplitude(x, y)
+    return Problems(
+        epsilon=np.array(epsilon),
+        sigma=np.full(scenes, sigma),
+        bearing=np.full(scenes, bearing),
+        inverse_exponent=np.ones(scenes),
+        flow=np.ones((scenes, 1)),
+        aspect=aspect,
+        amplitude=np.repeat(s[None], scenes, axis=0),
+        tolerance=tolerance,
+    )
+
+
+def settled_mean(problems: Problems, grid: Grid, scheme: str, steps: int) -> float:
+    settled = settle(
+        problems=problems,
+        grid=grid,
+        steps_per_period=np.full(len(problems.epsilon), steps),
+        scheme=scheme,
+        device=DEVICE,
+    )
+    assert list(settled.status) == [0] * len(problems.epsilon)
+    return float(settled.mean[0])
+
+
+def force_by_marching(
+    *, epsilon: float, sigma: float, tolerance: float, points: int, scheme: str = "auto"
+) -> SettledForce:
+    (force,) = transient_force(
+        problems_on=lambda grid: problems_on(grid, epsilon=(epsilon,), sigma=sigma),
+        grid=quarter_grid(points),
+        tolerance=tolerance,
+        device=DEVICE,
+        scheme=scheme,
+    )
+    return force
+
+
+# Schemes
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+def test_tables_meet_the_conditions_of_their_order(name: str) -> None:
+    """Butcher's conditions on trees of up to four nodes."""
+    scheme = SCHEMES[name]
+    a, b, c = scheme.a, scheme.b, scheme.c
+    conditions = [
+        (1, b.sum(), 1),
+        (2, b @ c, 1 / 2),
+        (3, b @ c**2, 1 / 3),
+        (3, b @ a @ c, 1 / 6),
+        (4, b @ c**3, 1 / 4),
+        (4, b * c @ a @ c, 1 / 8),
+        (4, b @ a @ c**2, 1 / 12),
+        (4, b @ a @ a @ c, 1 / 24),
+    ]
+    for order, value, wanted in conditions:
+        if order <= scheme.order:
+            assert value == pytest.approx(wanted, abs=1e-14)
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+def test_growth_of_a_decaying_mode_is_what_the_scheme_promises(name: str) -> None:
+    """1 at the end of the explicit scheme's real interval; 0 at infinity for the implicit ones."""
+    scheme = SCHEMES[name]
+
+    def growth(z: float) -> float:
+        inverse = np.linalg.inv(np.eye(scheme.stages) - z * scheme.a)
+        return float(1 + z * scheme.b @ inverse @ np.ones(scheme.stages))
+
+    if scheme.implicit:
+        assert growth(-1e6) == pytest.approx(0, abs=1e-5)
+    else:
+        assert growth(-scheme.real_limit) == pytest.approx(1, abs=1e-4)
+        assert max(growth(-scheme.real_limit * share) for share in np.linspace(0.01, 0.99, 50)) < 1
+
+
+@pytest.mark.parametrize(("name", "order"), [("rk4", 4), ("tr-bdf2", 2), ("esdirk4", 4)])
+def test_settled_force_converges_with_the_scheme_s_order(name: str, order: int) -> None:
+    grid = quarter_grid(8)
+    problems = problems_on(grid, epsilon=(0.4,), sigma=583.0, tolerance=1e-12)
+    exact = settled_mean(problems, grid, "rk4", 512)
+    coarse, fine = (abs(settled_mean(problems, grid, name, steps) - exact) for steps in (24, 48))
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.25)
+
+
+@pytest.mark.parametrize(("name", "order"), [("rk4", 4), ("tr-bdf2", 2), ("esdirk4", 4)])
+def test_start_up_converges_with_the_scheme_s_order(name: str, order: int) -> None:
+    """The mean over the first period from rest, far from settled."""
+    grid = quarter_grid(8)
+    problems = problems_on(grid, epsilon=(0.4,), sigma=583.0, tolerance=1e-12)
+
+    def first_mean(scheme: str, steps: int) -> float:
+        run = march(
+            problems=problems,
+            grid=grid,
+            periods=1,
+            steps_per_period=steps,
+            scheme=scheme,
+            device=DEVICE,
+        )
+        return float(run.mean_by_period[0, 0])
+
+    exact = first_mean("rk4", 1024)
+    coarse, fine = (abs(first_mean(name, steps) - exact) for steps in (40, 80))
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.3)
+
+
+def test_explicit_steps_are_stable_just_where_theory_says() -> None:
+    """A disturbance of a film almost at rest grows or decays; the limit found by bisection."""
+    grid = quarter_grid(16)
+    problems = problems_on(grid, epsilon=(1e-3,), sigma=100.0)
+    disturbance = 1e-6 * np.random.default_rng(1).standard_normal((1, grid.nx, grid.ny))
+
+    def stable(steps: int) -> bool:
+        run = march(
+            problems=problems,
+            grid=grid,
+            periods=10,
+            steps_per_period=steps,
+            scheme="rk4",
+            device=DEVICE,
+            overpressure=disturbance,
+            allow_unstable=True,
+        )
+        return bool(run.status[0] == 0 and np.abs(run.overpressure).max() < 1e-3)
+
+    theory = int(steps_for_stability(problems=problems, grid=grid, scheme="rk4")[0])
+    unstable_below, stable_from = theory // 2, 2 * theory
+    assert not stable(unstable_below)
+    assert stable(stable_from)
+    while stable_from - unstable_below > 1:
+        middle = (unstable_below + stable_from) // 2
+        if stable(middle):
+            stable_from = middle
+        else:
+            unstable_below = middle
+    assert stable_from == pytest.approx(theory, rel=0.05)
+
+
+def test_unstable_steps_give_no_number() -> None:
+    grid = quarter_grid(16)
+    run = march(
+        problems=problems_on(grid, epsilon=(0.3,), sigma=20.0),
+        grid=grid,
+        periods=3,
+        steps_per_period=200,
+        scheme="rk4",
+        device=DEVICE,
+        allow_unstable=True,
+    )
+    assert run.status[0] == 2
+    assert np.isnan(run.mean_by_period[0, -1])
+
+
+# Settled films
+
+
+@pytest.mark.parametrize("sigma", [20.0, 583.0])
+@pytest.mark.parametrize("epsilon", [0.3, 0.44])
+def test_settled_force_is_that_of_the_periodic_state(epsilon: float, sigma: float) -> None:
+    exact = mean_overpressure(film(epsilon=epsilon, sigma=sigma), points=32, instants=24, fold=True)
+    for tolerance, points in ((1e-3, 16), (1e-6, 24)):
+        force = force_by_marching(epsilon=epsilon, sigma=sigma, tolerance=tolerance, points=points)
+        assert force.status == "ok"
+        assert abs(force.mean - exact) <= force.error <= tolerance * exact
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_every_scheme_settles_on_the_same_force(scheme: str) -> None:
+    exact = mean_overpressure(film(epsilon=0.44, sigma=583.0), points=32, instants=24, fold=True)
+    force = force_by_marching(epsilon=0.44, sigma=583.0, tolerance=1e-4, points=16, scheme=scheme)
+    assert force.method == f"march, {scheme}"
+    assert abs(force.mean - exact) <= force.error <= 1e-4 * exact
+
+
+def test_settling_takes_few_periods_where_plain_marching_takes_hundreds() -> None:
+    grid = quarter_grid(16)
+    settled = settle(
+        problems=problems_on(grid, epsilon=(0.1, 0.44, 0.9), sigma=1e5, tolerance=1e-8),
+        grid=grid,
+        steps_per_period=np.full(3, 64),
+        scheme="rk4",
+        device=DEVICE,
+    )
+    assert list(settled.status) == [0, 0, 0]
+    assert settled.periods.max() <= 10
+
+
+def test_a_sliding_finger_settles_on_the_periodic_state() -> None:
+    """Off the middle, where the direction counts."""
+    scene = film(epsilon=0.4, sigma=100.0, x=0.2, bearing=10.0)
+    exact = mean_overpressure(scene, points=24, instants=24)
+    grid = Grid(nx=24, ny=12, nt=4, fold_x=False, fold_y=True)
+    problems = problems_on(grid, epsilon=(0.4,), sigma=100.0, position=0.2, bearing=10.0)
+    assert settled_mean(problems, grid, "esdirk4", 48) == pytest.approx(exact, rel=1e-6)
+    still = replace(problems, bearing=np.zeros(1))
+    assert settled_mean(still, grid, "esdirk4", 48) != pytest.approx(exact, rel=1e-3)
+
+
+def test_small_films_answer_linearly_with_blech_s_coefficients() -> None:
+    """Force −ε (S sin T + D cos T) of a square piston at σ = 20, and its mean 5/4 ε² S."""
+    spring, damping = 0.3390888, 0.3644581
+    epsilon = 1e-3
+    grid = quarter_grid(24)
+    problems = problems_on(grid, epsilon=(epsilon,), sigma=20.0, profile=PISTON)
+    run = march(
+        problems=problems,
+        grid=grid,
+        periods=5,
+        steps_per_period=256,
+        scheme="esdirk4",
+        device=DEVICE,
+    )
+    at_period_s_end = grid.x.weights @ run.overpressure[0] @ grid.y.weights
+    swing = (run.highest_by_period - run.lowest_by_period)[0, -1] / 2
+    assert at_period_s_end / epsilon == pytest.approx(-damping, rel=2e-3)
+    assert swing / epsilon == pytest.approx(sqrt(spring**2 + damping**2), rel=2e-4)
+    assert run.mean_by_period[0, -1] / epsilon**2 == pytest.approx(1.25 * spring, rel=1e-5)
+
+
+# Start-up
+
+
+@pytest.mark.parametrize("aspect", [1.0, 2.0])
+def test_films_settle_with_the_time_constant_of_the_slowest_mode(aspect: float) -> None:
+    grid = quarter_grid(16)
+    run = march(
+        problems=problems_on(
+            grid, epsilon=(0.02,), sigma=583.0, profile=PISTON, aspect=aspect, tolerance=1e-6
+        ),
+        grid=grid,
+        periods=45,
+        steps_per_period=160,
+        scheme="rk4",
+        device=DEVICE,
+    )
+    theory = 583.0 / (pi**2 * (1 + aspect**-2))
+    assert run.settling_radians()[0] == pytest.approx(theory, rel=2e-3)
+
+
+@pytest.mark.parametrize(("sigma", "periods", "steps"), [(300.0, 40, 300), (1200.0, 120, 100)])
+def test_the_last_decade_of_the_rise_takes_ln_10_time_constants(
+    sigma: float, periods: int, steps: int
+) -> None:
+    grid = quarter_grid(16)
+    run = march(
+        problems=problems_on(grid, epsilon=(0.1,), sigma=sigma, profile=PISTON),
+        grid=grid,
+        periods=periods,
+        steps_per_period=steps,
+        scheme="rk4",
+        device=DEVICE,
+    )
+    scene = film(epsilon=0.1, sigma=sigma, profile=PISTON)
+    exact = np.array([mean_overpressure(scene, points=16, instants=16, fold=True)])
+    decade = run.rise_periods(exact, within=0.001) - run.rise_periods(exact, within=0.01)
+    assert decade[0] == pytest.approx(np.log(10) * sigma / (2 * pi**2) / (2 * pi), rel=0.02)
+    assert run.rise_periods() == pytest.approx(run.rise_periods(exact), rel=1e-3)
+
+
+def test_rise_of_a_pure_exponential() -> None:
+    """Means of 1 − exp(−t/τ) over periods, τ = 5 periods: 1/e away at τ, 1 % at τ ln 100."""
+    ends = np.exp(-np.arange(41) / 5)
+    means = (1 - 5 * (ends[:-1] - ends[1:]))[None]
+    none = np.zeros(1, dtype=int)
+    field = np.zeros((1, 4, 4))
+    run = March(means, means, means, field, field, "rk4", none, none, none, none)
+    assert run.rise_periods(within=1 / e)[0] == pytest.approx(5, rel=0.01)
+    assert run.rise_periods(within=0.01)[0] == pytest.approx(5 * np.log(100), rel=0.01)
+    assert run.settling_radians()[0] == pytest.approx(10 * pi)
+    short = replace(run, mean_by_period=means[:, :10])
+    assert np.isnan(short.rise_periods(np.ones(1), within=0.01)[0])
+
+
+def test_a_ramp_changes_the_way_but_not_the_settled_state() -> None:
+    grid = quarter_grid(16)
+
+    def means(ramp_periods: float) -> np.ndarray:
+        return march(
+            problems=problems_on(grid, epsilon=(0.3,), sigma=20.0),
+            grid=grid,
+            periods=9,
+            steps_per_period=32,
+            scheme="esdirk4",
+            device=DEVICE,
+            ramp_periods=ramp_periods,
+        ).mean_by_period[0]
+
+    sudden, ramped = means(0.0), means(3.0)
+    assert ramped[0] < 0.3 * sudden[0]
+    assert ramped[-1] == pytest.approx(sudden[-1], rel=1e-8)
+
+
+def test_a_march_goes_on_where_it_stopped() -> None:
+    grid = quarter_grid(16)
+    problems = problems_on(grid, epsilon=(0.3,), sigma=200.0)
+
+    def run(periods: int, **start: object) -> March:
+        return march(
+            problems=problems,
+            grid=grid,
+            periods=periods,
+            steps_per_period=620,
+            scheme="rk4",
+            device=DEVICE,
+            ramp_periods=2.0,
+            **start,  # type: ignore[arg-type]
+        )
+
+    whole, first = run(3), run(1)
+    rest = run(2, overpressure=first.overpressure, first_period=1)
+    together = np.hstack([first.mean_by_period, rest.mean_by_period])
+    assert together == pytest.approx(whole.mean_by_period, rel=1e-12)
+
+
+# Promises
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_scene_does_not_depend_on_its_batch(scheme: str) -> None:
+    grid = quarter_grid(8)
+    epsilon = (0.1, 0.3, 0.5)
+    steps = np.array([150, 180, 210])
+
+    def means(which: list[int]) -> np.ndarray:
+        return march(
+            problems=problems_on(grid, epsilon=tuple(epsilon[i] for i in which), sigma=100.0),
+            grid=grid,
+            periods=2,
+            steps_per_period=steps[which],
+            scheme=scheme,
+            device=DEVICE,
+        ).mean_by_period
+
+    together = means([0, 1, 2])
+    for scene in range(3):
+        assert (means([scene])[0] == together[scene]).all()
+
+
+def test_work_groups_of_many_items_give_the_same_forces() -> None:
+    """The code path of a graphics processor; implicit steps take too long to compile for a test."""
+    grid = quarter_grid(16)
+    alone, shared = (
+        march(
+            problems=problems_on(grid, epsilon=(0.1, 0.3), sigma=583.0),
+            grid=grid,
+            periods=2,
+            steps_per_period=260,
+            scheme="rk4",
+            device=choose_device(work_items=work_items),
+        ).mean_by_period
+        for work_items in (1, 4)
+    )
+    assert shared == pytest.approx(alone, rel=1e-10)
+
+
+def test_stiff_films_take_implicit_steps_and_others_explicit_ones() -> None:
+    grid = quarter_grid(24)
+
+    def scheme(sigma: float) -> str:
+        problems = problems_on(grid, epsilon=(0.3,), sigma=sigma)
+        return choose(problems=problems, grid=grid, tolerance=1e-6)[0].scheme
+
+    assert scheme(20.0) == "esdirk4"
+    assert scheme(2e4) == "rk4"
+
+
+def test_what_cannot_be_marched_is_refused_with_a_reason() -> None:
+    grid = quarter_grid(8)
+    problems = problems_on(grid, epsilon=(0.3,), sigma=20.0)
+    rarefied = replace(problems, flow=np.ones((1, 2)))
+    odd = quarter_grid(12)
+    for wrong, on, scheme, reason in (
+        (problems, grid, "euler", "scheme 'euler': unknown"),
+        (rarefied, grid, "esdirk4", "without slip"),
+        (problems_on(odd, epsilon=(0.3,), sigma=20.0), odd, "esdirk4", "multiples of 4"),
+        (problems, grid, "rk4", "8 steps per period with rk4 are too few at sigma = 20"),
+    ):
+        with pytest.raises(InputError, match=reason):
+            march(
+                problems=wrong,
+                grid=on,
+                periods=1,
+                steps_per_period=8,
+                scheme=scheme,
+                device=DEVICE,
+            )
+    force = force_by_marching(epsilon=0.3, sigma=0.1, tolerance=1e-6, points=16, scheme="rk4")
+    assert "steps per period" in force.status
+    assert np.isnan(force.mean)
