@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.reynolds.device import Device, build
+from squeezefilm.reynolds.device import Device, kernel
 from squeezefilm.reynolds.periodic import Grid, Problems, grid_matrices, solve_batch
 from squeezefilm.reynolds.refinement import iteration_flops
 
@@ -48,14 +48,13 @@ def measure(device: Device) -> list[Rate]:
     """Rates of all compute units together, medians of repeats by the wall clock."""
     import pyopencl as cl
 
-    program = build(device, sources=SOURCES, defines=("FLOW_TERMS=1", "PROFILE_FIELDS=3"))
     flags = cl.mem_flags
 
     def sent(values: np.ndarray) -> Any:
         return cl.Buffer(device.context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=values)
 
-    def seconds(kernel: str, *arguments: Any) -> float:
-        handle = cl.Kernel(program, kernel)
+    def seconds(name: str, *arguments: Any) -> float:
+        handle = kernel(device, name, sources=SOURCES, defines=("FLOW_TERMS=1", "PROFILE_FIELDS=3"))
         shape = (device.groups * device.work_items,), (device.work_items,)
 
         def run() -> None:

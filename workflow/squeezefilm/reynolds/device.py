@@ -108,17 +108,24 @@ def describe(wanted: str = "auto") -> dict[str, Any]:
     }
 
 
-def build(device: Device, *, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
-    """The built program of some kernel files of this folder, joined in order.
+def kernel(device: Device, name: str, *, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+    """A kernel of a program made of some files of this folder, joined in order.
 
-    ``defines`` switch terms on; the number of work-items per group is always defined. Programs
-    are kept for the process and, by pyopencl and the driver, on disk.
+    ``defines`` switch terms on; the number of work-items per group is always defined. Kernels are
+    kept for the process and programs, by pyopencl and the driver, on disk.
     """
-    return _build(device.context, sources, (f"WORK_ITEMS={device.work_items}", *defines))
+    return _kernel(device.context, name, sources, (f"WORK_ITEMS={device.work_items}", *defines))
 
 
 @cache
-def _build(context: Any, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+def _kernel(context: Any, name: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+    import pyopencl as cl
+
+    return cl.Kernel(_program(context, sources, defines), name)
+
+
+@cache
+def _program(context: Any, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
     import pyopencl as cl
 
     text = "\n".join((Path(__file__).parent / name).read_text() for name in sources)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.device import Device, build
+from squeezefilm.reynolds.device import Device, kernel
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 
@@ -111,7 +112,7 @@ def solve_batch(
     scenes = len(problems.epsilon)
     terms = problems.flow.shape[1]
     moving = bool(np.any(problems.bearing))
-    program = build(device, sources=SOURCES, defines=_defines(problems))
+    periodic_state = kernel(device, "periodic_state", sources=SOURCES, defines=_defines(problems))
     count = grid.nx * grid.ny * grid.nt
     most_krylov = int(np.clip(LARGEST_WORKSPACE_BYTES // (8 * count) - 8, 20, 80))
     workspace_size = count * (3 * terms + 4 + most_krylov) + (most_krylov + 4) * (most_krylov + 1)
@@ -143,7 +144,7 @@ def solve_batch(
     counts_buffer = cl.Buffer(context, flags.WRITE_ONLY, counts.nbytes)
     workspace = cl.Buffer(context, flags.READ_WRITE, 8 * workspace_size * groups)
     taken = np.zeros(1, dtype=np.int32)
-    cl.Kernel(program, "periodic_state")(
+    periodic_state(
         queue,
         (groups * device.work_items,),
         (device.work_items,),
@@ -223,6 +224,7 @@ def warm(device: Device, needs: Needs) -> None:
     solve_batch(problems=problems, grid=grid, device=device)
 
 
+@lru_cache(maxsize=256)
 def grid_matrices(grid: Grid, *, aspect: float, bearing: bool) -> np.ndarray:
     """The batch's matrices in one array, in the order in which make_grid reads them."""
     values_x, vectors_x, inverse_x = grid.x.modes

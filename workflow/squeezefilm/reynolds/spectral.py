@@ -106,6 +106,7 @@ class Axis:
         vectors = vectors / np.sqrt(self.weights @ vectors**2)
         return values, vectors, np.linalg.inv(vectors)
 
+    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def moments(self, count: int) -> np.ndarray:
         """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""
         return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights

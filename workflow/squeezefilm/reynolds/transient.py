@@ -19,7 +19,7 @@ from math import pi, sqrt
 import numpy as np
 
 from squeezefilm.errors import InputError
-from squeezefilm.reynolds.device import Device, build
+from squeezefilm.reynolds.device import Device, kernel
 from squeezefilm.reynolds.periodic import Grid, Problems, _profile_fields
 from squeezefilm.reynolds.resolution import finer_grid
 
@@ -295,8 +295,8 @@ def march(
     results_buffer = cl.Buffer(context, flags.WRITE_ONLY, results.nbytes)
     counts_buffer = cl.Buffer(context, flags.WRITE_ONLY, counts.nbytes)
     taken = np.zeros(1, dtype=np.int32)
-    program = build(device, sources=SOURCES, defines=_defines(method, moving))
-    cl.Kernel(program, "march_films")(
+    march_films = kernel(device, "march_films", sources=SOURCES, defines=_defines(method, moving))
+    march_films(
         queue,
         (groups * device.work_items,),
         (device.work_items,),
