@@ -13,16 +13,9 @@ from squeezefilm.errors import InputError
 from squeezefilm.profiles import Profile
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import Grid, Problems
-from squeezefilm.reynolds.transient import (
-    SCHEMES,
-    March,
-    SettledForce,
-    choose,
-    march,
-    settle,
-    steps_for_stability,
-    transient_force,
-)
+from squeezefilm.reynolds.schemes import SCHEMES, choose, steps_for_stability
+from squeezefilm.reynolds.settling import SettledForce, settle, transient_force
+from squeezefilm.reynolds.transient import March, march
 
 DEVICE = choose_device()
 

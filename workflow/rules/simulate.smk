@@ -135,3 +135,35 @@ rule gather:
     shell:
         "python -m squeezefilm gather {input.scenes} {input.forces} --timings {input.timings} "
         "--output {output.forces} --timings-output {output.timings} >{log} 2>&1"
+
+
+rule explain:
+    input:
+        code=code("explain"),
+        config=ancient(CONFIG_FILE),
+        scenes="<results>/simulations/{plan}/scenes.csv",
+    output:
+        "<results>/simulations/{plan}/explained.csv",
+    log:
+        "<logs>/explain/{plan}.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    params:
+        settings=settings("commands.explain"),
+    message:
+        "What {wildcards.plan} needs, and what is left out"
+    shell:
+        "python -m squeezefilm explain {input.scenes} --config {input.config} "
+        "--output {output} >{log} 2>&1"
+
+
+rule explained:
+    input:
+        expand("<results>/simulations/{plan}/explained.csv", plan=["screen", "four_factor"]),
+    message:
+        "What the scenes of the two plans need is written down"

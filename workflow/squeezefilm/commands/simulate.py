@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError, RunError
@@ -208,7 +209,7 @@ def _quantity(text: str, *, option: str, unit: str) -> float:
     from pint import PintError, UnitRegistry  # slow to import, and only needed for one scene
 
     try:
-        quantity = UnitRegistry().Quantity(text)
+        quantity: Any = UnitRegistry().Quantity(text)
         if not quantity.dimensionless or unit == "deg":
             return float(quantity.to(unit).magnitude)
     except (PintError, ValueError, TypeError, AttributeError, AssertionError, ArithmeticError):

@@ -33,7 +33,7 @@ from squeezefilm.numerics.yardstick import Fold, periods_to_settle
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.periodic import Grid
-from squeezefilm.reynolds.transient import transient_force
+from squeezefilm.reynolds.settling import transient_force
 
 FILMS = (
     *(

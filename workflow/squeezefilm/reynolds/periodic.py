@@ -154,7 +154,7 @@ def solve_batch(
         np.int32(most_krylov),
         sent(grid_matrices(grid, aspect=problems.aspect, bearing=moving)),
         sent(numbers),
-        sent(_profile_fields(problems, grid, slope=moving)),
+        sent(profile_fields(problems, grid, slope=moving)),
         sent(_schur_forms(problems, grid) if moving else np.zeros(1)),
         state_buffer,
         results_buffer,
@@ -251,7 +251,7 @@ def grid_matrices(grid: Grid, *, aspect: float, bearing: bool) -> np.ndarray:
     return np.concatenate([np.ascontiguousarray(part).ravel() for part in parts])
 
 
-def _profile_fields(problems: Problems, grid: Grid, *, slope: bool) -> np.ndarray:
+def profile_fields(problems: Problems, grid: Grid, *, slope: bool) -> np.ndarray:
     """s, |∇s|², Δs and, if asked for, ∂s/∂X where the unknowns lie; (scenes, 3 or 4, nx, ny).
 
     Derivatives are those of the interpolating polynomial, lengths in units of the finger's x side.

@@ -11,19 +11,18 @@ import numpy as np
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic import STATUS, Grid, Problems, States, solve_batch
-from squeezefilm.reynolds.resolution import finer_grid, first_grid
+from squeezefilm.reynolds.resolution import (
+    MOMENT_FACTOR,
+    MOMENTS,
+    ROUND_OFF,
+    finer_grid,
+    first_grid,
+)
 from squeezefilm.reynolds.solution import Solution, left_out_text
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
 # Share of the tolerance that Newton's iteration may leave; the grids get the rest.
 ITERATION_SHARE = 0.03
-# The force can agree between two grids by chance. The lowest moments of the mean pressure hardly
-# ever all do: twice their largest change covered the finer grid's true error in 99.8 % of 414
-# pairs of grids, drawn over ε 0.01–0.95 and σ 0.1–3e5.
-MOMENTS = 3
-MOMENT_FACTOR = 2.0
-# Round-off: error of the mean overpressure relative to the largest overpressure.
-ROUND_OFF = 1e-14
 BATCH = 256
 
 
@@ -105,20 +104,21 @@ def _solve_group(group: list[_Progress], *, tolerance: float, device: Device) ->
     guess = None
     if any(progress.grid_before is not None for progress in group):
         guess = np.stack([_first_guess(progress) for progress in group])
-    return solve_batch(
-        problems=Problems(
-            epsilon=np.array([scene.epsilon for scene in scenes]),
-            sigma=np.array([scene.sigma for scene in scenes]),
-            bearing=np.array([scene.bearing_number for scene in scenes]),
-            inverse_exponent=np.array([1 / scene.gas.polytropic_exponent for scene in scenes]),
-            flow=np.array([scene.flow_coefficients for scene in scenes]),
-            aspect=scenes[0].aspect,
-            amplitude=_amplitudes(scenes, grid),
-            tolerance=ITERATION_SHARE * tolerance,
-        ),
-        grid=grid,
-        device=device,
-        guess=guess,
+    problems = problems_of(scenes, grid, tolerance=ITERATION_SHARE * tolerance)
+    return solve_batch(problems=problems, grid=grid, device=device, guess=guess)
+
+
+def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
+    """Scenes of one finger shape and like terms, in the dimensionless form of a batch."""
+    return Problems(
+        epsilon=np.array([scene.epsilon for scene in scenes]),
+        sigma=np.array([scene.sigma for scene in scenes]),
+        bearing=np.array([scene.bearing_number for scene in scenes]),
+        inverse_exponent=np.array([1 / scene.gas.polytropic_exponent for scene in scenes]),
+        flow=np.array([scene.flow_coefficients for scene in scenes]),
+        aspect=scenes[0].aspect,
+        amplitude=_amplitudes(scenes, grid),
+        tolerance=tolerance,
     )
 
 

@@ -16,6 +16,13 @@ from squeezefilm.reynolds.periodic import Grid
 MOST_SPACE = 160
 MOST_TIME = 192
 LEAST_TIME = 8
+# The force can agree between two grids by chance. The lowest moments of the mean pressure hardly
+# ever all do: twice their largest change covered the finer grid's true error in 99.8 % of 414
+# pairs of grids, drawn over ε 0.01–0.95 and σ 0.1–3e5.
+MOMENTS = 3
+MOMENT_FACTOR = 2.0
+# Round-off: error of the mean overpressure relative to the largest overpressure.
+ROUND_OFF = 1e-14
 # Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,
 # with stronger harmonics than the gas spring's 1/H.
 INCOMPRESSIBLE = 10.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import nan
 
 from squeezefilm.reynolds.needs import LeftOut
 
@@ -41,3 +42,21 @@ class Solution:
 def left_out_text(parts: Iterable[LeftOut]) -> str:
     """The ``left_out`` column of a scene."""
     return "; ".join(part.what for part in parts)
+
+
+def refusal(status: str, *, method: str) -> Solution:
+    """A scene that was not tried, with the reason."""
+    return Solution(
+        force_n=nan,
+        force_error_n=nan,
+        status=status,
+        method=method,
+        left_out="",
+        nx=0,
+        ny=0,
+        nt=0,
+        newton_steps=0,
+        krylov_iterations=0,
+        residual=0.0,
+        work=0.0,
+    )

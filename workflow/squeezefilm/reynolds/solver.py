@@ -11,14 +11,15 @@ import numpy as np
 from squeezefilm.reynolds import limits
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.limits import LimitForces, limit_axis, limit_points
+from squeezefilm.reynolds.marching import solve_marching
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import solve_periodic
-from squeezefilm.reynolds.solution import Solution, left_out_text
+from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
 from squeezefilm.scene import Scene
 
 # The methods from cheap to dear; the limits know their own error before anything is solved.
 LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
-METHODS = ("auto", *LIMITS, "periodic")
+METHODS = ("auto", *LIMITS, "periodic", "march")
 # The fast limit is not worth choosing: its error estimate needs the boundary layer's correction.
 CHOSEN_LIMITS = tuple(name for name in LIMITS if name != "fast-limit")
 # Which squeeze number a limit's grid must resolve layers of, if any.
@@ -76,18 +77,20 @@ def solve(
         report(1)
     if method in LIMITS:
         for index in set(range(len(scenes))) - set(solutions):
-            solutions[index] = _not_applicable(method)
+            reason = f"{method} does not know this scene's profile or terms"
+            solutions[index] = refusal(reason, method=method)
             report(1)
     left = [index for index in range(len(scenes)) if index not in solutions]
     if left:
-        periodic = solve_periodic(
+        on_device = solve_marching if method == "march" else solve_periodic
+        rest = on_device(
             [scenes[index] for index in left],
             [needs[index] for index in left],
             tolerance=tolerance,
             device=device or choose_device(),
             report=report,
         )
-        solutions.update(zip(left, periodic, strict=True))
+        solutions.update(zip(left, rest, strict=True))
     return [solutions[index] for index in range(len(scenes))]
 
 
@@ -95,7 +98,7 @@ def by_limits(
     scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
 ) -> dict[int, LimitResult]:
     """The scenes that a limit solves, by index: to the tolerance if ``auto``, else at any error."""
-    if method == "periodic":
+    if method in ("periodic", "march"):
         return {}
     results: dict[int, LimitResult] = {}
     for name in CHOSEN_LIMITS if method == "auto" else (method,):
@@ -193,21 +196,4 @@ def _limit_solution(scene: Scene, needs: Needs, result: LimitResult, tolerance: 
         krylov_iterations=0,
         residual=0.0,
         work=result.flops,
-    )
-
-
-def _not_applicable(method: str) -> Solution:
-    return Solution(
-        force_n=np.nan,
-        force_error_n=np.nan,
-        status=f"{method} does not know this scene's profile or terms",
-        method=method,
-        left_out="",
-        nx=0,
-        ny=0,
-        nt=0,
-        newton_steps=0,
-        krylov_iterations=0,
-        residual=0.0,
-        work=0.0,
     )
