@@ -5,7 +5,7 @@ ALONE = workflow.cores or 1
 # Threads of BLAS that wait for work count as processor time; every method gets one.
 ONE_BLAS_THREAD = "OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1"
 
-NUMERICS = ["work_precision", "stability"]
+NUMERICS = ["work_precision", "stability", "left_out"]
 
 
 rule work_precision:
@@ -61,6 +61,59 @@ rule stability:
         "--config {input.config} --output {output} >{log} 2>&1"
 
 
+rule left_out:
+    input:
+        code=code("left-out"),
+        config=ancient(CONFIG_FILE),
+        scenes=expand(
+            "<results>/simulations/{plan}/scenes.csv", plan=["screen", "four_factor_control"]
+        ),
+    output:
+        "<results>/numerics/left_out.csv",
+    log:
+        "<logs>/numerics/left_out.log",
+    benchmark:
+        "<benchmarks>/numerics/left_out.tsv"
+    conda:
+        "../../envs/numerics.yaml"
+    threads: ALONE
+    resources:
+        mem_mb=2000,
+        runtime=10,
+    params:
+        settings=settings("commands.left_out"),
+        blas=ONE_BLAS_THREAD,
+    message:
+        "What leaving things out saves, and that it costs no accuracy"
+    shell:
+        "{params.blas} python -m squeezefilm left-out {input.scenes} --config {input.config} "
+        "--output {output} >{log} 2>&1"
+
+
+rule roofline:
+    input:
+        code=code("roofline"),
+        config=ancient(CONFIG_FILE),
+    output:
+        "<results>/numerics/roofline.csv",
+    log:
+        "<logs>/numerics/roofline.log",
+    benchmark:
+        "<benchmarks>/numerics/roofline.tsv"
+    conda:
+        "../../envs/numerics.yaml"
+    threads: ALONE
+    resources:
+        mem_mb=2000,
+        runtime=10,
+    params:
+        settings=settings("commands.roofline"),
+    message:
+        "The solver's kernels beside the limits of the device"
+    shell:
+        "python -m squeezefilm roofline --config {input.config} --output {output} >{log} 2>&1"
+
+
 rule plot_numerics:
     input:
         code=lambda wildcards: code("plot", f"figures.{wildcards.numerics_figure}"),
@@ -89,5 +142,6 @@ rule plot_numerics:
 rule numerics:
     input:
         expand("<results>/numerics/{name}.{format}", name=NUMERICS, format=["csv", "png", "svg"]),
+        "<results>/numerics/roofline.csv",
     message:
         "Accuracy, run time and stability of the solver are known"

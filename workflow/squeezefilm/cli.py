@@ -25,8 +25,12 @@ COMMANDS = {
     "claims": "compare the paper's claims with the results",
     "work-precision": "error against run time of the solver and of other methods",
     "stability": "stiff and extreme films, each with a verdict",
+    "cost": "run time and memory against the size of the problem",
+    "conditioning": "how force errors move the fit and the design",
+    "paper-signature": "which numerical shortcuts would give the paper's errors",
     "warm": "compile the kernels ahead of time",
     "roofline": "measure the solver's kernels beside the limits of the device",
+    "left-out": "put back what scenes do not need: the same forces, at what cost",
     "doctor": "check the OpenCL device, caches, lock and versions of this installation",
     "unlock": "remove the lock that a killed run of the workflow left",
 }

@@ -32,7 +32,7 @@ FIGURES = (
     "error_map",
 )
 # Those of the numerics stage, drawn from the tables that it makes.
-NUMERICS = ("work_precision", "stability")
+NUMERICS = ("work_precision", "stability", "left_out")
 
 
 def figure_module(name: str) -> ModuleType:

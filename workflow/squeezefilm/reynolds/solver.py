@@ -22,6 +22,8 @@ LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "mat
 METHODS = ("auto", *LIMITS, "periodic", "march")
 # The fast limit is not worth choosing: its error estimate needs the boundary layer's correction.
 CHOSEN_LIMITS = tuple(name for name in LIMITS if name != "fast-limit")
+# Below this the matched limit's grid makes it as dear as a periodic state.
+MATCHED_LEAST_TOLERANCE = 5e-4
 # Which squeeze number a limit's grid must resolve layers of, if any.
 RESOLVES_LAYERS = {"small-amplitude", "matched-limit"}
 
@@ -123,7 +125,9 @@ def _applies(name: str, scene: Scene, needs: Needs) -> bool:
 
 
 def _promises(name: str, scene: Scene, tolerance: float) -> bool:
-    """Whether the limit's error has the least chance to hold the tolerance, by its order alone."""
+    """Whether the limit may hold the tolerance, by the order of its error, and be worth its cost."""
+    if name == "matched-limit" and tolerance < MATCHED_LEAST_TOLERANCE:
+        return False
     order = {
         "closed-form": 0.3 * scene.sigma**-0.5,
         "boundary-layer": 0.1 / scene.sigma,
