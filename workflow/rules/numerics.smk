@@ -5,7 +5,14 @@ ALONE = workflow.cores or 1
 # Threads of BLAS that wait for work count as processor time; every method gets one.
 ONE_BLAS_THREAD = "OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1"
 
-NUMERICS = ["work_precision", "stability", "left_out"]
+NUMERICS = [
+    "work_precision",
+    "stability",
+    "cost",
+    "conditioning",
+    "paper_signature",
+    "left_out",
+]
 
 
 rule work_precision:
@@ -112,6 +119,89 @@ rule roofline:
         "The solver's kernels beside the limits of the device"
     shell:
         "python -m squeezefilm roofline --config {input.config} --output {output} >{log} 2>&1"
+
+
+rule cost:
+    input:
+        code=code("cost"),
+        config=ancient(CONFIG_FILE),
+    output:
+        "<results>/numerics/cost.csv",
+    log:
+        "<logs>/numerics/cost.log",
+    benchmark:
+        "<benchmarks>/numerics/cost.tsv"
+    conda:
+        "../../envs/numerics.yaml"
+    threads: ALONE
+    resources:
+        mem_mb=4000,
+        runtime=30,
+    params:
+        settings=settings("commands.cost"),
+        blas=ONE_BLAS_THREAD,
+    message:
+        "Run time and memory against the size of the problem"
+    shell:
+        "{params.blas} python -m squeezefilm cost --config {input.config} "
+        "--output {output} >{log} 2>&1"
+
+
+rule conditioning:
+    input:
+        code=code("conditioning"),
+        config=ancient(CONFIG_FILE),
+        screen="<results>/simulations/screen/forces.csv",
+        design="<results>/simulations/two_factor_design/forces.csv",
+        fit="<results>/fits/screen.json",
+        searches="<results>/designs/two_factor_searches.csv",
+    output:
+        "<results>/numerics/conditioning.csv",
+    log:
+        "<logs>/numerics/conditioning.log",
+    conda:
+        "../../envs/fit.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    params:
+        settings=settings("commands.conditioning"),
+        blas=ONE_BLAS_THREAD,
+    message:
+        "How force errors move the fit and the design"
+    shell:
+        "{params.blas} python -m squeezefilm conditioning {input.screen} {input.design} "
+        "{input.fit} {input.searches} --config {input.config} --output {output} >{log} 2>&1"
+
+
+rule paper_signature:
+    input:
+        code=code("paper-signature"),
+        config=ancient(CONFIG_FILE),
+        screen="<results>/simulations/screen/forces.csv",
+        design="<results>/simulations/two_factor_design/forces.csv",
+        extrapolation="<results>/simulations/extrapolation/forces.csv",
+    output:
+        table="<results>/numerics/paper_signature.csv",
+        points="<results>/numerics/paper_signature_points.csv",
+    log:
+        "<logs>/numerics/paper_signature.log",
+    conda:
+        "../../envs/numerics.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        settings=settings("commands.paper_signature"),
+        blas=ONE_BLAS_THREAD,
+    message:
+        "Which numerical shortcuts would give the errors that the paper reports"
+    shell:
+        "{params.blas} python -m squeezefilm paper-signature {input.screen} {input.design} "
+        "{input.extrapolation} --config {input.config} --output {output.table} "
+        "--points {output.points} >{log} 2>&1"
 
 
 rule plot_numerics:

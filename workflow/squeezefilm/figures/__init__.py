@@ -32,7 +32,14 @@ FIGURES = (
     "error_map",
 )
 # Those of the numerics stage, drawn from the tables that it makes.
-NUMERICS = ("work_precision", "stability", "left_out")
+NUMERICS = (
+    "work_precision",
+    "stability",
+    "cost",
+    "conditioning",
+    "paper_signature",
+    "left_out",
+)
 
 
 def figure_module(name: str) -> ModuleType:

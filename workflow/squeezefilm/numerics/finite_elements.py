@@ -61,13 +61,17 @@ def periodic_force(
     tolerance: float = 0.0,
     anderson_depth: int = 0,
     fold: Fold = (False, False),
+    graded: bool = True,
+    start_phase: float = 0.0,
 ) -> YardstickResult:
     """Mean force in p0 l0^2 over the last period.
 
     bearing: the bearing number Lambda of a surface sliding in X (then do not fold X);
     cells: elements along each half side, folded or not; steps: time steps a period;
     periods: marched at most; tolerance: stop before that once u repeats itself so
-    closely; anderson_depth: above 0, accelerate the period map (then give a tolerance).
+    closely; anderson_depth: above 0, accelerate the period map (then give a tolerance);
+    graded: False for elements of one size; start_phase: T in radians at which the march starts
+    with ambient pressure.
 
     The result's `change` tells whether the tolerance was reached within the periods.
     Raises RunError when a time step does not converge.
@@ -81,6 +85,8 @@ def periodic_force(
         cells=cells,
         steps=steps,
         fold=fold,
+        graded=graded,
+        start_phase=start_phase,
     )
     force, marched, change = march_to_periodic(
         film.period,
@@ -103,6 +109,40 @@ def periodic_force(
     )
 
 
+def forces_by_period(
+    *,
+    epsilon: float,
+    sigma: float,
+    amplitude: Amplitude,
+    cells: int,
+    steps: int,
+    periods: int,
+    fold: Fold = (False, False),
+    start_phase: float = 0.0,
+) -> FloatArray:
+    """Mean force in p0 l0^2 of every period from rest, shape (periods,).
+
+    Arguments and errors as for `periodic_force`.
+    """
+    film = _Film(
+        epsilon=epsilon,
+        sigma=sigma,
+        amplitude=amplitude,
+        bearing=0.0,
+        cells=cells,
+        steps=steps,
+        fold=fold,
+        graded=True,
+        start_phase=start_phase,
+    )
+    u = np.zeros(film.unknowns)
+    forces = []
+    for _ in range(periods):
+        u, force = film.period(u)
+        forces.append(force * 2 ** sum(fold))
+    return np.array(forces)
+
+
 class _Film:
     """The discretised film: matrices of all phases, and the factors kept between periods."""
 
@@ -116,12 +156,14 @@ class _Film:
         cells: int,
         steps: int,
         fold: Fold,
+        graded: bool,
+        start_phase: float,
     ) -> None:
-        x, y = (graded_edges(cells=cells, folded=folded) for folded in fold)
+        x, y = (graded_edges(cells=cells, folded=folded, graded=graded) for folded in fold)
         basis = Basis(MeshQuad.init_tensor(x, y), ElementQuad2(), intorder=5)
         free = basis.complement_dofs(basis.get_dofs(_on_rim))
         s = amplitude(*basis.global_coordinates())
-        wave = epsilon * np.sin(2 * math.pi * np.arange(steps + 1) / steps)
+        wave = epsilon * np.sin(start_phase + 2 * math.pi * np.arange(steps + 1) / steps)
         half_step = math.pi / steps
         powers = [
             math.comb(3, j) * half_step * _diffusion.assemble(basis, s=s, power=j)[free][:, free]

@@ -41,16 +41,18 @@ def periodic_force(
     rtol: float = 1e-5,
     integrator: Literal["BDF", "Radau"] = "BDF",
     fold: Fold = (False, False),
+    graded: bool = True,
 ) -> YardstickResult:
     """Mean force in p0 l0^2 over the last of `periods` periods from rest.
 
     cells: along each half side, folded or not; rtol: the integrator's
-    relative tolerance (the absolute one is a tenth of it, on a mass of order 1).
+    relative tolerance (the absolute one is a tenth of it, on a mass of order 1);
+    graded: False for cells of one size.
 
     Raises RunError when the integrator gives up.
     """
     start = time.process_time()
-    x, y = (graded_edges(cells=cells, folded=folded) for folded in fold)
+    x, y = (graded_edges(cells=cells, folded=folded, graded=graded) for folded in fold)
     x_mid, y_mid = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     s = amplitude(*np.meshgrid(x_mid, y_mid, indexing="ij")).ravel()
     volume = np.outer(np.diff(x), np.diff(y)).ravel()

@@ -41,15 +41,17 @@ class YardstickResult:
     settings: Mapping[str, int | float | Fold] = field(default_factory=dict)
 
 
-def graded_edges(*, cells: int, folded: bool) -> FloatArray:
+def graded_edges(*, cells: int, folded: bool, graded: bool = True) -> FloatArray:
     """Cell edges on [0, 1], or on [0, 1/2] if folded, closing up towards the rim as a cosine.
+
+    graded: False for cells of one size.
 
     cells: in each half of the side, so that a folded mesh is half of the whole one.
     The smooth map from a uniform mesh keeps a scheme's order, and the first cell shrinks as
     1/cells^2, which puts cells into the layer of width sqrt(2/sigma) without knowing sigma.
     """
-    angle = math.pi / 2 * np.arange((cells if folded else 2 * cells) + 1) / cells
-    return np.asarray((1 - np.cos(angle)) / 2)
+    part = np.arange((cells if folded else 2 * cells) + 1) / cells
+    return np.asarray((1 - np.cos(math.pi / 2 * part)) / 2 if graded else part / 2)
 
 
 def periods_to_settle(*, sigma: float, tolerance: float) -> int:
