@@ -188,7 +188,7 @@ def _judge(
         error = MOMENT_FACTOR * change + residual + floor
         if error <= tolerance * abs(mean) + floor:
             return finished(status="ok", force=mean, error=error)
-    finer = finer_grid(grid, overpressure if np.isfinite(error) else None)
+    finer = finer_grid(grid)
     if finer is None:
         status = f"tolerance not reached on the finest grid ({_size(grid)}): error {error:.1e}"
         return finished(status=status, force=np.nan, error=np.nan)

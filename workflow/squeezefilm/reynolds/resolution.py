@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from math import asinh, ceil, log, log10, sqrt
 
-import numpy as np
-
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic import Grid
 
@@ -74,25 +72,15 @@ def _unknowns(nodes: float, *, fold: bool) -> int:
     return min(4 * ceil((nodes / 2 if fold else nodes) / 4), most)
 
 
-def finer_grid(grid: Grid, overpressure: np.ndarray | None = None) -> Grid | None:
-    """The next grid of a scene's sequence; None where it would pass the limits.
+def finer_grid(grid: Grid) -> Grid | None:
+    """The next grid of a scene's sequence, finer in every direction; None past the limits.
 
-    Finer in every direction, or only in those in which a given ``overpressure`` (nx, ny, nt) is
-    least resolved: where its last Chebyshev or Fourier coefficients are within a tenth of the
-    worst. The mean over a period converges twice as fast as the harmonics themselves decay.
+    In every direction, because the difference between two grids shows no error that both share.
     """
-    more_x = more_y = more_t = True
-    if overpressure is not None:
-        size = np.abs(overpressure).max()
-        left_x = _root_mean_square(np.tensordot(grid.x.last_coefficients, overpressure, axes=1))
-        left_y = _root_mean_square(grid.y.last_coefficients @ overpressure)
-        left_t = _root_mean_square(overpressure @ grid.t.last_coefficients.T) ** 2 / size
-        worst = max(left_x, left_y, left_t)
-        more_x, more_y, more_t = (left > worst / 10 for left in (left_x, left_y, left_t))
     finer = Grid(
-        nx=_more(grid.nx) if more_x else grid.nx,
-        ny=_more(grid.ny) if more_y else grid.ny,
-        nt=_more(grid.nt) if more_t else grid.nt,
+        nx=_more(grid.nx),
+        ny=_more(grid.ny),
+        nt=_more(grid.nt),
         fold_x=grid.fold_x,
         fold_y=grid.fold_y,
     )
@@ -104,7 +92,3 @@ def finer_grid(grid: Grid, overpressure: np.ndarray | None = None) -> Grid | Non
 def _more(points: int) -> int:
     """About a fifth more, in steps of the kernel's four rows."""
     return points + 4 * max(1, round(points / 20))
-
-
-def _root_mean_square(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

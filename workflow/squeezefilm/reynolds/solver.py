@@ -125,7 +125,7 @@ def _applies(name: str, scene: Scene, needs: Needs) -> bool:
 
 
 def _promises(name: str, scene: Scene, tolerance: float) -> bool:
-    """Whether the limit may hold the tolerance, by the order of its error, and be worth its cost."""
+    """Whether the limit may hold the tolerance, by its error's order, and be worth its cost."""
     if name == "matched-limit" and tolerance < MATCHED_LEAST_TOLERANCE:
         return False
     order = {

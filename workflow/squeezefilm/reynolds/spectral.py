@@ -111,15 +111,6 @@ class Axis:
         """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""
         return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights
 
-    @cached_property
-    def last_coefficients(self) -> np.ndarray:
-        """Rows that give the last quarter of a function's Chebyshev coefficients, (rows, n)."""
-        order = self.full_points + 1
-        degrees = np.arange(order - order // 4, order + 1)
-        rows = 2 / order * np.cos(np.pi * np.outer(degrees, np.arange(order + 1)) / order)
-        rows[-1] /= 2
-        return self._fold(rows[:, 1:-1], square=False)
-
     @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def interpolation_to(self, finer: Axis) -> np.ndarray:
         """Matrix that carries values on this axis to another one, shape (finer.points, n).
@@ -177,12 +168,6 @@ class Period:
     def fourier(self) -> np.ndarray:
         """Orthonormal rows: coefficients = fourier @ values, shape (points, points)."""
         return self._basis(self.nodes)
-
-    @property
-    def last_coefficients(self) -> np.ndarray:
-        """Rows that give the amplitudes of the last quarter of a function's harmonics."""
-        last = self.harmonics >= 3 * self.points // 8
-        return self.fourier[last] * np.sqrt(2 / self.points)
 
     @cached_property
     def derivative(self) -> np.ndarray:
