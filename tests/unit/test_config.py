@@ -89,7 +89,10 @@ WRONG = {
     "zero": (replaced("1.81e-5", "0"), "viscosity_pa_s: 0 is less than the minimum"),
     "a gap without gas": (replaced("{start: 5e-6", "{start: 5e-200"), "screen.h0_m.start"),
     "an empty value": (replaced("frequency_hz: 43270", "frequency_hz:"), "frequency_hz: None"),
-    "a list for a section": (replaced("  tolerance: 1e-6\n  device: auto", "  [1, 2]"), "solver:"),
+    "a list for a section": (
+        replaced("solver:\n", "solver: [1, 2]\nsolvers:\n"),
+        "solver: [1, 2] is not of type 'object'",
+    ),
     "key twice": (added("study: other"), "the key 'study' stands twice"),
     "inner key twice": (
         replaced(TOLERANCE, f"{TOLERANCE}\n  {TOLERANCE}"),

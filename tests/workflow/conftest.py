@@ -88,8 +88,8 @@ def finished(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Fini
     traces = tmp_path_factory.mktemp("traces")
     done = snakemake(
         folder,
-        *QUICK,
         *EVERYTHING,
+        *QUICK,
         environment={"PYTHONPATH": str(HERE / "tracing"), "SQUEEZEFILM_TRACES": str(traces)},
     )
     assert done.returncode == 0, done.stdout[-6000:]
@@ -137,7 +137,7 @@ class Planner:
         """Snakemake's summary, a row for each file, after some files were given other texts."""
         question = {
             "edits": {str(path): text for path, text in (edits or {}).items()},
-            "arguments": [*QUICK, *arguments],
+            "arguments": [*arguments, *QUICK],
         }
         assert self._process.stdin
         assert self._process.stdout

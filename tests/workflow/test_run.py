@@ -42,7 +42,7 @@ def test_progress_is_shown(finished: Finished) -> None:
 
 
 def test_a_second_run_has_nothing_to_do(finished: Finished) -> None:
-    done = snakemake(finished.folder, *QUICK, *EVERYTHING)
+    done = snakemake(finished.folder, *EVERYTHING, *QUICK)
     assert done.returncode == 0
     assert NOTHING in done.stdout
 
@@ -51,7 +51,7 @@ def test_a_copy_of_the_checkout_with_its_results_has_nothing_to_do(
     finished: Finished, tmp_path: Path
 ) -> None:
     copy = copy_checkout(finished.folder, tmp_path / "elsewhere", "results", ".snakemake")
-    done = snakemake(copy, *QUICK, *EVERYTHING)
+    done = snakemake(copy, *EVERYTHING, *QUICK)
     assert done.returncode == 0
     assert NOTHING in done.stdout
 
@@ -70,7 +70,7 @@ def test_an_edit_is_carried_out_and_undone(finished: Finished, tmp_path: Path) -
     target = "results/quick/simulations/screen/forces.csv"
     original = (folder / target).read_bytes()
     times = {path: path.stat().st_mtime_ns for path in (folder / "results").rglob("*.csv")}
-    assert snakemake(folder, *QUICK, target).returncode == 0
+    assert snakemake(folder, target, *QUICK).returncode == 0
     assert (folder / target).read_bytes() != original
     again = {path for path, time in times.items() if path.stat().st_mtime_ns != time}
     assert {str(path.relative_to(folder / "results/quick/simulations")) for path in again} == {
@@ -83,9 +83,9 @@ def test_an_edit_is_carried_out_and_undone(finished: Finished, tmp_path: Path) -
         "screen/timings.csv",
     }
     plans.write_text(before)
-    assert snakemake(folder, *QUICK, target).returncode == 0
+    assert snakemake(folder, target, *QUICK).returncode == 0
     assert (folder / target).read_bytes() == original
-    assert NOTHING in snakemake(folder, *QUICK, target).stdout
+    assert NOTHING in snakemake(folder, target, *QUICK).stdout
 
 
 def test_a_scene_that_fails_is_named_and_the_others_finish(
@@ -98,7 +98,7 @@ def test_a_scene_that_fails_is_named_and_the_others_finish(
     table.loc[0, ["status", "force_n"]] = ["no convergence in 40 steps", float("nan")]
     table.to_csv(chunk, index=False)
     target = "results/quick/simulations/screen/forces.csv"
-    arguments = (*QUICK, target, "--forcerun", "gather", "--rerun-triggers", "mtime")
+    arguments = (target, *QUICK, "--forcerun", "gather", "--rerun-triggers", "mtime")
     done = snakemake(folder, *arguments)
     assert done.returncode != 0
     name = table["point_id"].iloc[0]
