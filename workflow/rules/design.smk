@@ -15,7 +15,7 @@ rule design_two_factor:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 1
+    threads: 4
     resources:
         mem_mb=1000,
         runtime=30,
@@ -25,7 +25,7 @@ rule design_two_factor:
         "D-optimal searches with the two-factor model"
     shell:
         "python -m squeezefilm design two-factor {input.fit} --config {input.config} "
-        "--output {output.design} --searches {output.searches} --summary {output.summary} "
+        "--processes {threads} --output {output.design} --searches {output.searches} --summary {output.summary} "
         ">{log} 2>&1"
 
 
@@ -44,7 +44,7 @@ rule design_four_factor:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 1
+    threads: 4
     resources:
         mem_mb=1000,
         runtime=30,
@@ -54,5 +54,5 @@ rule design_four_factor:
         "D-optimal searches with the four-factor model"
     shell:
         "python -m squeezefilm design four-factor {input.fit} --config {input.config} "
-        "--output {output.design} --distinct {output.distinct} --searches {output.searches} "
+        "--processes {threads} --output {output.design} --distinct {output.distinct} --searches {output.searches} "
         "--summary {output.summary} >{log} 2>&1"

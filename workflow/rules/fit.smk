@@ -22,7 +22,7 @@ rule fit:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 1
+    threads: 4
     resources:
         mem_mb=1000,
         runtime=30,
@@ -33,4 +33,5 @@ rule fit:
         "Fit the {params.model} model to {wildcards.fit}"
     shell:
         "python -m squeezefilm fit {input.forces} --model {params.model} "
-        "--config {input.config} --output {output.fit} --runs {output.runs} >{log} 2>&1"
+        "--config {input.config} --processes {threads} --output {output.fit} "
+        "--runs {output.runs} >{log} 2>&1"

@@ -33,7 +33,7 @@ SINGULAR = 1e100
 SCALINGS = ("unit", "micrometre", "metre", "scene")
 
 
-KICKS = 4
+KICKS = 2
 KICK = 0.05
 """Descents from a design kicked by so much, in unit factors, before a search is believed."""
 

@@ -39,6 +39,7 @@ from squeezefilm.design import (
 from squeezefilm.errors import InputError
 from squeezefilm.fitted import read_fit
 from squeezefilm.force_model import ForceModel, get_model
+from squeezefilm.parallel import spread
 from squeezefilm.plans import plan
 from squeezefilm.tables import DESIGN_COLUMNS, write_json, write_table
 
@@ -57,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="DESIGN.csv", help="the design")
     parser.add_argument("--distinct", metavar="DISTINCT.csv", help="the one of distinct scenes")
+    parser.add_argument("--processes", type=int, default=1, help="to spread the searches over")
     parser.add_argument("--searches", required=True, metavar="SEARCHES.csv", help="all searches")
     parser.add_argument("--summary", required=True, metavar="DESIGN.json", help="what was found")
 
@@ -71,7 +73,9 @@ def run(options: argparse.Namespace) -> None:
     model = get_model(fit.model)
     design = _two_factor if options.model == "two-factor" else _four_factor
     try:
-        tables, searches, summary = design(model, np.array(fit.theta), config)
+        tables, searches, summary = design(
+            model, np.array(fit.theta), config, processes=options.processes
+        )
     except InputError as error:
         raise InputError(f"{options.fit}: {error}") from None
     for path, table in zip((options.output, options.distinct), tables, strict=False):
@@ -83,14 +87,14 @@ def run(options: argparse.Namespace) -> None:
 Found = tuple[list[pd.DataFrame], pd.DataFrame, dict[str, Any]]
 
 
-def _two_factor(model: ForceModel, theta: np.ndarray, config: Config) -> Found:
+def _two_factor(model: ForceModel, theta: np.ndarray, config: Config, *, processes: int) -> Found:
     settings, box = config["design"], Box(*_limits(config, model.factor_names))
     determinant = Criterion(_gradient(model, theta), box)
     best = exchange_design(determinant, 3, levels=FINE_LEVELS["two-factor"])
     rows, summary = [], {}
     for scaling in TWO_FACTOR_SCALINGS:
         criterion = Criterion(determinant.gradient, box, distance=coordinates(scaling, box))
-        designs = _searches(criterion, 3, settings)
+        designs = _searches(criterion, 3, settings, processes=processes)
         patterns = find_patterns(designs, box)
         rows += _search_rows(scaling, designs, patterns, box, model)
         summary[scaling] = _pattern_summaries(patterns, determinant, best, model)
@@ -113,7 +117,7 @@ def _two_factor(model: ForceModel, theta: np.ndarray, config: Config) -> Found:
     return [table], pd.DataFrame(rows), about
 
 
-def _four_factor(model: ForceModel, theta: np.ndarray, config: Config) -> Found:
+def _four_factor(model: ForceModel, theta: np.ndarray, config: Config, *, processes: int) -> Found:
     settings, box = config["four_factor_design"], Box(*_limits(config, model.factor_names))
     gradient = _gradient(model, theta)
     forms = {
@@ -126,7 +130,7 @@ def _four_factor(model: ForceModel, theta: np.ndarray, config: Config) -> Found:
     for form, criterion in forms.items():
         points = len(model.parameter_names)
         best = exchange_design(criterion, points, levels=FINE_LEVELS["four-factor"])
-        designs = _searches(criterion, points, settings)
+        designs = _searches(criterion, points, settings, processes=processes)
         patterns = find_patterns(designs, box)
         rows += _search_rows(form, designs, patterns, box, model)
         summary[form] = _pattern_summaries(patterns, criterion, best, model)
@@ -152,12 +156,13 @@ def _gradient(model: ForceModel, theta: np.ndarray) -> Any:
     return lambda points: model.gradient(theta, model.factors(points))
 
 
-def _searches(criterion: Criterion, points: int, settings: dict[str, Any]) -> list[Design]:
-    first = settings["first_seed"]
-    return [
-        search_design(criterion, points, seed=seed)
-        for seed in range(first, first + settings["searches"])
-    ]
+def _searches(
+    criterion: Criterion, points: int, settings: dict[str, Any], *, processes: int
+) -> list[Design]:
+    seeds = range(settings["first_seed"], settings["first_seed"] + settings["searches"])
+    return spread(
+        lambda seed: search_design(criterion, points, seed=seed), seeds, processes=processes
+    )
 
 
 def _search_rows(

@@ -10,7 +10,7 @@ has every run, FIT.json the run with the least sum of squares.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable
 
 import pandas as pd
 
@@ -18,6 +18,7 @@ from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.fit import Fit, fit_by_differential_evolution, fit_model
 from squeezefilm.force_model import Factors, ForceModel, get_model
+from squeezefilm.parallel import spread
 from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces, write_json, write_table
 
 SECTIONS = ("fit",)
@@ -29,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", required=True, choices=MODELS)
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="FIT.json", help="the best run")
+    parser.add_argument("--processes", type=int, default=1, help="to spread the runs over")
     parser.add_argument("--runs", required=True, metavar="RUNS.csv", help="all runs")
 
 
@@ -37,7 +39,7 @@ def run(options: argparse.Namespace) -> None:
     model = get_model(options.model.replace("-", "_"))
     forces = read_ok_forces(options.forces)
     try:
-        runs = list(_runs(model, forces, **settings))
+        runs = _runs(model, forces, processes=options.processes, **settings)
     except InputError as error:
         raise InputError(f"{options.forces}: {error}") from None
     write_table(pd.DataFrame([_row(run, model) for run in runs]), options.runs)
@@ -51,14 +53,26 @@ def _runs(
     bounds: list[float],
     seeds: dict[str, int],
     first_seed: int,
-) -> Iterator[Fit]:
+    processes: int,
+) -> list[Fit]:
+    """Every seed with every bound, and a differential evolution with every bound as a check."""
     factors = Factors.of(**{name: forces[name] for name in FACTOR_COLUMNS})
-    for bound in bounds:
-        for seed in range(first_seed, first_seed + seeds[model.name]):
-            yield fit_model(model, factors, forces["force_n"], bound=bound, seed=seed)
-        yield fit_by_differential_evolution(
-            model, factors, forces["force_n"], bound=bound, seed=first_seed
+    force_n = forces["force_n"].to_numpy()
+    all_seeds = range(first_seed, first_seed + seeds[model.name])
+
+    def one(way: tuple[Callable[..., Fit], float, int]) -> Fit:
+        function, bound, seed = way
+        return function(model, factors, force_n, bound=bound, seed=seed)
+
+    ways = [
+        way
+        for bound in bounds
+        for way in (
+            *((fit_model, bound, seed) for seed in all_seeds),
+            (fit_by_differential_evolution, bound, first_seed),
         )
+    ]
+    return spread(one, ways, processes=processes)
 
 
 def _row(fit: Fit, model: ForceModel) -> dict[str, object]:
