@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from squeezefilm.design import (
     Box,
     Criterion,
@@ -149,7 +150,7 @@ def test_regions_and_the_fifth_point(patterns) -> None:
 
 def test_patterns_do_not_depend_on_the_order_of_points() -> None:
     points = np.array([[5e-6, 2e-6], [6.91e-6, 2e-6], [10e-6, 0.2e-6]])
-    moved = points + [[0, 0], [1e-6, 0], [0, 0]]
+    moved = [*points, [0, 0], [1e-06, 0], [0, 0]]
     designs = [Design(points, 2.0, 2.0), Design(points[[2, 0, 1]], 1.5, 1.5), Design(moved, 3, 3)]
     found = find_patterns(designs, FILM)
     assert [(pattern.count, pattern.excess) for pattern in found] == [(2, 0.0), (1, 1.5)]

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
+
 from squeezefilm.errors import InputError
 from squeezefilm.fit import Fit, fit_by_differential_evolution, fit_model
 from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, Factors

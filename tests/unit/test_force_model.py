@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from squeezefilm.errors import InputError
 from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from squeezefilm.errors import InputError
 from squeezefilm.validation import relative_errors, summarise
 

@@ -92,7 +92,7 @@ class Scene:
 
     @property
     def sigma(self) -> float:
-        """Squeeze number 12 μ ω l0² / (p0 h0²) with l0 the finger's length along x (paper eq. 1)."""
+        """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the finger's length along x (paper eq. 1)."""
         return (
             12
             * self.gas.viscosity_pa_s
@@ -136,7 +136,7 @@ class Scene:
 
     @property
     def modified_reynolds(self) -> float:
-        """Modified Reynolds number ρ ω h0² / μ: the inertia that the Reynolds equation leaves out."""
+        """Modified Reynolds number ρ ω h0² / μ: the inertia that eq. (1) leaves out."""
         return (
             self.gas.density_kg_per_m3
             * self.actuator.angular_frequency_rad_per_s
