@@ -18,7 +18,7 @@ from squeezefilm.reynolds.device import Device, kernel
 from squeezefilm.reynolds.periodic import Grid, Problems, grid_matrices, solve_batch
 from squeezefilm.reynolds.refinement import iteration_flops
 
-SOURCES = ("linear_algebra.cl", "periodic.cl", "roofline.cl")
+SOURCES = ("linear_algebra.cl", "film_over_period.cl", "roofline.cl")
 REPEATS = 5
 PEAK_TURNS = 2_000_000
 TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}

@@ -152,3 +152,25 @@ static double dot_product(matrix4 a, matrix4 b, int count4, __local double *scra
     }
     return sum_over_group(sum_of(even + odd), scratch);
 }
+
+/* Root of the sum of squares over `weight`. */
+static double norm(field a, int count4, double weight, __local double *scratch)
+{
+    return sqrt(dot_product((matrix4)a, (matrix4)a, count4, scratch) / weight);
+}
+
+static void scale_field(field a, double factor, int count4)
+{
+    field4 a4 = (field4)a;
+    FOR_EACH(i, count4) a4[i] *= factor;
+    SYNC;
+}
+
+/* a −= scale b. */
+static void subtract(field a, double scale, field b, int count4)
+{
+    field4 a4 = (field4)a;
+    matrix4 b4 = (matrix4)b;
+    FOR_EACH(i, count4) a4[i] -= scale * b4[i];
+    SYNC;
+}

@@ -11,7 +11,7 @@ from squeezefilm.reynolds.device import Device, kernel
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 
-SOURCES = ("linear_algebra.cl", "periodic.cl")
+SOURCES = ("linear_algebra.cl", "film_over_period.cl", "krylov.cl", "periodic.cl")
 STATUS = ("ok", "Newton's method did not converge", "the pressure became infinite")
 MOST_NEWTON = 40
 LARGEST_WORKSPACE_BYTES = 256 * 2**20

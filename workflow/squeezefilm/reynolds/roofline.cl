@@ -1,5 +1,5 @@
 /* The device's limits and the solver's parts, each repeated, to set one beside the other.
- * Compiled after linear_algebra.cl and periodic.cl. */
+ * Compiled after linear_algebra.cl and film_over_period.cl. */
 
 /* Twelve independent chains of double4 multiply-adds: 2 · 4 · 12 flop a turn and work-item. They
  * are written out, for a compiler may keep an array in memory. */

@@ -1,230 +1,11 @@
 /* The film in time from a given state, by Runge–Kutta steps, one scene per work-group at a time.
- *
- * Unknown: the mass excess y = HP − 1 at the inner nodes. In the mass the equation is a rate,
- *
- *     dy/dT = f(T, y) = [div(H³ P grad P) − Λ d(HP)/dX] / σ,
- *
- * with no dH/dT in it: a surface that starts with a jump of velocity gives no jump of the rate,
- * every stage knows the rim exactly by p = (y − (H − 1)) / H = 0 there, and in w = δy the operator
- * varies like H²P only. Counting from 1 keeps the digits of small films.
- * As in periodic.cl, with v = H^(3/2) p (1 + p/2): div(H³ P grad P) = H^(3/2) (Δv − q v).
+ * Compiled after film_at_instant.cl, which has the equation, and with IMPLICIT krylov.cl.
  *
  * The scheme is a lower triangular Butcher table (host). Stages with a zero on the diagonal are
- * evaluated; the others (IMPLICIT) are solved by Newton's method, with GMRES inside that is
- * preconditioned by the inverse of 1 − c D Δ / σ, D = mean of H²P, diagonal in the modal basis.
- * A field is stored [x][y], so that both derivatives are products with contiguous rows.
+ * evaluated; the others (IMPLICIT) are solved by Newton's method with GMRES inside.
  */
 
-typedef struct {
-    int nx, ny, ny4, count, count4;
-    matrix laplace_x, laplace_y, area;
-#ifdef BEARING
-    matrix derivative_x;
-#endif
 #ifdef IMPLICIT
-    matrix modes_x, to_modes_x, modes_y, to_modes_y, eigenvalues;
-#endif
-} Grid;
-
-typedef struct {
-    double epsilon, sigma, bearing, excursion, diffusivity;
-    matrix4 amplitude, gradient_squared, laplacian, slope_x;
-    field4 overpressure, inverse_gap, power, potential, response;
-    field work_a, work_b;
-} Film;
-
-/* Matrices that act along y are stored transposed, to be multiplied from the right. */
-static Grid make_grid(int nx, int ny, matrix m)
-{
-    Grid g;
-    g.nx = nx; g.ny = ny; g.ny4 = ny / 4;
-    g.count = nx * ny; g.count4 = g.count / 4;
-    g.laplace_x = m; m += nx * nx;
-    g.laplace_y = m; m += ny * ny;
-    g.area = m; m += g.count;
-#ifdef BEARING
-    g.derivative_x = m; m += nx * nx;
-#endif
-#ifdef IMPLICIT
-    g.modes_x = m; m += nx * nx;
-    g.to_modes_x = m; m += nx * nx;
-    g.modes_y = m; m += ny * ny;
-    g.to_modes_y = m; m += ny * ny;
-    g.eigenvalues = m;
-#endif
-    return g;
-}
-
-static void along_x(const Grid *g, matrix a, field in, field out, int add)
-{
-    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, 0, g->ny4, 1, add);
-}
-
-static void along_y(const Grid *g, matrix transposed, field in, field out, int add)
-{
-    multiply(in, g->nx, g->ny, (matrix4)transposed, (field4)out, 0, g->ny4, 1, add);
-}
-
-static double sum4(double4 a) { return a.x + a.y + a.z + a.w; }
-
-/* The gap H = 1 + excursion · s, and what depends on it alone. Each work-item reads only what it has
- * written itself, so that no barrier is needed, which a caller could not make conditional. */
-static void set_gap(const Grid *g, Film *film, double excursion)
-{
-    film->excursion = excursion;
-    FOR_EACH(i, g->count4)
-    {
-        const double4 gap = 1.0 + excursion * film->amplitude[i], inverse = 1.0 / gap;
-        film->inverse_gap[i] = inverse;
-        film->power[i] = gap * sqrt(gap);
-        film->potential[i] =
-            1.5 * excursion * inverse *
-            (film->laplacian[i] + 0.5 * excursion * inverse * film->gradient_squared[i]);
-    }
-}
-
-/* out = f(T, y) for the gap as set, and the overpressure. IMPLICIT: sets the Jacobian too. */
-static void rate(const Grid *g, Film *film, field y, field out, __local double *scratch)
-{
-    matrix4 mass = (matrix4)y;
-    field4 v = (field4)film->work_a, r = (field4)out;
-    double4 diffusivity = 0.0;
-    FOR_EACH(i, g->count4)
-    {
-        const double4 p =
-            (mass[i] - film->excursion * film->amplitude[i]) * film->inverse_gap[i];
-        v[i] = film->power[i] * p * (1.0 + 0.5 * p);
-        film->overpressure[i] = p;
-#ifdef IMPLICIT
-        film->response[i] = film->power[i] * film->inverse_gap[i] * (1.0 + p);
-        diffusivity += film->response[i] * film->power[i];
-#endif
-    }
-    SYNC;
-    along_x(g, g->laplace_x, film->work_a, out, 0);
-    along_y(g, g->laplace_y, film->work_a, out, 1);
-    const double inverse_sigma = 1.0 / film->sigma;
-    FOR_EACH(i, g->count4)
-        r[i] = inverse_sigma * film->power[i] * (r[i] - film->potential[i] * v[i]);
-    SYNC;
-#ifdef BEARING
-    field4 moved = (field4)film->work_b;
-    FOR_EACH(i, g->count4) moved[i] = mass[i] - film->excursion * film->amplitude[i];
-    SYNC;
-    along_x(g, g->derivative_x, film->work_b, film->work_a, 0);
-    const double speed = film->bearing * inverse_sigma;
-    FOR_EACH(i, g->count4) r[i] -= speed * (v[i] + film->excursion * film->slope_x[i]);
-    SYNC;
-#endif
-#ifdef IMPLICIT
-    film->diffusivity = sum_over_group(sum4(diffusivity), scratch) / g->count;
-#endif
-}
-
-#ifdef IMPLICIT
-/* Solve (1 − c D Δ / σ) w = r in place. */
-static void precondition(const Grid *g, const Film *film, double c, field r)
-{
-    along_x(g, g->to_modes_x, r, film->work_a, 0);
-    along_y(g, g->to_modes_y, film->work_a, r, 0);
-    const double scale = c * film->diffusivity / film->sigma;
-    FOR_EACH(i, g->count) r[i] /= 1.0 - scale * g->eigenvalues[i];
-    SYNC;
-    along_x(g, g->modes_x, r, film->work_a, 0);
-    along_y(g, g->modes_y, film->work_a, r, 0);
-}
-
-/* out = preconditioned (1 − c df/dy) w. */
-static void apply_jacobian(const Grid *g, const Film *film, double c, field w, field out)
-{
-    field4 v = (field4)film->work_a, r = (field4)out;
-    matrix4 from = (matrix4)w;
-    FOR_EACH(i, g->count4) v[i] = film->response[i] * from[i];
-    SYNC;
-    along_x(g, g->laplace_x, film->work_a, out, 0);
-    along_y(g, g->laplace_y, film->work_a, out, 1);
-    const double scale = c / film->sigma;
-    FOR_EACH(i, g->count4)
-        r[i] = from[i] - scale * film->power[i] * (r[i] - film->potential[i] * v[i]);
-    SYNC;
-#ifdef BEARING
-    along_x(g, g->derivative_x, w, film->work_a, 0);
-    FOR_EACH(i, g->count4) r[i] += scale * film->bearing * v[i];
-    SYNC;
-#endif
-    precondition(g, film, c, out);
-}
-
-static double norm(const Grid *g, field a, __local double *scratch)
-{
-    return sqrt(dot_product((matrix4)a, (matrix4)a, g->count4, scratch) / g->count);
-}
-
-/* GMRES for (Jacobian) w = residual, both preconditioned: basis[0] holds the residual of norm
- * `beta` on entry and w on exit. Stops at the norm `target` or after KRYLOV steps. */
-static int gmres(const Grid *g, const Film *film, double c, field basis, field small, double beta,
-                 double target, __local double *scratch)
-{
-    const int lead = KRYLOV + 1;
-    field hessenberg = small, right = hessenberg + lead * KRYLOV, cosines = right + lead,
-          sines = cosines + KRYLOV;
-    FOR_EACH(i, g->count) basis[i] *= 1.0 / beta;
-    if (get_local_id(0) == 0)
-        right[0] = beta;
-    SYNC;
-    double left = beta;
-    int steps = 0;
-    while (steps < KRYLOV && left > target) {
-        field next = basis + (steps + 1) * g->count, column = hessenberg + steps * lead;
-        apply_jacobian(g, film, c, basis + steps * g->count, next);
-        field4 new = (field4)next;
-        for (int j = 0; j <= steps; j++) {
-            matrix4 old = (matrix4)(basis + j * g->count);
-            const double overlap = dot_product(old, new, g->count4, scratch) / g->count;
-            FOR_EACH(i, g->count4) new[i] -= overlap * old[i];
-            if (get_local_id(0) == 0)
-                column[j] = overlap;
-            SYNC;
-        }
-        const double length = norm(g, next, scratch);
-        FOR_EACH(i, g->count4) new[i] *= length > 0.0 ? 1.0 / length : 0.0;
-        if (get_local_id(0) == 0) {
-            for (int j = 0; j < steps; j++) {
-                const double upper = column[j], lower = column[j + 1];
-                column[j] = cosines[j] * upper + sines[j] * lower;
-                column[j + 1] = cosines[j] * lower - sines[j] * upper;
-            }
-            const double diagonal = hypot(column[steps], length);
-            cosines[steps] = column[steps] / diagonal;
-            sines[steps] = length / diagonal;
-            column[steps] = diagonal;
-            right[steps + 1] = -sines[steps] * right[steps];
-            right[steps] *= cosines[steps];
-        }
-        SYNC;
-        left = fabs(right[steps + 1]);
-        steps++;
-        if (!(length > 0.0) || !isfinite(left))
-            break;
-    }
-    if (get_local_id(0) == 0)
-        for (int j = steps - 1; j >= 0; j--) {
-            for (int k = j + 1; k < steps; k++)
-                right[j] -= hessenberg[k * lead + j] * right[k];
-            right[j] /= hessenberg[j * lead + j];
-        }
-    SYNC;
-    FOR_EACH(i, g->count)
-    {
-        double sum = 0.0;
-        for (int j = 0; j < steps; j++)
-            sum += right[j] * basis[j * g->count + i];
-        basis[i] = sum;
-    }
-    SYNC;
-    return steps;
-}
-
 /* Solve y − c f(T, y) = z from the guess in y; `rates` becomes f. Returns whether the error left in
  * y is at most `tolerance` by its estimate, the preconditioned residual. An explicit stage, c = 0,
  * comes with y = z and is done at once. */
@@ -233,16 +14,17 @@ static bool solve_stage(const Grid *g, Film *film, double c, field y, matrix z, 
                         __local double *scratch)
 {
     double beta = 0.0;
+    film->stage = c;
     for (int step = 0;; step++) {
         rate(g, film, y, rates, scratch);
         FOR_EACH(i, g->count) basis[i] = y[i] - z[i] - c * rates[i];
         SYNC;
-        precondition(g, film, c, basis);
-        beta = norm(g, basis, scratch);
+        precondition(g, film, basis);
+        beta = norm(basis, g->count4, g->count, scratch);
         if (beta <= tolerance || !isfinite(beta) || step == NEWTON)
             break;
         const double target = fmax(0.3 * tolerance, fmin(0.1 * beta, beta * beta));
-        *krylov += gmres(g, film, c, basis, small, beta, target, scratch);
+        *krylov += gmres(g, film, basis, small, beta, target, KRYLOV, g->count, scratch);
         *newton += 1;
         FOR_EACH(i, g->count) y[i] -= basis[i];
         SYNC;

@@ -17,7 +17,8 @@ from squeezefilm.reynolds.device import Device, kernel
 from squeezefilm.reynolds.periodic import Grid, Problems, profile_fields
 from squeezefilm.reynolds.schemes import SCHEMES, Scheme, steps_for_stability
 
-SOURCES = ("linear_algebra.cl", "transient.cl")
+EXPLICIT_SOURCES = ("linear_algebra.cl", "film_at_instant.cl", "transient.cl")
+IMPLICIT_SOURCES = ("linear_algebra.cl", "film_at_instant.cl", "krylov.cl", "transient.cl")
 STATUS = ("ok", "a step's equations did not converge", "the pressure left the physical range")
 MOST_NEWTON = 12
 MOST_KRYLOV = 30
@@ -169,7 +170,12 @@ def march(
     results_buffer = cl.Buffer(context, flags.WRITE_ONLY, results.nbytes)
     counts_buffer = cl.Buffer(context, flags.WRITE_ONLY, counts.nbytes)
     taken = np.zeros(1, dtype=np.int32)
-    march_films = kernel(device, "march_films", sources=SOURCES, defines=_defines(method, moving))
+    march_films = kernel(
+        device,
+        "march_films",
+        sources=IMPLICIT_SOURCES if method.implicit else EXPLICIT_SOURCES,
+        defines=_defines(method, moving),
+    )
     march_films(
         queue,
         (groups * device.work_items,),
