@@ -25,8 +25,11 @@ from squeezefilm.tables import SCENE_COLUMNS, read_ok_forces, scene_points, writ
 
 SECTIONS = ("gas", "actuator", "finger", "numerics")
 NOTE = (
-    "Fits of the two-factor model on forces as simulated in each way, and judged on them. "
-    "Dashed: the paper's values."
+    "The two-factor model fitted to forces as simulated in each way, and judged on them. Thin "
+    "lines: the paper's values; dotted: the converged force. Left and middle: finite elements "
+    "marched from ambient pressure at the mean gap (solid) or the widest gap (dashed), the mean "
+    "force of the last period taken. Right: loose integrators over 20 periods, coarse even meshes "
+    "over 40, long steps over 40."
 )
 
 

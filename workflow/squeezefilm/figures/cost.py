@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import NullLocator
 
 from squeezefilm.figures import style
 
@@ -39,6 +44,7 @@ def draw(data: pd.DataFrame) -> Figure:
         panel.set_yscale("log")
         panel.grid(True)
         panel.set_xlabel(label)
+        grows: list[tuple[str, str]] = []
         for method, line in data[data["axis"] == axis].groupby("method"):
             exponent, start = line["exponent"].iloc[0], line["exponent_from"].iloc[0]
             for name, marker, style_of_line in (
@@ -55,18 +61,20 @@ def draw(data: pd.DataFrame) -> Figure:
                     label=f"{LABELS[str(method)]}, {what}",
                 )
             if pd.notna(exponent):
-                last = line.iloc[-1]
-                panel.annotate(
-                    f"run ~ size$^{{{exponent:.2f}}}$\nfrom {start:g}",
-                    (last["size"], last["cpu_seconds"] / last["scenes"]),
-                    xytext=(-4, 10 if method == "periodic" else -6),
-                    textcoords="offset points",
-                    ha="right",
-                    va="bottom" if method == "periodic" else "top",
-                    fontsize=6,
-                    color=COLOURS[str(method)],
-                )
-        panel.margins(0.1, 0.3)
+                grows.append((str(method), f"run ∝ size$^{{{exponent:.2f}}}$ from {start:g}"))
+        for height, (method, text) in enumerate(reversed(grows)):
+            panel.text(
+                0.97,
+                0.95 - 0.09 * height,
+                text,
+                transform=panel.transAxes,
+                ha="right",
+                va="top",
+                fontsize=6,
+                color=COLOURS[method],
+                path_effects=[withStroke(linewidth=2, foreground="white")],
+            )
+        _plain_ticks(panel, data.loc[data["axis"] == axis, "size"])
     for panel in panels[::3]:
         panel.set_ylabel("seconds per scene")
     memory = panels[-1]
@@ -83,7 +91,19 @@ def draw(data: pd.DataFrame) -> Figure:
             markersize=3,
         )
     memory.set_ylim(bottom=0)
+    memory.margins(x=0.1)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=4)
     style.add_note(figure, data)
     return figure
+
+
+def _plain_ticks(axes: Axes, sizes: pd.Series) -> None:
+    """Ticks at the sizes themselves, and whole decades of seconds with room above."""
+    if len(set(sizes)) <= 7 and max(sizes) < 1000:
+        ticks = sorted(set(sizes))
+        axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes.xaxis.set_minor_locator(NullLocator())
+    axes.margins(x=0.1)
+    low, high = axes.dataLim.intervaly
+    axes.set_ylim(10 ** math.floor(math.log10(low)), 10 ** math.ceil(math.log10(high) + 0.3))

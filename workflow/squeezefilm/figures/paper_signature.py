@@ -28,7 +28,7 @@ STARTS = {"mean": "-", "widest": "--"}
 
 def draw(data: pd.DataFrame) -> Figure:
     """Marches stopped after so many periods, and the other shortcuts; thin lines: the paper."""
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.3)
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.5)
     errors, forces, others = figure.subplots(1, 3, width_ratios=(1, 1, 1.15))
     paper = data.iloc[0]
     converged = data[data["kind"] == "none"].iloc[0]
@@ -86,7 +86,7 @@ def draw(data: pd.DataFrame) -> Figure:
     others.set_xlabel("global error of a fit (%)")
     others.grid(True, axis="x")
     handles, labels = errors.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4)
+    figure.legend(handles, labels, loc="outside upper center", ncols=2)
     style.add_note(figure, data)
     return figure
 
@@ -96,4 +96,4 @@ def _paper_line(axes: Axes, value: float, colour: str) -> None:
 
 
 def _wrapped(name: str) -> str:
-    return name.replace(", ", ",\n", 1)
+    return name.replace(", ", ",\n", 1) if len(name) > 20 else name

@@ -13,7 +13,8 @@ from squeezefilm.figures import style
 CHECKS = {
     "method_difference": "chosen\nmethod",
     "limit_difference": "from its\nlimit",
-    "defect": "defect",
+    "defect": "defect,\nforce",
+    "state_defect": "defect,\npressure",
     "mass_balance": "mass\nbalance",
     "piston_identity": r"$\langle H^3P^2\rangle$",
     "scrambled_difference": "sums\nreordered",

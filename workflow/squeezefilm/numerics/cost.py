@@ -46,12 +46,12 @@ def films(count):
 def run():
 {body}
 {prepare}
-run()
 runs = []
-while len(runs) < {repeats} and sum(wall for _, wall in runs) < 3:
+while len(runs) <= {repeats} and sum(wall for _, wall in runs) < 3:
     wall, cpu = time.perf_counter(), time.process_time()
     run()
     runs.append((time.process_time() - cpu, time.perf_counter() - wall))
+runs = runs[1:] or runs
 cpu, wall = (float(np.median(values)) for values in zip(*runs))
 peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print(json.dumps([cpu, wall, peak]))
@@ -122,7 +122,8 @@ def cost(
     device_name: str,
     log: Callable[[str], None],
 ) -> pd.DataFrame:
-    """A row of COLUMNS per size; seconds and bytes of the whole run, exponents of the CPU time.
+    """A row of COLUMNS per size; seconds and bytes of the whole run, exponents of the processor
+    time, or of the wall time along the axis of cores.
 
     Raises RunError when a process fails.
     """
@@ -143,8 +144,9 @@ def cost(
             }
         )
     table = pd.DataFrame(rows).reindex(columns=list(COLUMNS))
-    for _, line in table.groupby(["axis", "method"]):
-        start, exponent = _exponent(line["size"], line["cpu_seconds"])
+    for (axis, _), line in table.groupby(["axis", "method"]):
+        seconds = "wall_seconds" if axis == "cores" else "cpu_seconds"
+        start, exponent = _exponent(line["size"], line[seconds])
         table.loc[line.index, "exponent"] = exponent
         table.loc[line.index, "exponent_from"] = start
     return table

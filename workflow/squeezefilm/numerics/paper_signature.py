@@ -69,7 +69,7 @@ class Family:
 def families(*, full: bool) -> list[Family]:
     """One shortcut after the other, then all together."""
     found = []
-    counts = (2, 5, 10, 15, 20, 30, 40, 50, 60, 65, 70, 75, 80, 90, 100) if full else (2, 10)
+    counts = (2, 5, 10, 15, 20, 30, 40, 50, 60, 65, 70, 75, 80, 90, 100) if full else (2, 5)
     for start, phase in (("mean", 0.0), ("widest", math.pi / 2)):
         found.append(
             Family(

@@ -28,7 +28,8 @@ class StateChecks:
         force: its mean force in units of p0 times the area.
         lowest_pressure: smallest P, in units of p0.
         defect: change of the force in one correction by the mean-coefficient operator, relative
-            to the force.
+            to the force. Blind to what changes the pressure and not its mean, as by symmetry.
+        state_defect: root mean square of that correction relative to the mass perturbation H p.
         mass_balance: mass that leaves over the rim in a period, net over gross.
         piston_identity: largest deviation of <H^3 P^2> from 1 + 3/2 epsilon^2, relative to
             3/2 epsilon^2; NaN unless the film is a piston at rest without slip.
@@ -37,6 +38,7 @@ class StateChecks:
     force: float
     lowest_pressure: float
     defect: float
+    state_defect: float
     mass_balance: float
     piston_identity: float
 
@@ -84,6 +86,8 @@ def check_state(film: Film, overpressure: FloatArray) -> StateChecks:
     )
     change = correction / gap[1:-1, 1:-1]
     defect = float(np.sum(weights[1:-1, 1:-1] * change.mean(axis=-1)))
+    inner = weights[1:-1, 1:-1, None]
+    size = float(np.sum(inner * (gap * p)[1:-1, 1:-1] ** 2))
     identity = np.nan
     if film.bearing == 0 and film.knudsen == 0 and np.ptp(s) == 0:
         rise = 1.5 * (film.epsilon * s[0, 0, 0]) ** 2
@@ -95,6 +99,7 @@ def check_state(film: Film, overpressure: FloatArray) -> StateChecks:
         force=force,
         lowest_pressure=float(1 + p.min()),
         defect=abs(defect / force),
+        state_defect=math.sqrt(float(np.sum(inner * correction**2)) / size),
         mass_balance=_mass_balance(flux_x, flux_y, grid_x, grid_y, film.aspect),
         piston_identity=identity,
     )

@@ -1,0 +1,222 @@
+"""The numerics stage: its reference and its checks are right, and the checks catch faults."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from squeezefilm.numerics import analytic, fixed_grid, stability
+from squeezefilm.numerics.explicit_march import step_limit
+from squeezefilm.numerics.films import PISTON, Film, Mirrored
+from squeezefilm.numerics.numpy_periodic import periodic_state
+from squeezefilm.numerics.reference import lobatto, reference_force
+from squeezefilm.numerics.state_checks import check_state, unfold
+from squeezefilm.numerics.timing import measure
+from squeezefilm.numerics.work_precision import FILMS, work_precision
+from squeezefilm.reynolds import periodic, refinement
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.periodic import States
+
+Field = np.ndarray
+
+
+@pytest.mark.parametrize(
+    ("film", "force"),
+    [
+        (Film("", 0.44, 583.0), 0.0945747144),
+        (Film("", 0.44, 2331.0), 0.0949461577),
+        (Film("", 1e-3, 20.0, profile=PISTON), 1.25e-6 * 0.3390888408),
+    ],
+)
+def test_the_reference_gives_known_forces_within_its_uncertainty(film: Film, force: float) -> None:
+    found = reference_force(
+        epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, fold=film.fold
+    )
+    assert found.force == pytest.approx(force, rel=1e-5 if film.profile is PISTON else 1e-9)
+    assert 0 < found.uncertainty < 1e-11
+
+
+def test_lobatto_rules_are_exact_for_polynomials() -> None:
+    nodes, weights, derivative = lobatto(5)
+    assert weights @ nodes**8 == pytest.approx(2 / 9, rel=1e-13)
+    assert derivative @ nodes**5 == pytest.approx(5 * nodes**4, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "stiffness"), [(20.0, 0.3390888), (21.6349, 0.3658385), (1e-3, 0.00170251052e-6)]
+)
+def test_blech_s_stiffness_of_the_square(sigma: float, stiffness: float) -> None:
+    assert analytic.blech_stiffness(sigma=sigma) == pytest.approx(stiffness, rel=3e-7)
+
+
+def test_a_very_long_rectangle_is_langlois_strip() -> None:
+    long = analytic.blech_stiffness(sigma=20.0, aspect=1e5)
+    assert long == pytest.approx(analytic.strip_stiffness(20.0), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "limit"), [(20.0, 0.2240822625), (583.0, 0.4521765445), (2331.0, 0.4544710516)]
+)
+def test_small_amplitudes_of_the_centred_sinc(sigma: float, limit: float) -> None:
+    film = Film("", 1.0, sigma)
+    found = analytic.small_amplitude(epsilon=1.0, sigma=sigma, amplitude=film.amplitude)
+    assert found == pytest.approx(limit, rel=1e-9)
+
+
+def test_fast_films_of_the_centred_sinc() -> None:
+    film = Film("", 0.44, 1.0)
+    found = analytic.fast(epsilon=0.44, amplitude=film.amplitude)
+    assert found == pytest.approx(0.0951846761, rel=1e-8)
+
+
+def test_the_explicit_march_is_stable_up_to_its_theory() -> None:
+    found = step_limit(sigma=20.0, points=8)
+    assert found.experiment == pytest.approx(found.theory, rel=0.02)
+
+
+def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not() -> None:
+    film = Film("", 0.4, 20.0, profile=PISTON)
+    state = periodic_state(epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, nt=24)
+    overpressure = np.moveaxis(state.pressure - 1, 0, -1)
+    good = check_state(film, overpressure)
+    assert good.force == pytest.approx(state.force, rel=1e-12)
+    assert max(good.defect, good.piston_identity) < 1e-6
+    assert good.mass_balance < 1e-5
+    spoilt = check_state(film, overpressure * 1.01)
+    assert min(spoilt.defect, spoilt.state_defect, spoilt.piston_identity) > 2e-3
+
+
+def test_unfolding_mirrors_a_quarter() -> None:
+    quarter = np.arange(12.0).reshape(2, 3, 2)
+    whole = unfold(quarter, (True, True))
+    assert whole.shape == (4, 6, 2)
+    assert np.array_equal(whole, whole[::-1, ::-1])
+
+
+def test_a_mirrored_profile_bears_the_same() -> None:
+    film = Film("", 0.3, 50.0, x=0.1, y=0.2)
+    mirrored = replace(film, y=-film.y, profile=Mirrored(film.profile))
+    nodes = np.linspace(0, 1, 5)
+    x, y = np.meshgrid(nodes, nodes, indexing="ij")
+    assert mirrored.amplitude(x, y) == pytest.approx(film.amplitude(x, 1 - y), abs=1e-15)
+
+
+# Faults are put into the solver, and the cases that they touch must turn red, no others.
+
+CASES = {
+    "sinc": "sinc, σ = 2331, ε = 0.1",
+    "piston": "piston, σ = 20, ε = 0.5",
+    "sliding": "sliding, Λ = 100, σ = 583",
+    "small": "sinc, σ = 1, ε = 0.001",
+}
+
+
+def red() -> set[str]:
+    chosen = [case for case in stability.cases() if case.film.name in CASES.values()]
+    table = stability.stability(chosen, device=choose_device(), log=lambda text: None)
+    failed = set(table.loc[table["verdict"] == "failed", "case"])
+    return {name for name, case in CASES.items() if case in failed}
+
+
+def test_a_sound_solver_fails_no_case() -> None:
+    assert red() == set()
+
+
+def spoil_fields(change: Callable[[Field], None]) -> Callable[..., Field]:
+    """The profile's fields (s, |∇s|², Δs, ∂s/∂X), changed before the kernel sees them."""
+    sound = periodic.profile_fields
+
+    def spoilt(*args: Any, **options: Any) -> Field:
+        fields = sound(*args, **options)
+        change(fields)
+        return fields
+
+    return spoilt
+
+
+def drop_curvature(fields: Field) -> None:
+    fields[:, 2] = 0
+
+
+def turn_slope(fields: Field) -> None:
+    fields[:, 3:] *= -1
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [(drop_curvature, {"sinc", "sliding", "small"}), (turn_slope, {"sliding"})],
+    ids=["dropped term", "wrong sign"],
+)
+def test_a_fault_in_a_term_turns_the_films_red_that_have_it(
+    change: Callable[[Field], None], expected: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(periodic, "profile_fields", spoil_fields(change))
+    assert red() == expected
+
+
+def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
+    sound = periodic.grid_matrices
+
+    def spoilt(grid: periodic.Grid, *, aspect: float, bearing: bool) -> Field:
+        matrices = sound(grid, aspect=aspect, bearing=bearing).copy()
+        cosine = slice(-grid.nt - bearing * grid.nx**2, len(matrices) - bearing * grid.nx**2)
+        matrices[cosine] *= -1
+        return matrices
+
+    monkeypatch.setattr(periodic, "grid_matrices", spoilt)
+    assert red() == set(CASES)
+
+
+def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The state kept in float32, as a kernel with `float` for `double` would."""
+
+    def spoilt(**options: Any) -> States:
+        states = periodic.solve_batch(**options)
+        grid = options["grid"]
+        rounded = (1 + states.overpressure).astype(np.float32).astype(float) - 1
+        weights = np.outer(grid.x.weights, grid.y.weights)
+        mean = np.einsum("bxyt,xy->b", rounded, weights) / grid.nt
+        return replace(states, overpressure=rounded, mean=mean)
+
+    for module in (refinement, fixed_grid):
+        monkeypatch.setattr(module, "solve_batch", spoilt)
+    assert red() == {"small"}
+
+
+def test_what_is_refused_must_be_documented() -> None:
+    assert stability.beyond(Film("", 0.4, 583.0)) == ""
+    assert "contact" in stability.beyond(Film("", 1.0, 583.0))
+    assert "bearing" in stability.beyond(Film("", 0.4, 583.0, bearing=1e4))
+
+
+def test_times_are_medians_and_a_long_run_is_made_once() -> None:
+    calls: list[int] = []
+    timed = measure(lambda: calls.append(1), repeats=3)
+    assert (timed.repeats, len(calls)) == (3, 4)
+    timed = measure(lambda: calls.append(1), repeats=3, long_seconds=-1)
+    assert (timed.repeats, len(calls)) == (1, 5)
+
+
+def test_every_method_comes_near_the_reference() -> None:
+    table = work_precision(
+        (FILMS[3],),
+        repeats=1,
+        batch=2,
+        longest_seconds=0.1,
+        rungs=2,
+        model_error=0.01,
+        device=choose_device(),
+        log=lambda text: None,
+    )
+    settled = table[~table["method"].str.contains("limit|small-amplitude|boundary")]
+    assert set(settled["status"]) == {"ok"}
+    assert settled.groupby("method")["relative_error"].min().max() < 0.05
+    claimed = settled[np.isfinite(settled["estimated_error"])]
+    assert (claimed["relative_error"] <= claimed["estimated_error"]).all()
+    assert (table["reference_uncertainty"] < 1e-9).all()
+    assert math.isfinite(table["cpu_seconds"].sum())
