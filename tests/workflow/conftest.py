@@ -20,13 +20,6 @@ QUICK = ("--configfile", "config/quick.yaml")
 EVERYTHING = ("paper", "numerics")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """With several processes, all these tests share one, and so one run."""
-    for item in items:
-        if item.path.is_relative_to(HERE):
-            item.add_marker(pytest.mark.xdist_group("workflow"))
-
-
 def copy_checkout(source: Path, target: Path, *more: str) -> Path:
     """What git tracks of the workflow, and more if wanted, with new modification times."""
     target.mkdir(parents=True, exist_ok=True)

@@ -23,6 +23,9 @@ from squeezefilm.study import check_study
 
 from .conftest import EVERYTHING, Finished, Planner, Trace
 
+# With several processes, one runs all these tests, and so the quick study once.
+pytestmark = pytest.mark.xdist_group("workflow")
+
 LIBRARY = Path("workflow/squeezefilm")
 REPOSITORY = Path(__file__).resolve().parents[2]
 CODE = sorted(

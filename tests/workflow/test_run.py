@@ -12,6 +12,9 @@ from squeezefilm.tables import read_forces, read_scenes
 
 from .conftest import EVERYTHING, QUICK, Finished, copy_checkout, snakemake
 
+# With several processes, one runs all these tests, and so the quick study once.
+pytestmark = pytest.mark.xdist_group("workflow")
+
 NOTHING = "Nothing to be done"
 
 
