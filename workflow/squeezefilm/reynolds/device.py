@@ -24,6 +24,7 @@ class Device:
         name: platform and device name, as reported by ``doctor`` and kept with results.
         groups: work-groups to launch, each with a workspace of its own.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
+        memory_bytes: the device's own memory.
     """
 
     context: Any
@@ -31,6 +32,12 @@ class Device:
     name: str
     groups: int
     work_items: int
+    memory_bytes: int
+
+    def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
+        """Groups to launch: no more than scenes, nor than half the memory has room for."""
+        room = self.memory_bytes // 2 // workspace_bytes
+        return max(1, min(self.groups, scenes, room))
 
 
 def choose_device(wanted: str = "auto", *, work_items: int | None = None) -> Device:
@@ -75,6 +82,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         name=device_name(device),
         groups=device.max_compute_units * (4 if on_gpu else 1),
         work_items=work_items or (128 if on_gpu else 1),
+        memory_bytes=device.global_mem_size,
     )
 
 

@@ -117,7 +117,7 @@ def solve_batch(
     most_krylov = int(np.clip(LARGEST_WORKSPACE_BYTES // (8 * count) - 8, 20, 80))
     workspace_size = count * (3 * terms + 4 + most_krylov) + (most_krylov + 4) * (most_krylov + 1)
     workspace_size = -(-workspace_size // 8) * 8
-    groups = min(device.groups, scenes)
+    groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
 
     numbers = np.column_stack(
         [

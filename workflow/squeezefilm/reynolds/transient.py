@@ -151,7 +151,7 @@ def march(
     if method.implicit:
         size += (MOST_KRYLOV + 1) * (count + MOST_KRYLOV + 4)
     size = -(-size // 8) * 8
-    groups = min(device.groups, scenes)
+    groups = device.groups_for(scenes, workspace_bytes=8 * size)
     state = np.zeros((scenes, grid.nx, grid.ny))
     if overpressure is not None:
         state[:] = overpressure
