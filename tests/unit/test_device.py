@@ -14,7 +14,7 @@ def test_a_device_that_is_not_there_is_refused_with_those_that_are(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.delenv(DEVICE_VARIABLE, raising=False)
-    with pytest.raises(InputError, match="no OpenCL device with double precision.*found: .*: "):
+    with pytest.raises(InputError, match=r"no OpenCL device with double precision.*found: .*: "):
         choose_device("no such device")
 
 
