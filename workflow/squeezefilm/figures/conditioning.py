@@ -24,7 +24,7 @@ LINES = {
     ("design point, largest move in unit factors", "screen"): (
         style.VERMILLION,
         "^-",
-        "design points, factors scaled to 1",
+        "design points, unit factors",
     ),
 }
 
@@ -52,6 +52,8 @@ def draw(data: pd.DataFrame) -> Figure:
     axes.plot(sizes, sizes, color="0.6", linewidth=0.8, label="as large as the force error")
     axes.set_xlabel("relative error of each simulated force")
     axes.set_ylabel("move")
-    figure.legend(loc="outside upper center", ncols=2)
+    figure.legend(
+        loc="outside upper center", ncols=2, fontsize=6.5, handlelength=1.6, columnspacing=1.0
+    )
     style.add_note(figure, data)
     return figure

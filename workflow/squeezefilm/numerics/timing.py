@@ -28,7 +28,7 @@ class Timed(Generic[Result]):
 
 
 def measure(
-    call: Callable[[], Result], *, repeats: int, long_seconds: float = 0.5
+    call: Callable[[], Result], *, repeats: int, long_seconds: float = 0.2
 ) -> Timed[Result]:
     """Time a call when it is warm: called once before, then so many times.
 
