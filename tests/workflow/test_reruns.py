@@ -142,7 +142,7 @@ def others(value: Any) -> Iterator[Any]:
         number = float(value) if isinstance(value, str) else value
         yield from (number * 1.001, number * 0.999, number + 1, number - 1, 1e-3)
     else:
-        yield from ("slip", "metre", "full", "pocl")
+        yield from ("slip", "metre", "full", "periodic", "pocl")
 
 
 @pytest.mark.parametrize("place", [*leaves(STUDY)], ids=".".join)

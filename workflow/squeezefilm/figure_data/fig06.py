@@ -9,7 +9,7 @@ from squeezefilm.figure_data import disc
 from squeezefilm.figure_data.common import Inputs
 
 INPUTS: tuple[str, ...] = ()
-SECTIONS = ("actuator", "finger")
+SECTIONS = ("actuator",)
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
