@@ -28,7 +28,7 @@ quick: $(VENV)/.run
 	$(RUN) snakemake --configfile config/quick.yaml
 
 test: $(VENV)/.dev
-	$(RUN) pytest -n 2 --dist loadgroup
+	$(RUN) pytest -n 2
 
 lint: $(VENV)/.dev
 	$(RUN) ruff check .

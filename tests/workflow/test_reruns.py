@@ -12,19 +12,17 @@ from dataclasses import dataclass
 from functools import cache
 from modulefinder import ModuleFinder
 from pathlib import Path
+from types import CodeType
 from typing import Any
 
 import pytest
 import yaml
 
-from squeezefilm.config import load_config
+from squeezefilm.config import SCHEMA_PATH, load_config
 from squeezefilm.errors import InputError
 from squeezefilm.study import check_study
 
 from .conftest import EVERYTHING, Finished, Planner, Trace
-
-# With several processes, one runs all these tests, and so the quick study once.
-pytestmark = pytest.mark.xdist_group("workflow")
 
 LIBRARY = Path("workflow/squeezefilm")
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -49,11 +47,30 @@ class Job:
 
 @cache
 def imported_by(module: Path, checkout: Path) -> frozenset[Path]:
-    """The modules of the library that a module can import, by modulefinder."""
+    """The files that a module can load: modules by modulefinder, and data that their code names."""
     finder = ModuleFinder(path=[str(checkout / "workflow")])
     finder.load_file(str(checkout / module))
-    files = (Path(found.__file__) for found in finder.modules.values() if found.__file__)
-    return frozenset(file.relative_to(checkout) for file in files)
+    modules = [found for found in finder.modules.values() if found.__file__]
+    names = set().union(*(texts_in(found.__code__) for found in modules if found.__code__))
+    data = {path for path in CODE if path.suffix != ".py" and path.name in names}
+    while more := {path for path in CODE if path.name in includes_of(data, checkout)} - data:
+        data |= more
+    return frozenset(data.union(Path(found.__file__).relative_to(checkout) for found in modules))
+
+
+def texts_in(constant: Any) -> set[str]:
+    """The texts among the constants of compiled code, at any depth."""
+    if isinstance(constant, str):
+        return {constant}
+    if isinstance(constant, CodeType):
+        constant = constant.co_consts
+    return set().union(*map(texts_in, constant)) if isinstance(constant, tuple) else set()
+
+
+def includes_of(kernels: set[Path], checkout: Path) -> set[str]:
+    """The names of the files that kernels include."""
+    lines = (line for path in kernels for line in (checkout / path).read_text().splitlines())
+    return {line.split('"')[1] for line in lines if line.startswith('#include "')}
 
 
 @pytest.fixture(scope="session")
@@ -126,6 +143,15 @@ def leaves(values: dict[str, Any], place: tuple[str, ...] = ()) -> Iterator[tupl
             yield (*place, key)
 
 
+def words_of(schema: Any) -> Iterator[str]:
+    """All words that some key may have."""
+    if isinstance(schema, dict):
+        yield from schema.get("enum", [])
+        for part in schema.values():
+            yield from words_of(part)
+
+
+WORDS = sorted(set(words_of(yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8")))))
 STUDY = yaml.safe_load((REPOSITORY / "config/quick.yaml").read_text(encoding="utf-8"))
 
 
@@ -142,7 +168,7 @@ def others(value: Any) -> Iterator[Any]:
         number = float(value) if isinstance(value, str) else value
         yield from (number * 1.001, number * 0.999, number + 1, number - 1, 1e-3)
     else:
-        yield from ("slip", "metre", "full", "periodic", "pocl")
+        yield from (*WORDS, "pocl")
 
 
 @pytest.mark.parametrize("place", [*leaves(STUDY)], ids=".".join)
@@ -165,15 +191,17 @@ def test_an_edit_of_the_study_makes_anew_what_reads_its_section(
 
 def edited_study(path: Path, place: tuple[str, ...], folder: Path) -> str:
     """The study with another valid value at one place."""
-    for attempt in range(5):
+    value: Any = load_config(path)
+    for key in place:
+        value = value[key]
+    for other in others(value):
         study = dict(load_config(path))
         section = study
         for key in place[:-1]:
             section[key] = section = dict(section[key])
-        tried = list(others(section[place[-1]]))
-        if attempt >= len(tried):
-            break
-        section[place[-1]] = tried[attempt]
+        section[place[-1]] = other
+        if other == value:
+            continue
         text = yaml.safe_dump(study)
         (folder / "study.yaml").write_text(text, encoding="utf-8")
         try:

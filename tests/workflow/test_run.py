@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 
 import pytest
@@ -11,9 +10,6 @@ import pytest
 from squeezefilm.tables import read_forces, read_scenes
 
 from .conftest import EVERYTHING, QUICK, Finished, copy_checkout, snakemake
-
-# With several processes, one runs all these tests, and so the quick study once.
-pytestmark = pytest.mark.xdist_group("workflow")
 
 NOTHING = "Nothing to be done"
 
@@ -94,15 +90,13 @@ def test_an_edit_is_carried_out_and_undone(finished: Finished, tmp_path: Path) -
 def test_a_scene_that_fails_is_named_and_the_others_finish(
     finished: Finished, tmp_path: Path
 ) -> None:
-    folder = copy_checkout(finished.folder, tmp_path / "failing")
-    shutil.copytree(finished.folder / "results", folder / "results")
+    folder = copy_checkout(finished.folder, tmp_path / "failing", "results", ".snakemake")
     chunk = folder / "results/quick/simulations/screen/chunks/2-of-2.csv"
     table = read_forces(chunk)
     table.loc[0, ["status", "force_n"]] = ["no convergence in 40 steps", float("nan")]
     table.to_csv(chunk, index=False)
     target = "results/quick/simulations/screen/forces.csv"
-    arguments = (target, *QUICK, "--forcerun", "gather", "--rerun-triggers", "mtime")
-    done = snakemake(folder, *arguments)
+    done = snakemake(folder, target, *QUICK)
     assert done.returncode != 0
     name = table["point_id"].iloc[0]
     assert f"no force for point {name}: no convergence in 40 steps" in done.stdout

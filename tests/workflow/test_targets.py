@@ -9,9 +9,6 @@ import pytest
 
 from .conftest import Planner, copy_checkout, snakemake
 
-# With several processes, one runs all these tests, and so the quick study once.
-pytestmark = pytest.mark.xdist_group("workflow")
-
 
 @pytest.fixture(scope="module")
 def fresh(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Planner]:
