@@ -82,6 +82,11 @@ def chunk_files(plan, suffix):
     ]
 
 
+def cores_for(searches):
+    """Cores that so many searches of a fit or a design are worth: starting a process costs too."""
+    return max(1, min(4, searches // 4))
+
+
 # Put before every command of every rule: the library is found installed or not, and the python is
 # that of the environment that runs snakemake, unless a conda environment is activated after it.
 shell.prefix(

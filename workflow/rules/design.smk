@@ -15,7 +15,7 @@ rule design_two_factor:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 4
+    threads: cores_for(CONFIG["design"]["searches"])
     resources:
         mem_mb=1000,
         runtime=30,
@@ -44,7 +44,7 @@ rule design_four_factor:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 4
+    threads: cores_for(CONFIG["four_factor_design"]["searches"])
     resources:
         mem_mb=1000,
         runtime=30,

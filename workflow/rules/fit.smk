@@ -22,7 +22,7 @@ rule fit:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 4
+    threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
     resources:
         mem_mb=1000,
         runtime=30,
