@@ -41,7 +41,7 @@ FILMS = (
         for epsilon in (0.1, 0.44)
         for sigma in (20.0, 583.0, 2331.0)
     ),
-    Film("2.9 mm off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
+    Film("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
     Film("ε = 0.9, σ = 583", 0.9, 583.0),
 )
 COLD_FILM = FILMS[4]
