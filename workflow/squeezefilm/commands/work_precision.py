@@ -64,7 +64,7 @@ def _note(repeats: int, device: str) -> str:
     missing = missing_peers()
     left_out = f" Not installed and left out: {', '.join(missing)}." if missing else ""
     return (
-        f"Centred sinc; off centre: by 2.9 mm. Warm, median of {repeats}; processor time of all threads. "
-        f"OpenCL: {device}; a batch has {BATCH} films. CN: Crank–Nicolson. Runs longer than that "
+        f"Centred sinc; off centre: by 2.9 mm. Warm, median of {repeats}; processor time of all "
+        f"threads. OpenCL: {device}; a batch has {BATCH} films. CN: Crank–Nicolson. Runs longer than that "
         f"of a line's last dot were not made.{left_out}"
     )
