@@ -65,6 +65,6 @@ def _note(repeats: int, device: str) -> str:
     left_out = f" Not installed and left out: {', '.join(missing)}." if missing else ""
     return (
         f"Centred sinc; off centre: by 2.9 mm. Warm, median of {repeats}; processor time of all "
-        f"threads. OpenCL: {device}; a batch has {BATCH} films. CN: Crank–Nicolson. Runs longer than that "
-        f"of a line's last dot were not made.{left_out}"
+        f"threads. OpenCL: {device}; a batch has {BATCH} films. CN: Crank–Nicolson. Runs longer "
+        f"than that of a line's last dot were not made.{left_out}"
     )
