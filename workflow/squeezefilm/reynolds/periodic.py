@@ -124,7 +124,8 @@ def solve_batch(
             problems.epsilon,
             problems.sigma,
             problems.bearing,
-            np.full(scenes, problems.tolerance),
+            # A mass error w moves the pressure by w/H.
+            problems.tolerance * (1 - problems.epsilon),
             problems.inverse_exponent,
             problems.flow,
         ]

@@ -185,7 +185,7 @@ def _judge(
     if progress.grid_before is not None and progress.mean_before is not None:
         floor = ROUND_OFF * float(states.largest[position])
         change = _change(progress.mean_before, progress.grid_before, mean_pressure, grid)
-        error = MOMENT_FACTOR * change + residual + floor
+        error = MOMENT_FACTOR * change + residual / (1 - scene.epsilon) + floor
         if error <= tolerance * abs(mean) + floor:
             return finished(status="ok", force=mean, error=error)
     finer = finer_grid(grid)

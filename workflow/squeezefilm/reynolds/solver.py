@@ -24,6 +24,8 @@ METHODS = ("auto", *LIMITS, "periodic", "march")
 CHOSEN_LIMITS = tuple(name for name in LIMITS if name != "fast-limit")
 # Below this the matched limit's grid makes it as dear as a periodic state.
 MATCHED_LEAST_TOLERANCE = 5e-4
+# Scenes whose fields are held at a time; more would fall out of the caches.
+LIMIT_BATCH = 256
 # Which squeeze number a limit's grid must resolve layers of, if any.
 RESOLVES_LAYERS = {"small-amplitude", "matched-limit"}
 
@@ -151,9 +153,11 @@ def _evaluate(
         ].append(index)
     results = {}
     for (nx, ny), group in groups.items():
-        forces = _limit(name, [scenes[index] for index in group], nx=nx, ny=ny)
-        for index, mean, error in zip(group, forces.mean, forces.error, strict=True):
-            results[index] = LimitResult(name, float(mean), float(error), nx, ny)
+        for start in range(0, len(group), LIMIT_BATCH):
+            some = group[start : start + LIMIT_BATCH]
+            forces = _limit(name, [scenes[index] for index in some], nx=nx, ny=ny)
+            for index, mean, error in zip(some, forces.mean, forces.error, strict=True):
+                results[index] = LimitResult(name, float(mean), float(error), nx, ny)
     return results
 
 
