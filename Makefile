@@ -13,7 +13,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
-	@echo "make quick    the same rules on a small study, in seconds"
+	@echo "make quick    the same rules on a small study, in under a minute"
 	@echo "make test     the tests"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
