@@ -18,6 +18,7 @@ from squeezefilm.tables import (
     read_ok_forces,
     read_scenes,
     scene_points,
+    table_writer,
     write_json,
     write_table,
 )
@@ -160,3 +161,73 @@ def test_an_output_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         with pytest.raises(InputError, match="cannot be written"):
             write_json({}, path)
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+
+
+def test_parquet_brings_back_the_same_table_as_csv(tmp_path: Path) -> None:
+    table = forces(point_id="a b").assign(force_n=[0.1 + 0.2, 1 / 3], nx=[16, 24])
+    write_table(table, tmp_path / "forces.csv")
+    write_table(table, tmp_path / "forces.parquet")
+    text, binary = (read_forces(tmp_path / f"forces.{suffix}") for suffix in ("csv", "parquet"))
+    for name in ("point_id", "status", "h0_m", "force_n", "force_error_n"):
+        assert list(text[name]) == list(binary[name])
+    assert list(binary["nx"]) == [16, 24]
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_a_table_written_in_pieces_is_the_table_written_at_once(
+    tmp_path: Path, suffix: str
+) -> None:
+    table = forces()
+    with table_writer(tmp_path / f"pieces.{suffix}") as write:
+        for row in range(len(table)):
+            write(table.iloc[row : row + 1])
+    write_table(table, tmp_path / f"whole.{suffix}")
+    whole, pieces = (read_forces(tmp_path / f"{name}.{suffix}") for name in ("whole", "pieces"))
+    assert whole.equals(pieces)
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_a_table_that_breaks_off_leaves_nothing(tmp_path: Path, suffix: str) -> None:
+    def break_off() -> None:
+        with table_writer(tmp_path / f"a.{suffix}") as write:
+            write(forces())
+            raise RuntimeError("broken off")
+
+    with pytest.raises(RuntimeError, match="broken off"):
+        break_off()
+    assert list(tmp_path.iterdir()) == []
+
+
+WRONG_PARQUET: dict[str, tuple[dict[str, object], str]] = {
+    "a missing column": ({"h0_m": None}, "column 'h0_m' is missing"),
+    "a strange column": ({"colour": ["red", "red"]}, "unknown column 'colour'"),
+    "text for numbers": ({"h0_m": ["5um", "6um"]}, "column 'h0_m' holds"),
+    "numbers for names": ({"point_id": [1, 2]}, "column 'point_id' holds int64"),
+    "not a number": ({"hv_m": [1e-6, np.nan]}, "row 2: hv_m is nan"),
+    "infinity": ({"hv_m": [np.inf, 1e-6]}, "row 1: hv_m is inf"),
+    "a name twice": ({"point_id": ["1", "1"]}, "point_id '1' stands twice"),
+    "no name": ({"point_id": ["1", ""]}, "row 2: point_id is empty"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_PARQUET)
+def test_a_wrong_parquet_table_is_refused(case: str, tmp_path: Path) -> None:
+    changes, message = WRONG_PARQUET[case]
+    table = forces()[list(SCENE_COLUMNS)].astype({"h0_m": float, "hv_m": float})
+    for name, values in changes.items():
+        table = table.drop(columns=name) if values is None else table.assign(**{name: values})
+    table.to_parquet(tmp_path / "scenes.parquet")
+    with pytest.raises(InputError, match=message):
+        read_scenes(tmp_path / "scenes.parquet")
+
+
+def test_a_parquet_file_that_is_none_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "scenes.parquet"
+    write_table(forces()[list(SCENE_COLUMNS)], path)
+    whole = path.read_bytes()
+    for content in (b"", b"PAR1", whole[:-10], bytes(len(whole))):
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=r"scenes\.parquet: the table cannot be read"):
+            read_scenes(path)
+    with pytest.raises(InputError, match="there is no such table"):
+        read_scenes(tmp_path / "none.parquet")

@@ -1,4 +1,8 @@
-"""The tables that pass between the stages: their columns, reading with checks, writing."""
+"""The tables that pass between the stages: their columns, reading with checks, writing.
+
+A table is CSV, or Parquet where its file name ends in ``.parquet``: for plans so large that text
+would take longer to read than scenes to solve.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +11,11 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,6 +26,8 @@ FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
 TIMING_COLUMNS = ("point_id", "solve_seconds")
+TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out"}
+PARQUET = ".parquet"
 FORCE_COLUMNS = (
     *SCENE_COLUMNS,
     "force_n",
@@ -117,7 +124,59 @@ def scene_points(table: pd.DataFrame) -> list[ScenePoint]:
 
 def _read(path: Path | str, *, columns: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
     path = Path(path)
+    if path.suffix == PARQUET:
+        return _read_parquet(path, columns=columns, numbers=numbers)
     header, rows = _cells(path, columns=columns)
+    _check_header(header, columns=columns, path=path)
+    if not rows:
+        raise InputError(f"{path}: the table has a header and no rows")
+    lines = [line for line, _ in rows]
+    table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
+    for name in numbers:
+        table[name] = _finite(table[name], lines=lines, path=path)
+    _check_ids(table["point_id"], lines=lines, path=path)
+    return table[list(columns)]
+
+
+def _read_parquet(path: Path, *, columns: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        with pq.ParquetFile(path) as file:
+            _check_header(file.schema_arrow.names, columns=columns, path=path)
+            found = file.read(columns=list(columns))
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such table") from None
+    except (OSError, pa.ArrowException) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: the table cannot be read: {reason}") from None
+    for field in found.schema:
+        text = pa.types.is_string(field.type) or pa.types.is_large_string(field.type)
+        number = pa.types.is_floating(field.type) or pa.types.is_integer(field.type)
+        if not (text if field.name in TEXT_COLUMNS else number):
+            wanted = "text" if field.name in TEXT_COLUMNS else "numbers"
+            raise InputError(f"{path}: column {field.name!r} holds {field.type}, not {wanted}")
+    if not found.num_rows:
+        raise InputError(f"{path}: the table has no rows")
+    table = found.to_pandas()
+    for name in numbers:
+        table[name] = table[name].astype(float)
+        bad = np.flatnonzero(~np.isfinite(table[name]))
+        if len(bad):
+            value = table[name].iloc[bad[0]]
+            raise InputError(f"{path}: row {bad[0] + 1}: {name} is {value}, not a finite number")
+    ids = table["point_id"]
+    empty = np.flatnonzero(ids.isna() | (ids == ""))
+    if len(empty):
+        raise InputError(f"{path}: row {empty[0] + 1}: point_id is empty")
+    twice = ids[ids.duplicated()]
+    if len(twice):
+        raise InputError(f"{path}: point_id {twice.iloc[0]!r} stands twice")
+    return table[list(columns)]
+
+
+def _check_header(header: Sequence[str], *, columns: Sequence[str], path: Path) -> None:
     for name in columns:
         if header.count(name) == 0:
             raise InputError(f"{path}: column {name!r} is missing; it has {', '.join(header)}")
@@ -128,14 +187,6 @@ def _read(path: Path | str, *, columns: Sequence[str], numbers: Sequence[str]) -
         raise InputError(
             f"{path}: unknown column {unknown[0]!r}; the columns are {', '.join(columns)}"
         )
-    if not rows:
-        raise InputError(f"{path}: the table has a header and no rows")
-    lines = [line for line, _ in rows]
-    table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
-    for name in numbers:
-        table[name] = _finite(table[name], lines=lines, path=path)
-    _check_ids(table["point_id"], lines=lines, path=path)
-    return table[list(columns)]
 
 
 def _cells(path: Path, *, columns: Sequence[str]) -> tuple[list[str], list[tuple[int, list[str]]]]:
@@ -192,14 +243,72 @@ def _number(text: str, *, path: Path, line: int, name: str) -> float:
 
 
 def write_table(table: pd.DataFrame, path: Path | str) -> None:
-    """Write a CSV with full double precision, whole or not at all."""
-    _write_whole(Path(path), lambda handle: table.to_csv(handle, index=False, lineterminator="\n"))
+    """Write a table with full double precision, whole or not at all."""
+    with table_writer(path) as write:
+        write(table)
+
+
+@contextmanager
+def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
+    """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
+
+    All pieces have the columns of the first one. CSV comes with full double precision.
+    """
+    path = Path(path)
+    pieces = _parquet_pieces if path.suffix == PARQUET else _csv_pieces
+    with whole_file(path) as name, pieces(name) as write:
+        yield write
+
+
+@contextmanager
+def _csv_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
+    with name.open("w", encoding="utf-8", newline="") as handle:
+
+        def write(piece: pd.DataFrame) -> None:
+            first = handle.tell() == 0
+            piece.to_csv(handle, index=False, header=first, lineterminator="\n")
+
+        yield write
+
+
+@contextmanager
+def _parquet_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    writer: pq.ParquetWriter | None = None
+
+    def write(piece: pd.DataFrame) -> None:
+        nonlocal writer
+        types = [
+            (column, pa.string() if column in TEXT_COLUMNS else _number_type(piece[column]))
+            for column in piece.columns
+        ]
+        piece = piece.astype({name: "str" for name in piece.columns if name in TEXT_COLUMNS})
+        rows = pa.Table.from_pandas(piece, schema=pa.schema(types), preserve_index=False)
+        # Without the notes of pandas and its version, equal tables are equal files.
+        rows = rows.replace_schema_metadata(None)
+        writer = writer or pq.ParquetWriter(name, rows.schema, compression="zstd")
+        writer.write_table(rows)
+
+    try:
+        yield write
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _number_type(column: pd.Series) -> Any:
+    import pyarrow as pa
+
+    return pa.int32() if pd.api.types.is_integer_dtype(column) else pa.float64()
 
 
 def write_json(values: dict[str, Any], path: Path | str) -> None:
     """Write a JSON file with sorted keys, whole or not at all."""
     text = json.dumps(values, indent=2, sort_keys=True, allow_nan=False) + "\n"
-    _write_whole(Path(path), lambda handle: handle.write(text))
+    with whole_file(Path(path)) as name:
+        name.write_text(text, encoding="utf-8")
 
 
 def read_json(path: Path | str) -> dict[str, Any]:
@@ -219,21 +328,26 @@ def read_json(path: Path | str) -> dict[str, Any]:
     return values
 
 
-def _write_whole(path: Path, write: Callable[[IO[str]], Any]) -> None:
-    """Write beside the target and rename, so that no half-written file bears its name."""
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A name beside the target to write to, renamed at the end; gone if something goes wrong.
+
+    No half-written file ever bears the target's name, and two writers do not meet.
+
+    Raises:
+        InputError: when the file cannot be written.
+    """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    os.close(descriptor)
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as handle:
-            write(handle)
+        yield Path(name)
         os.chmod(name, 0o644)
         os.replace(name, path)
     except OSError as error:
-        Path(name).unlink(missing_ok=True)
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-    except BaseException:
+    finally:
         Path(name).unlink(missing_ok=True)
-        raise
