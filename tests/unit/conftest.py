@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm import cli
-from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, ForceModel
+from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
 from squeezefilm.tables import (
     DESIGN_COLUMNS,
     FACTOR_COLUMNS,
@@ -123,7 +123,7 @@ def _write_simulations(root: Path, reference: Path) -> None:
 
 def _write_fits(root: Path) -> None:
     for name, theta in THETA.items():
-        model: ForceModel = TWO_FACTOR if len(theta) == 3 else FOUR_FACTOR
+        model: ExpressionModel = TWO_FACTOR if len(theta) == 3 else FOUR_FACTOR
         plan = name if len(theta) == 3 else "four_factor"
         forces = pd.read_csv(root / "simulations" / plan / "forces.csv")
         factors = Factors.of(**{column: forces[column] for column in FACTOR_COLUMNS})

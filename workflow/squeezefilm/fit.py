@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, differential_evolution
 
 from squeezefilm.errors import InputError
-from squeezefilm.force_model import Factors, ForceModel
+from squeezefilm.force_model import ExpressionModel, Factors
 from squeezefilm.search import Array, Objective, genetic_search, nelder_mead
 
 UNDEFINED = 1e30
@@ -67,7 +67,7 @@ class Fit:
 
 
 def fit_model(
-    model: ForceModel,
+    model: ExpressionModel,
     factors: Factors,
     force_n: ArrayLike,
     *,
@@ -110,7 +110,7 @@ def fit_model(
 
 
 def fit_by_differential_evolution(
-    model: ForceModel,
+    model: ExpressionModel,
     factors: Factors,
     force_n: ArrayLike,
     *,
@@ -157,7 +157,9 @@ def fit_by_differential_evolution(
     )
 
 
-def _checked_force(model: ForceModel, factors: Factors, force_n: ArrayLike, bound: float) -> Array:
+def _checked_force(
+    model: ExpressionModel, factors: Factors, force_n: ArrayLike, bound: float
+) -> Array:
     force = np.atleast_1d(np.asarray(force_n, dtype=float))
     needed = len(model.parameter_names)
     if force.shape != (len(factors),):
@@ -176,7 +178,7 @@ def _checked_force(model: ForceModel, factors: Factors, force_n: ArrayLike, boun
     return force
 
 
-def _objective(model: ForceModel, factors: Factors, force_n: Array) -> Objective:
+def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Objective:
     """Sum of squares (paper eq. 4) over |y|^2, of a population of u = asinh(theta).
 
     Takes shape (m, p), gives shape (m,).
@@ -192,7 +194,9 @@ def _objective(model: ForceModel, factors: Factors, force_n: Array) -> Objective
     return sum_of_squares
 
 
-def _fit(model: ForceModel, factors: Factors, force_n: Array, *, theta: Array, **how: Any) -> Fit:
+def _fit(
+    model: ExpressionModel, factors: Factors, force_n: Array, *, theta: Array, **how: Any
+) -> Fit:
     squares = float(np.sum((model.evaluate(theta, factors) - force_n) ** 2))
     if not np.isfinite(squares):
         raise InputError(

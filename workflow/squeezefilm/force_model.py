@@ -1,27 +1,45 @@
-"""The empirical force models: a closed formula for the mean force, fitted to simulations.
+"""The empirical force models: formulas for the mean force, fitted to simulations.
 
-Both models are the piston formula with free coefficients. With eps = hv/h0,
-
-    eta = sqrt(1 + theta0 eps^2) / sqrt(1 - theta1 q eps^2) + theta2
-
-where q = 1 for the centred finger (paper eq. 7) and
-q = 1 + theta3 phi/45 + theta4 phi_r for a finger moved over the surface (eq. 14).
-Angles are in degrees and radii in metres, so theta4 has the unit 1/m; eta is in newtons.
+A model is an expression in the factors of an experiment and in parameters theta. Those of the
+library (models.yaml) and those that a study adds are alike; the paper's (7) and (14) are two of
+the library's.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import yaml
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
 
 from squeezefilm.errors import InputError
+from squeezefilm.expressions import Expression, Program, derivative, parse
 
 Array = NDArray[np.float64]
 
-ANGLE_UNIT_DEG = 45.0
-"""The angle that model (14) scales phi by: the half-sector that symmetry leaves."""
+LIBRARY = Path(__file__).with_name("models.yaml")
+FACTORS = {
+    "h0": "h0_m",
+    "hv": "hv_m",
+    "r": "phi_r_m",
+    "phi": "phi_deg",
+    "x": "x_m",
+    "y": "y_m",
+}
+"""What an expression calls the factors, and their columns."""
+COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
+"""What an expression calls the results of physics that stand in a table, and their columns."""
+POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
+USUAL_PARAMETER = re.compile(r"t(?:0|[1-9]\d?)")
+AMPLITUDES = 400
+"""Amplitudes at which a model is looked at before the one for a wanted force is refined."""
 
 
 @dataclass(frozen=True)
@@ -29,13 +47,17 @@ class Factors:
     """The factors of n experiments, each an array of shape (n,).
 
     h0_m: mean gap; hv_m: vibration amplitude at the centre; phi_r_m, phi_deg: polar position
-    of the finger's centre (both zero where the finger is centred).
+    of the finger's centre (both zero where the finger is centred), x_m, y_m the same in Cartesian
+    form; columns: results of physics at these points, by the names of their columns.
     """
 
     h0_m: Array
     hv_m: Array
     phi_r_m: Array
     phi_deg: Array
+    x_m: Array
+    y_m: Array
+    columns: Mapping[str, Array] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -43,46 +65,126 @@ class Factors:
         *,
         h0_m: ArrayLike,
         hv_m: ArrayLike,
-        phi_r_m: ArrayLike = 0.0,
-        phi_deg: ArrayLike = 0.0,
+        phi_r_m: ArrayLike | None = None,
+        phi_deg: ArrayLike | None = None,
+        x_m: ArrayLike | None = None,
+        y_m: ArrayLike | None = None,
+        **columns: ArrayLike,
     ) -> Factors:
         """Factors from numbers or sequences, brought to one length.
 
-        Raises InputError where a value is not finite, a gap is not positive or the lengths differ.
+        The position is given in polar or in Cartesian form, or left out for a centred finger.
+        Raises InputError where a value is not finite, a gap is not positive, the lengths differ or
+        both forms are given.
         """
-        given = {"h0_m": h0_m, "hv_m": hv_m, "phi_r_m": phi_r_m, "phi_deg": phi_deg}
-        columns = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in given.items()}
-        for name, column in columns.items():
-            if not np.all(np.isfinite(column)):
+        polar, cartesian = (phi_r_m, phi_deg), (x_m, y_m)
+        if any(v is not None for v in polar) and any(v is not None for v in cartesian):
+            raise InputError("x_m: give the position as phi_r_m, phi_deg or as x_m, y_m, not both")
+        given = {"h0_m": h0_m, "hv_m": hv_m}
+        if any(value is not None for value in cartesian):
+            given |= {"x_m": 0.0 if x_m is None else x_m, "y_m": 0.0 if y_m is None else y_m}
+        else:
+            given |= {
+                "phi_r_m": 0.0 if phi_r_m is None else phi_r_m,
+                "phi_deg": 0.0 if phi_deg is None else phi_deg,
+            }
+        named = {k: np.atleast_1d(np.asarray(v, float)) for k, v in (given | columns).items()}
+        for name, column in named.items():
+            if name in given and not np.all(np.isfinite(column)):
                 raise InputError(f"{name}: a factor is not a finite number; all must be")
-        if np.any(columns["h0_m"] <= 0):
+        if np.any(named["h0_m"] <= 0):
             raise InputError("h0_m: a gap is zero or negative; gaps must be positive")
         try:
-            h0, hv, radius, angle = np.broadcast_arrays(*columns.values())
+            together = np.broadcast_arrays(*named.values())
         except ValueError:
-            lengths = ", ".join(f"{name} {column.size}" for name, column in columns.items())
+            lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
             raise InputError(f"factors of different lengths ({lengths}); give one length") from None
-        return cls(h0, hv, radius, angle)
+        named = dict(zip(named, together, strict=True))
+        if "x_m" in named:
+            named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
+            named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
+        else:
+            angle = np.radians(named["phi_deg"])
+            named["x_m"] = named["phi_r_m"] * np.cos(angle)
+            named["y_m"] = named["phi_r_m"] * np.sin(angle)
+        rest = {name: named.pop(name) for name in columns}
+        return cls(**named, columns=rest)
 
     @property
     def epsilon(self) -> Array:
         """Excursion ratio hv/h0, shape (n,)."""
         return self.hv_m / self.h0_m
 
+    def column(self, name: str) -> Array:
+        """A factor, or a result of physics, by the name of its column, shape (n,).
+
+        Raises InputError where the points do not have it.
+        """
+        if name in self.columns:
+            return self.columns[name]
+        if name in FACTORS.values():
+            return np.asarray(getattr(self, name))
+        raise InputError(
+            f"{name}: the points lack this column; `squeezefilm limits` writes a table that has it"
+        )
+
+    def take(self, which: ArrayLike) -> Factors:
+        """Some of the points, by a mask or by indices."""
+        index = np.asarray(which)
+        own = {name: getattr(self, name)[index] for name in FACTORS.values()}
+        return Factors(**own, columns={name: v[index] for name, v in self.columns.items()})
+
     def __len__(self) -> int:
         return len(self.h0_m)
 
 
 @dataclass(frozen=True)
-class ForceModel:
-    """One empirical model: its names, its value and its gradient.
+class ExpressionModel:
+    """One empirical model: its formula, its value and its gradient.
 
-    factor_names lists the factors the model depends on, in the order of a design's columns.
+    parameter_names are in the order of theta; about says in words what the model is.
     """
 
     name: str
+    expression: str
     parameter_names: tuple[str, ...]
-    factor_names: tuple[str, ...]
+    about: str = ""
+    place: str = "model"
+    """Where the expression was written, for messages."""
+
+    @cached_property
+    def parsed(self) -> Expression:
+        """The expression, read. Raises InputError where it is refused."""
+        names = (*FACTORS, *COLUMNS, *self.parameter_names)
+        return parse(self.expression, names=names, place=self.place)
+
+    @property
+    def column_names(self) -> tuple[str, ...]:
+        """The columns with results of physics that the model needs, besides the factors."""
+        return tuple(COLUMNS[name] for name in COLUMNS if name in self.parsed.names)
+
+    @property
+    def factor_names(self) -> tuple[str, ...]:
+        """The factors the model depends on, in the order of a design's columns.
+
+        A position is always two of them; Cartesian unless the expression is in polar form. Results
+        of physics depend on all factors.
+        """
+        used = {FACTORS[name] for name in FACTORS if name in self.parsed.names}
+        if used.intersection(POLAR):
+            return ("h0_m", "hv_m", *POLAR, *(name for name in CARTESIAN if name in used))
+        if used.intersection(CARTESIAN) or self.column_names:
+            return ("h0_m", "hv_m", *CARTESIAN)
+        return ("h0_m", "hv_m")
+
+    @cached_property
+    def _value(self) -> Program:
+        return Program([self.parsed.root])
+
+    @cached_property
+    def _slopes(self) -> Program:
+        root = self.parsed.root
+        return Program([root, *(derivative(root, name) for name in self.parameter_names)])
 
     def factors(self, points: ArrayLike) -> Factors:
         """Factors from the rows of a design, shape (n, number of factors), in SI units."""
@@ -95,40 +197,27 @@ class ForceModel:
         return Factors.of(**dict(zip(self.factor_names, points.T, strict=True)))
 
     def evaluate(self, theta: ArrayLike, factors: Factors) -> Array:
-        """Force eta in newtons (paper eq. 7 or 14).
+        """Force eta in newtons, from the model's expression.
 
         theta has shape (p,) or, for a whole population, (m, p); the result has shape (n,) or
-        (m, n). Where a root is undefined the result is NaN.
+        (m, n). Where the expression is undefined the result is NaN.
         """
-        full = self._full(theta)
-        numerator, denominator = _radicands(full, factors)
-        root = np.sqrt(np.where(numerator >= 0, numerator, np.nan))
-        root /= np.sqrt(np.where(denominator > 0, denominator, np.nan))
-        return root + full[..., 2, None]
+        theta = self._checked(theta)
+        (value,) = self._value.run(self._inputs(theta, factors))
+        value = np.where(np.isfinite(value), value, np.nan)
+        return np.broadcast_to(value, (*theta.shape[:-1], len(factors))).copy()
 
     def gradient(self, theta: ArrayLike, factors: Factors) -> Array:
-        """Derivatives of eta with respect to theta, shape (n, p): eqs (8)-(10) or (15)-(19).
+        """Derivatives of eta with respect to theta, shape (n, p).
 
-        theta has shape (p,). Where a root is undefined the row is NaN.
+        theta has shape (p,). Where the expression or a derivative is undefined the row is NaN.
         """
-        full = self._full(theta)
-        if full.ndim != 1:
-            raise InputError(f"gradient takes one theta, not a population of {len(full)}")
-        numerator, denominator = _radicands(full, factors)
-        defined = (numerator > 0) & (denominator > 0)
-        a = np.sqrt(np.where(defined, numerator, np.nan))
-        b = np.sqrt(np.where(defined, denominator, np.nan))
-        square = factors.epsilon**2
-        by_coefficient = square * a / (2 * b**3)  # of eps^2 under the lower root
-        angle = factors.phi_deg / ANGLE_UNIT_DEG
-        columns = (
-            square / (2 * a * b),
-            by_coefficient * _position(full, factors),
-            np.where(defined, 1.0, np.nan),
-            by_coefficient * full[1] * angle,
-            by_coefficient * full[1] * factors.phi_r_m,
-        )
-        return np.column_stack(columns[: len(self.parameter_names)])
+        theta = self._checked(theta)
+        if theta.ndim != 1:
+            raise InputError(f"gradient takes one theta, not a population of {len(theta)}")
+        values = self._slopes.run(self._inputs(theta, factors))
+        rows = np.array([np.broadcast_to(value, len(factors)) for value in values]).T
+        return np.where(np.all(np.isfinite(rows), axis=1)[:, None], rows[:, 1:], np.nan)
 
     def amplitude_for_force(
         self,
@@ -139,77 +228,140 @@ class ForceModel:
         phi_r_m: float = 0.0,
         phi_deg: float = 0.0,
     ) -> float:
-        """Amplitude hv in metres that gives the wanted force at a gap and position.
+        """Smallest amplitude hv in metres that gives the wanted force at a gap and position.
 
-        The model solved for eps^2: with g = (force - theta2)^2,
-        eps^2 = (g - 1)/(theta0 + g theta1 q). Raises InputError where no amplitude between
-        rest and contact (0 <= hv < h0) gives the force.
+        Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives it, and
+        for a model of results of physics, which are not known at every amplitude.
         """
-        full = self._full(theta)
-        if full.ndim != 1:
-            raise InputError(f"amplitude_for_force takes one theta, not {len(full)} of them")
+        theta = self._checked(theta)
+        if theta.ndim != 1:
+            raise InputError(f"amplitude_for_force takes one theta, not {len(theta)} of them")
         if not np.isfinite(force_n):
             raise InputError(f"force_n: {force_n} is not a finite number")
-        at_gap = Factors.of(h0_m=h0_m, hv_m=0.0, phi_r_m=phi_r_m, phi_deg=phi_deg)
-        g = (force_n - full[2]) ** 2
-        slope = full[0] + g * full[1] * _position(full, at_gap)[0]
-        square = (g - 1) / slope if slope != 0 else np.nan
-        if 0 <= square < 1:
-            hv_m = float(np.sqrt(square) * h0_m)
-            found = Factors.of(h0_m=h0_m, hv_m=hv_m, phi_r_m=phi_r_m, phi_deg=phi_deg)
-            reached = self.evaluate(theta, found)[0]
-            # Squaring brings in a false solution, on the other branch of the root.
-            if abs(reached - force_n) <= 1e-9 * (1 + abs(force_n)):
-                return hv_m
+        if self.column_names:
+            raise InputError(
+                f"the model {self.name} needs {', '.join(self.column_names)} at each amplitude; "
+                "look for the force in a table of them"
+            )
+
+        def excess(epsilon: ArrayLike) -> Array:
+            hv_m = np.asarray(epsilon) * h0_m
+            at = Factors.of(h0_m=h0_m, hv_m=hv_m, phi_r_m=phi_r_m, phi_deg=phi_deg)
+            return self.evaluate(theta, at) - force_n
+
+        for low, high in _brackets(excess):
+            found = float(brentq(lambda e: excess(e)[0], low, high, xtol=1e-300, rtol=1e-15))
+            # The sign may change at a pole, too.
+            if abs(excess(found)[0]) <= 1e-9 * (1 + abs(force_n)):
+                return found * h0_m
+        at_rest = excess(0.0)[0] + force_n
         raise InputError(
             f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
-            f"below contact (hv_m < h0_m); at rest it gives {1 + full[2]:.3g} N"
+            f"below contact (hv_m < h0_m); at rest it gives {at_rest:.3g} N"
         )
 
-    def _full(self, theta: ArrayLike) -> Array:
-        """theta checked and filled up with zeros to the five parameters of eq. (14)."""
+    def _checked(self, theta: ArrayLike) -> Array:
         theta = np.asarray(theta, dtype=float)
         count = len(self.parameter_names)
         if theta.ndim not in (1, 2) or theta.shape[-1] != count:
             raise InputError(
                 f"theta: the {self.name} model has {count} parameters; got shape {theta.shape}"
             )
-        return np.concatenate([theta, np.zeros((*theta.shape[:-1], 5 - count))], axis=-1)
+        return theta
+
+    def _inputs(self, theta: Array, factors: Factors) -> dict[str, Array]:
+        parameters = {
+            name: theta[..., index, None] for index, name in enumerate(self.parameter_names)
+        }
+        used = {
+            name: factors.column(column)
+            for name, column in (FACTORS | COLUMNS).items()
+            if name in self.parsed.names
+        }
+        return parameters | used
 
 
-def _position(theta: Array, factors: Factors) -> Array:
-    """The position's part q of eq. (14); one where theta3 and theta4 are zero."""
-    angle = factors.phi_deg / ANGLE_UNIT_DEG
-    return 1 + theta[..., 3, None] * angle + theta[..., 4, None] * factors.phi_r_m
+def _brackets(excess: Any) -> Iterable[tuple[float, float]]:
+    """Pairs of excursion ratios in [0, 1) between which a function changes sign, from below.
 
-
-def _radicands(theta: Array, factors: Factors) -> tuple[Array, Array]:
-    """What stands under the upper and the lower root of eq. (14).
-
-    Parameters of a wide search may overflow here; what is not finite is not defined either.
+    The edge of the region where the function is defined is found by bisection: a model may reach
+    any force just before its pole.
     """
-    square = factors.epsilon**2
-    with np.errstate(over="ignore", invalid="ignore"):
-        upper = 1 + theta[..., 0, None] * square
-        lower = 1 - theta[..., 1, None] * _position(theta, factors) * square
-    return upper, lower
+    grid = np.append(np.linspace(0.0, 1.0, AMPLITUDES, endpoint=False), np.nextafter(1.0, 0.0))
+    values = excess(grid)
+    for index in range(len(grid) - 1):
+        low, high = grid[index], grid[index + 1]
+        at_low, at_high = values[index], values[index + 1]
+        if np.isnan(at_low) and np.isnan(at_high):
+            continue
+        if np.isnan(at_low) or np.isnan(at_high):
+            low, high = _defined_part(excess, low, high)
+            at_low, at_high = excess(low)[0], excess(high)[0]
+        if at_low * at_high <= 0:
+            yield low, high
 
 
-TWO_FACTOR = ForceModel(
-    name="two_factor",
-    parameter_names=("theta0", "theta1", "theta2"),
-    factor_names=("h0_m", "hv_m"),
-)
-FOUR_FACTOR = ForceModel(
-    name="four_factor",
-    parameter_names=("theta0", "theta1", "theta2", "theta3", "theta4"),
-    factor_names=("h0_m", "hv_m", "phi_r_m", "phi_deg"),
-)
-MODELS = {model.name: model for model in (TWO_FACTOR, FOUR_FACTOR)}
+def _defined_part(excess: Any, low: float, high: float) -> tuple[float, float]:
+    """The part of an interval in which a function is defined, which it is at one end."""
+    inside, outside = (high, low) if np.isnan(excess(low)[0]) else (low, high)
+    start = inside
+    for _ in range(100):
+        middle = (inside + outside) / 2
+        if np.isnan(excess(middle)[0]):
+            outside = middle
+        else:
+            inside = middle
+    return min(start, inside), max(start, inside)
 
 
-def get_model(name: str) -> ForceModel:
-    """The model of that name; raises InputError for an unknown one."""
-    if name not in MODELS:
-        raise InputError(f"model {name!r} is unknown; known are {', '.join(MODELS)}")
-    return MODELS[name]
+def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> ExpressionModel:
+    """A model from its entry in a library: its ``expression``, and, where they are not called t0,
+    t1, …, its ``parameters``.
+
+    ``place`` is where the entry stands, for messages.
+
+    Raises:
+        InputError: naming the place, for an expression that is refused.
+    """
+    text = settings["expression"]
+    declared = tuple(settings.get("parameters", ()))
+    for parameter in declared:
+        if parameter in FACTORS or parameter in COLUMNS:
+            raise InputError(f"{place}.parameters: {parameter!r} is the name of a factor")
+    usual = tuple(f"t{index}" for index in range(100))
+    known = parse(
+        text, names=(*FACTORS, *COLUMNS, *declared, *usual), place=f"{place}.expression"
+    ).names
+    undeclared = sorted(
+        (each for each in known if USUAL_PARAMETER.fullmatch(each) and each not in declared),
+        key=lambda each: int(each[1:]),
+    )
+    for parameter in declared:
+        if parameter not in known:
+            raise InputError(f"{place}.parameters: {parameter!r} does not occur in the expression")
+    return ExpressionModel(
+        name=name,
+        expression=" ".join(text.split()),
+        parameter_names=(*declared, *undeclared),
+        about=settings.get("about", ""),
+        place=f"{place}.expression",
+    )
+
+
+@cache
+def library() -> Mapping[str, ExpressionModel]:
+    """The models of models.yaml, by name."""
+    entries = yaml.safe_load(LIBRARY.read_text(encoding="utf-8"))
+    return {name: make_model(name, entry, place=name) for name, entry in entries.items()}
+
+
+def get_model(name: str) -> ExpressionModel:
+    """The library's model of that name; raises InputError for an unknown one."""
+    models = library()
+    if name not in models:
+        raise InputError(f"model {name!r} is unknown; known are {', '.join(models)}")
+    return models[name]
+
+
+TWO_FACTOR = get_model("two_factor")
+FOUR_FACTOR = get_model("four_factor")

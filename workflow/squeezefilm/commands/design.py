@@ -38,7 +38,7 @@ from squeezefilm.design import (
 )
 from squeezefilm.errors import InputError
 from squeezefilm.fitted import read_fit
-from squeezefilm.force_model import ForceModel, get_model
+from squeezefilm.force_model import ExpressionModel, get_model
 from squeezefilm.parallel import spread
 from squeezefilm.plans import plan
 from squeezefilm.tables import DESIGN_COLUMNS, write_json, write_table
@@ -87,7 +87,9 @@ def run(options: argparse.Namespace) -> None:
 Found = tuple[list[pd.DataFrame], pd.DataFrame, dict[str, Any]]
 
 
-def _two_factor(model: ForceModel, theta: np.ndarray, config: Config, *, processes: int) -> Found:
+def _two_factor(
+    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
+) -> Found:
     settings, box = config["design"], Box(*_limits(config, model.factor_names))
     determinant = Criterion(_gradient(model, theta), box)
     best = exchange_design(determinant, 3, levels=FINE_LEVELS["two-factor"])
@@ -117,7 +119,9 @@ def _two_factor(model: ForceModel, theta: np.ndarray, config: Config, *, process
     return [table], pd.DataFrame(rows), about
 
 
-def _four_factor(model: ForceModel, theta: np.ndarray, config: Config, *, processes: int) -> Found:
+def _four_factor(
+    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
+) -> Found:
     settings, box = config["four_factor_design"], Box(*_limits(config, model.factor_names))
     gradient = _gradient(model, theta)
     forms = {
@@ -152,7 +156,7 @@ def _limits(
     return tuple(names), lower, upper
 
 
-def _gradient(model: ForceModel, theta: np.ndarray) -> Any:
+def _gradient(model: ExpressionModel, theta: np.ndarray) -> Any:
     return lambda points: model.gradient(theta, model.factors(points))
 
 
@@ -170,7 +174,7 @@ def _search_rows(
     designs: Sequence[Design],
     patterns: Sequence[Pattern],
     box: Box,
-    model: ForceModel,
+    model: ExpressionModel,
 ) -> list[dict[str, Any]]:
     """One row for each point of each search, with the pattern that the search ended in."""
     rows = []
@@ -187,7 +191,7 @@ def _search_rows(
 
 
 def _pattern_summaries(
-    patterns: Sequence[Pattern], criterion: Criterion, best: Design, model: ForceModel
+    patterns: Sequence[Pattern], criterion: Criterion, best: Design, model: ExpressionModel
 ) -> list[dict[str, Any]]:
     return [
         {
@@ -205,7 +209,7 @@ def _pattern_summaries(
     ]
 
 
-def _named(point: Iterable[float], model: ForceModel) -> dict[str, float]:
+def _named(point: Iterable[float], model: ExpressionModel) -> dict[str, float]:
     """A point with its factors' names; twelve digits, so that a limit reads 2e-06."""
     return {
         name: float(f"{value:.12g}") for name, value in zip(model.factor_names, point, strict=True)
@@ -213,7 +217,7 @@ def _named(point: Iterable[float], model: ForceModel) -> dict[str, float]:
 
 
 def _design_table(
-    points: Iterable[Iterable[float]], origins: Sequence[str], model: ForceModel
+    points: Iterable[Iterable[float]], origins: Sequence[str], model: ExpressionModel
 ) -> pd.DataFrame:
     factors = pd.DataFrame([_named(point, model) for point in points])
     scenes = plan(**{name: factors[name].to_numpy() for name in model.factor_names})

@@ -17,7 +17,7 @@ import pandas as pd
 from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.fit import Fit, fit_by_differential_evolution, fit_model
-from squeezefilm.force_model import Factors, ForceModel, get_model
+from squeezefilm.force_model import ExpressionModel, Factors, get_model
 from squeezefilm.parallel import spread
 from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces, write_json, write_table
 
@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _runs(
-    model: ForceModel,
+    model: ExpressionModel,
     forces: pd.DataFrame,
     *,
     bounds: list[float],
@@ -75,7 +75,7 @@ def _runs(
     return spread(one, ways, processes=processes)
 
 
-def _row(fit: Fit, model: ForceModel) -> dict[str, object]:
+def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
     """A run as a table's row, a column for each parameter."""
     plain = fit.to_dict()
     theta = dict(zip(model.parameter_names, plain.pop("theta"), strict=True))
