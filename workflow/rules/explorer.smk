@@ -1,0 +1,40 @@
+# A page in which the fitted models can be played with.
+
+# The first one is shown first.
+EXPLORER_FITS = [
+    "two_factor_design",
+    "screen",
+    "four_factor",
+    "four_factor_design",
+    "four_factor_design_distinct",
+]
+EXPLORER_PLANS = [plan for plan in PLANS if plan != "extrapolation"]
+
+
+rule explorer:
+    input:
+        code=code("explorer"),
+        config=ancient(CONFIG_FILE),
+        fits=expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
+        forces=expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
+    output:
+        "<results>/explorer.html",
+    log:
+        "<logs>/explorer.log",
+    localrule: True
+    conda:
+        "../../envs/figures.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    params:
+        settings=settings("commands.explorer"),
+        forces=lambda wildcards, input: " ".join(
+            f"{plan}={path}" for plan, path in zip(EXPLORER_PLANS, input.forces)
+        ),
+    message:
+        "The explorer: a page to play with the models"
+    shell:
+        "python -m squeezefilm explorer {input.fits} --forces {params.forces} "
+        "--config {input.config} --output {output} >{log} 2>&1"

@@ -1,0 +1,426 @@
+"use strict";
+(function () {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const byId = (id) => document.getElementById(id);
+  const UM = 1e-6, MM = 1e-3;
+  const simulations = data.simulations.map(([plan, h0_m, hv_m, phi_r_m, phi_deg, force_n]) => ({
+    plan: data.plans[plan], h0_m, hv_m, phi_r_m, phi_deg, force_n, ...place(phi_r_m, phi_deg),
+  }));
+
+  // ---- the space of the simulations ------------------------------------------------------------
+
+  function place(phi_r_m, phi_deg) {
+    const angle = (phi_deg * Math.PI) / 180;
+    return { x_m: phi_r_m * Math.cos(angle), y_m: phi_r_m * Math.sin(angle) };
+  }
+
+  function limits(name, points = simulations) {
+    let low = Infinity, high = -Infinity;
+    for (const point of points) {
+      low = Math.min(low, point[name]);
+      high = Math.max(high, point[name]);
+    }
+    return [low, high];
+  }
+
+  const space = {
+    h0_m: limits("h0_m"), hv_m: limits("hv_m"),
+    phi_r_m: limits("phi_r_m"), phi_deg: limits("phi_deg"),
+  };
+  const scale = { h0_m: width("h0_m"), hv_m: width("hv_m"), place_m: space.phi_r_m[1] || 1 };
+
+  function width(name) {
+    return space[name][1] - space[name][0] || 1;
+  }
+
+  // What a model is judged by: with two factors, the simulations of a centred finger.
+  const judges = new Map();
+  function judgesOf(fit) {
+    if (!judges.has(fit)) {
+      judges.set(fit, simulations
+        .filter((each) => fit.moves || each.phi_r_m === 0)
+        .map((each) => ({ ...each, error: force(fit.theta, each) / each.force_n - 1 })));
+    }
+    return judges.get(fit);
+  }
+
+  // The simulation nearest to a point, each direction measured by the simulated range.
+  function nearest(fit, point) {
+    const { x_m, y_m } = place(point.phi_r_m, point.phi_deg);
+    let best = null, least = Infinity;
+    for (const each of judgesOf(fit)) {
+      const distance = ((each.h0_m - point.h0_m) / scale.h0_m) ** 2
+        + ((each.hv_m - point.hv_m) / scale.hv_m) ** 2
+        + ((each.x_m - x_m) ** 2 + (each.y_m - y_m) ** 2) / scale.place_m ** 2;
+      if (distance < least) [best, least] = [each, distance];
+    }
+    return best;
+  }
+
+  function beyond(point) {
+    const slack = 1e-9;
+    return Object.keys(space).filter((name) => {
+      const [low, high] = space[name], give = slack * (high - low);
+      return point[name] < low - give || point[name] > high + give;
+    });
+  }
+
+  // Why a model is not to be trusted at a point; an empty text where it is.
+  function doubt(fit, point, near = nearest(fit, point)) {
+    if (point.hv_m >= point.h0_m) return "surface and finger touch, there is no film";
+    if (!fit.moves && point.phi_r_m > 0) {
+      return "this model knows a centred finger only; choose one with four factors";
+    }
+    const outside = beyond(point);
+    if (outside.length) {
+      return outside.map((name) => `${WORDS[name]} lies outside the simulated ${range(name)}`)
+        .join("; ");
+    }
+    if (!(Math.abs(near.error) <= data.band)) {
+      return `at the nearest simulation the model is off by ${percent(near.error)}`;
+    }
+    return "";
+  }
+
+  const WORDS = {
+    h0_m: "the gap", hv_m: "the amplitude", phi_r_m: "the distance", phi_deg: "the angle",
+  };
+  const UNITS = { h0_m: [UM, "µm"], hv_m: [UM, "µm"], phi_r_m: [MM, "mm"], phi_deg: [1, "°"] };
+
+  function range(name) {
+    const [unit, symbol] = UNITS[name];
+    return `${space[name].map((value) => plain(value / unit)).join("–")} ${symbol}`;
+  }
+
+  // ---- numbers in words --------------------------------------------------------------------------
+
+  function plain(value, digits = 4) {
+    return String(Number(value.toPrecision(digits))).replace("-", "−");
+  }
+
+  function percent(share) {
+    const value = 100 * share;
+    const text = Math.abs(value) >= 100 ? value.toFixed(0) : value.toFixed(2);
+    if (Number(text) === 0) return "0.00 %";
+    return `${value > 0 ? "+" : ""}${text.replace("-", "−")} %`;
+  }
+
+  function where(point) {
+    const centred = point.phi_r_m === 0;
+    return `h₀ ${plain(point.h0_m / UM)} µm, hᵥ ${plain(point.hv_m / UM)} µm, ` + (centred
+      ? "centred" : `${plain(point.phi_r_m / MM)} mm at ${plain(point.phi_deg)}°`);
+  }
+
+  // ---- the controls --------------------------------------------------------------------------------
+
+  const stretch = ([low, high], share) => [low - share * (high - low), high + share * (high - low)];
+  const inside = (name) => Math.min(Math.max(data.start[name], space[name][0]), space[name][1]);
+  const sliders = {
+    h0: { name: "h0_m", unit: UM, step: 0.05, symbol: "µm", range: stretch(space.h0_m, 0.2), value: inside("h0_m") },
+    hv: { name: "hv_m", unit: UM, step: 0.01, symbol: "µm", range: [0, stretch(space.hv_m, 0.5)[1]], value: inside("hv_m") },
+    "phi-r": { name: "phi_r_m", unit: MM, step: 0.05, symbol: "mm", range: [0, space.phi_r_m[1]], value: 0 },
+    "phi-phi": { name: "phi_deg", unit: 1, step: 1, symbol: "°", range: [0, space.phi_deg[1]], value: 0 },
+    wanted: { name: "force_n", unit: 1, step: 0.01, symbol: "N", range: [0, 2 * data.start.force_n], value: data.start.force_n },
+  };
+  const state = { fit: data.fits[0] };
+
+  function round(value, step) {
+    return Number((Math.round(value / step) * step).toFixed(6));
+  }
+
+  for (const [id, slider] of Object.entries(sliders)) {
+    const [low, high] = slider.range.map((value) => round(value / slider.unit, slider.step));
+    slider.least = Math.max(low, 0);
+    slider.most = Math.max(high, slider.least + slider.step);
+    slider.bar = byId(id);
+    slider.number = byId(`${id}-number`);
+    for (const input of [slider.bar, slider.number]) {
+      Object.assign(input, { min: slider.least, max: slider.most, step: slider.step });
+    }
+    slider.number.step = "any";
+    slider.bar.addEventListener("input", () => set(id, Number(slider.bar.value), slider.bar));
+    slider.number.addEventListener("input", () => {
+      if (slider.number.value !== "" && slider.number.checkValidity()) {
+        set(id, Number(slider.number.value), slider.number);
+      }
+    });
+    slider.number.addEventListener("change", () => {
+      if (slider.number.value !== "") set(id, Number(slider.number.value));
+      show(slider);
+    });
+    slider.shown = round(slider.value / slider.unit, slider.step);
+    show(slider);
+  }
+
+  // `value` in the shown unit; `from` is the input that is in use and is left as it is.
+  function set(id, value, from) {
+    const slider = sliders[id];
+    slider.shown = Math.min(Math.max(value, slider.least), slider.most);
+    show(slider, from);
+    update();
+  }
+
+  function show(slider, from) {
+    if (from !== slider.bar) slider.bar.value = slider.shown;
+    if (from !== slider.number) slider.number.value = Number(slider.shown.toPrecision(10));
+    slider.bar.setAttribute("aria-valuetext", `${plain(slider.shown)} ${slider.symbol}`);
+  }
+
+  function point() {
+    const values = {};
+    for (const slider of Object.values(sliders)) values[slider.name] = slider.shown * slider.unit;
+    return values;
+  }
+
+  for (const fit of data.fits) byId("fit").add(new Option(fit.label, fit.name));
+  byId("fit").addEventListener("change", () => {
+    state.fit = data.fits.find((fit) => fit.name === byId("fit").value);
+    update();
+  });
+  byId("take").addEventListener("click", () => {
+    const now = point();
+    set("hv", amplitudeForForce(state.fit.theta, now, now.force_n) / UM);
+  });
+  for (const span of document.querySelectorAll(".band")) span.textContent = plain(100 * data.band);
+
+  // ---- the answer ------------------------------------------------------------------------------------
+
+  function update() {
+    const now = point(), { fit } = state;
+    const near = nearest(fit, now), touching = now.hv_m >= now.h0_m;
+    const value = touching ? NaN : force(fit.theta, now);
+    const shown = Number.isFinite(value) ? value.toFixed(9).replace("-", "−") : "";
+    const output = byId("force");
+    output.value = "";
+    if (shown) {
+      const fine = document.createElement("span");
+      fine.className = "fine";
+      fine.textContent = shown.slice(-6);
+      output.append(shown.slice(0, -6), fine, "\u00a0N");
+    } else {
+      output.value = "no force";
+    }
+    output.dataset.newtons = Number.isFinite(value) ? String(value) : "";
+    const reason = doubt(fit, now, near);
+    const trust = byId("trust");
+    trust.classList.toggle("doubtful", reason !== "");
+    trust.innerHTML = reason ? "<b>Not to be trusted:</b> " : "<b>Trusted:</b> ";
+    trust.append(reason || "within the simulated space, and off by "
+      + `${percent(near.error)} at the nearest simulation`);
+    byId("error").textContent = percent(near.error);
+    byId("nearest").textContent = `${near.force_n.toPrecision(4)} N at ${where(near)}`
+      + (near.plan === fit.name ? ", fitted" : "");
+    const wanted = amplitudeForForce(fit.theta, now, now.force_n);
+    byId("amplitude").textContent = Number.isFinite(wanted)
+      ? `${(wanted / UM).toFixed(3)} µm for ${plain(now.force_n)} N`
+      : `none gives ${plain(now.force_n)} N`;
+    byId("take").disabled = !(wanted / UM <= sliders.hv.most);
+    byId("epsilon").textContent = (now.hv_m / now.h0_m).toFixed(3);
+    drawSoon();
+  }
+
+  // ---- the drawings ------------------------------------------------------------------------------------
+
+  let waiting = false;
+  function drawSoon() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => {
+      waiting = false;
+      const now = point(), ink = colours();
+      drawPlane(now, ink);
+      drawSpace(now, ink);
+    });
+  }
+
+  function colours() {
+    const style = getComputedStyle(document.documentElement);
+    const names = ["card", "ink", "soft", "line", "blue", "red", "shade", "dot"];
+    return Object.fromEntries(names.map((n) => [n, style.getPropertyValue(`--${n}`).trim()]));
+  }
+
+  function steps([low, high], count) {
+    return Array.from({ length: count }, (_, i) => low + ((high - low) * i) / (count - 1));
+  }
+
+  const CELLS = 40;
+  const seen = { h0: [sliders.h0.least, sliders.h0.most], hv: [0, sliders.hv.most] };
+  const FONT = { family: "system-ui, Segoe UI, Roboto, DejaVu Sans, sans-serif", size: 13 };
+  const CONFIG = { displayModeBar: false, responsive: true, scrollZoom: false };
+  const inUm = (points, name) => points.map((each) => each[name] / UM);
+
+  // Points of one finger position that were simulated as a plan: what a surface can be seen beside.
+  const positions = new Map();
+  for (const each of simulations) {
+    const key = each.phi_r_m === 0 ? "0" : `${each.phi_r_m} ${each.phi_deg}`;
+    if (!positions.has(key)) positions.set(key, []);
+    positions.get(key).push(each);
+  }
+  const crowd = {};
+  for (const each of simulations) crowd[each.plan] = (crowd[each.plan] || 0) + 1;
+
+  function visible(fit, now) {
+    const { x_m, y_m } = place(fit.moves ? now.phi_r_m : 0, now.phi_deg);
+    let best = [], least = Infinity;
+    for (const points of positions.values()) {
+      const distance = Math.hypot(points[0].x_m - x_m, points[0].y_m - y_m);
+      if (points.length > 2 && distance < least) [best, least] = [points, distance];
+    }
+    const drawn = best.filter((each) => crowd[each.plan] <= 300);
+    const used = drawn.filter((each) => each.plan === fit.name);
+    return { at: best[0], used, others: drawn.filter((each) => each.plan !== fit.name) };
+  }
+
+  function trusted(fit, now) {
+    const h0 = steps(space.h0_m, CELLS + 1), hv = steps(space.hv_m, CELLS + 1);
+    const middle = (edges, i) => (edges[i] + edges[i + 1]) / 2;
+    const z = Array.from({ length: CELLS }, (_, j) => Array.from({ length: CELLS }, (_, i) =>
+      doubt(fit, { ...now, h0_m: middle(h0, i), hv_m: middle(hv, j) }) ? null : 1));
+    return { x: h0.map((v) => v / UM), y: hv.map((v) => v / UM), z };
+  }
+
+  // The surface up to half as much again as the wanted force to begin with: lines of equal gap, each
+  // with as many points.
+  function sheet(fit, at) {
+    const h0 = steps(seen.h0, 41), share = steps([0, 1], 41);
+    const most = h0.map((gap) => {
+      const top = amplitudeForForce(fit.theta, { ...at, h0_m: gap * UM }, 1.5 * data.start.force_n) / UM;
+      return Math.min(seen.hv[1], Number.isFinite(top) ? top : 0.99 * gap);
+    });
+    const x = share.map(() => h0), y = share.map((each) => most.map((top) => each * top));
+    const z = y.map((row) => row.map((hv, i) => {
+      const value = force(fit.theta, { ...at, h0_m: h0[i] * UM, hv_m: hv * UM });
+      return Number.isFinite(value) ? value : null;
+    }));
+    return { x, y, z };
+  }
+
+  const kept = { key: "" };
+  function positionOf(fit, now) {
+    const key = [fit.name, now.phi_r_m, now.phi_deg].join(" ");
+    if (kept.key !== key) {
+      const surface = sheet(fit, { phi_r_m: fit.moves ? now.phi_r_m : 0, phi_deg: now.phi_deg });
+      Object.assign(kept, { key, surface, trusted: trusted(fit, now), points: visible(fit, now) });
+    }
+    return kept;
+  }
+
+  const hover = "h₀ %{x:.3~f} µm, hᵥ %{y:.3~f} µm";
+
+  function dots(points, ink, fill, name) {
+    return {
+      type: "scatter", mode: "markers", name, x: inUm(points, "h0_m"), y: inUm(points, "hv_m"),
+      marker: { size: 7, color: fill, line: { color: ink.ink, width: 1 } },
+      hovertemplate: `${hover}<br>%{text}<extra>simulation</extra>`,
+      text: points.map((each) => `${each.force_n.toPrecision(4)} N`),
+    };
+  }
+
+  function axis(title, ink, limits) {
+    return {
+      title: { text: title, standoff: 8 }, range: limits, color: ink.ink, gridcolor: ink.line,
+      linecolor: ink.soft, mirror: true, showline: true, zeroline: false, ticks: "outside",
+      tickcolor: ink.soft, fixedrange: true,
+    };
+  }
+
+  function drawPlane(now, ink) {
+    const { fit } = state, { trusted: region, points } = positionOf(fit, now);
+    const h0 = steps(seen.h0, 200);
+    const curve = h0.map((each) => amplitudeForForce(fit.theta, { ...now, h0_m: each * UM }, now.force_n) / UM);
+    Plotly.react("plane", [
+      {
+        type: "heatmap", ...region, showscale: false, hoverinfo: "skip",
+        colorscale: [[0, ink.shade], [1, ink.shade]], zmin: 0, zmax: 1,
+      },
+      dots(points.others, ink, ink.dot, "simulated"),
+      dots(points.used, ink, ink.ink, "fitted"),
+      {
+        type: "scatter", mode: "lines", name: `${plain(now.force_n)} N`, x: h0, y: curve,
+        line: { color: ink.blue, width: 3 }, hovertemplate: `${hover}<extra>${plain(now.force_n)} N</extra>`,
+      },
+      {
+        type: "scatter", mode: "markers", name: "this point", x: [now.h0_m / UM], y: [now.hv_m / UM],
+        marker: { symbol: "diamond", size: 15, color: ink.red, line: { color: ink.card, width: 2 } },
+        hovertemplate: `${hover}<extra>this point</extra>`,
+      },
+    ], {
+      font: { ...FONT, color: ink.ink }, paper_bgcolor: ink.card, plot_bgcolor: ink.card,
+      margin: { l: 56, r: 12, t: 8, b: 50 }, dragmode: false, hovermode: "closest",
+      xaxis: axis("mean gap <i>h</i><sub>0</sub> (µm)", ink, seen.h0),
+      yaxis: axis("amplitude <i>h</i><sub>v</sub> (µm)", ink, seen.hv),
+      legend: { orientation: "h", x: 0, y: 1.01, yanchor: "bottom", bgcolor: "rgba(0,0,0,0)" },
+    }, CONFIG);
+  }
+
+  // Seen from farther away where the page is narrow.
+  const view = { azimuth: -130, distance: innerWidth < 500 ? 2.5 : 1.9, height: 0.85 };
+  function eye() {
+    const angle = (view.azimuth * Math.PI) / 180;
+    return { x: view.distance * Math.cos(angle), y: view.distance * Math.sin(angle), z: view.height };
+  }
+
+  function drawSpace(now, ink) {
+    const { fit } = state, { surface, points } = positionOf(fit, now);
+    const value = force(fit.theta, { ...now, phi_r_m: fit.moves ? now.phi_r_m : 0 });
+    const cloud = (some, fill, name) => ({
+      type: "scatter3d", mode: "markers", name, showlegend: false,
+      x: inUm(some, "h0_m"), y: inUm(some, "hv_m"), z: some.map((each) => each.force_n),
+      marker: { size: 4, color: fill, line: { color: ink.ink, width: 1 } },
+      hovertemplate: `${hover}<br>%{z:.4f} N<extra>${name}</extra>`,
+    });
+    const line = (title, limits) => ({
+      title: { text: title }, range: limits, color: ink.ink, gridcolor: ink.line,
+      backgroundcolor: ink.card, showbackground: false, zeroline: false, showspikes: false,
+    });
+    const across = ([start, end], size) => (
+      { show: true, start, end, size, color: ink.soft, width: 1, highlight: false });
+    Plotly.react("space", [
+      {
+        type: "surface", ...surface, colorscale: "Viridis", showscale: false, opacity: 0.75,
+        contours: { x: across(seen.h0, 1), y: across(seen.hv, 0.25), z: { highlight: false } },
+        lighting: { ambient: 0.95, diffuse: 0.15, specular: 0.02 },
+        hovertemplate: `${hover}<br>%{z:.4f} N<extra>model</extra>`,
+      },
+      cloud(points.others, ink.dot, "simulated"),
+      cloud(points.used, ink.ink, "fitted"),
+      {
+        type: "scatter3d", mode: "markers", name: "this point", showlegend: false,
+        x: [now.h0_m / UM], y: [now.hv_m / UM], z: [Number.isFinite(value) ? value : null],
+        marker: { symbol: "diamond", size: 7, color: ink.red, line: { color: ink.card, width: 1 } },
+        hovertemplate: `${hover}<br>%{z:.4f} N<extra>this point</extra>`,
+      },
+    ], {
+      font: { ...FONT, size: 12, color: ink.ink }, paper_bgcolor: ink.card,
+      margin: { l: 0, r: 0, t: 0, b: 0 }, uirevision: "kept",
+      scene: {
+        xaxis: line("h₀ (µm)", seen.h0), yaxis: line("hᵥ (µm)", seen.hv), zaxis: line("force (N)"),
+        aspectmode: "manual", aspectratio: { x: 1.15, y: 1.15, z: 0.8 },
+        camera: { eye: eye(), center: { x: 0, y: 0, z: -0.2 } }, dragmode: "turntable",
+      },
+    }, CONFIG);
+    byId("at").textContent = fit.moves && points.at && points.at.phi_r_m > 0
+      ? ` at the nearest simulated place (${plain(points.at.phi_r_m / MM)} mm, ${plain(points.at.phi_deg)}°)`
+      : "";
+  }
+
+  byId("turn").value = view.azimuth;
+  byId("turn").addEventListener("input", () => {
+    view.azimuth = Number(byId("turn").value);
+    Plotly.relayout("space", { "scene.camera.eye": eye() });
+  });
+
+  update();
+  // After the first drawing: what the mouse does to the view moves the slider too.
+  requestAnimationFrame(() => requestAnimationFrame(() => {
+    byId("space").on("plotly_relayout", (change) => {
+      const camera = change["scene.camera"];
+      if (!camera) return;
+      view.azimuth = (Math.atan2(camera.eye.y, camera.eye.x) * 180) / Math.PI;
+      view.distance = Math.hypot(camera.eye.x, camera.eye.y);
+      view.height = camera.eye.z;
+      byId("turn").value = view.azimuth;
+    });
+  }));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawSoon);
+})();
