@@ -110,10 +110,11 @@ class Expression:
         return np.asarray(self.program.run(values)[0], dtype=float)
 
 
-def parse(text: str, *, names: Iterable[str], place: str) -> Expression:
+def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Expression:
     """Read a formula of the named quantities.
 
-    ``place`` says where it was written, for messages.
+    ``place`` says where it was written, for messages; ``known`` tells the names there, if not one
+    by one.
 
     Raises:
         InputError: for anything but arithmetic on these names, with the place and the part that
@@ -138,15 +139,17 @@ def parse(text: str, *, names: Iterable[str], place: str) -> Expression:
         raise InputError(f"{place}: {_shown(text)}: {what}") from None
     except (ValueError, RecursionError, MemoryError):
         raise InputError(f"{place}: {_shown(text)}: the formula cannot be read") from None
-    reader = _Reader(text=text, names=tuple(names), place=place)
+    names = tuple(names)
+    known = known or ", ".join((*names, *CONSTANTS))
+    reader = _Reader(text=text, names=names, place=place, known=known)
     return Expression(text=text, root=reader.read(tree.body, depth=1))
 
 
 class _Reader:
     """From Python's tree to a formula's parts, refusing all else."""
 
-    def __init__(self, *, text: str, names: tuple[str, ...], place: str) -> None:
-        self.text, self.names, self.place = text, names, place
+    def __init__(self, *, text: str, names: tuple[str, ...], place: str, known: str) -> None:
+        self.text, self.names, self.place, self.known = text, names, place, known
         self.parts = 0
 
     def read(self, node: ast.expr, *, depth: int) -> Node:
@@ -191,9 +194,7 @@ class _Reader:
             return Number(CONSTANTS[node.id])
         if node.id in FUNCTIONS:
             raise self._refusal(node, f"a function needs its argument: {node.id}(…)")
-        raise self._refusal(
-            node, f"this name is unknown; known are {', '.join((*self.names, *CONSTANTS))}"
-        )
+        raise self._refusal(node, f"this name is unknown; known are {self.known}")
 
     def _call(self, node: ast.Call, *, depth: int) -> Number | Operation:
         if not (isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS):

@@ -21,6 +21,7 @@ from scipy.optimize import brentq
 
 from squeezefilm.errors import InputError
 from squeezefilm.expressions import Expression, Program, derivative, parse
+from squeezefilm.units import parameter_units
 
 Array = NDArray[np.float64]
 
@@ -30,14 +31,17 @@ FACTORS = {
     "hv": "hv_m",
     "r": "phi_r_m",
     "phi": "phi_deg",
+    "angle": "phi_rad",
     "x": "x_m",
     "y": "y_m",
 }
 """What an expression calls the factors, and their columns."""
 COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
 """What an expression calls the results of physics that stand in a table, and their columns."""
+UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
 POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
-USUAL_PARAMETER = re.compile(r"t(?:0|[1-9]\d?)")
+POSITION = (*POLAR, *CARTESIAN)
+MOST_PARAMETERS = 30
 AMPLITUDES = 400
 """Amplitudes at which a model is looked at before the one for a wanted force is refined."""
 
@@ -115,6 +119,11 @@ class Factors:
         """Excursion ratio hv/h0, shape (n,)."""
         return self.hv_m / self.h0_m
 
+    @property
+    def phi_rad(self) -> Array:
+        """Direction of the finger's centre in radians, shape (n,)."""
+        return np.radians(self.phi_deg)
+
     def column(self, name: str) -> Array:
         """A factor, or a result of physics, by the name of its column, shape (n,).
 
@@ -131,7 +140,7 @@ class Factors:
     def take(self, which: ArrayLike) -> Factors:
         """Some of the points, by a mask or by indices."""
         index = np.asarray(which)
-        own = {name: getattr(self, name)[index] for name in FACTORS.values()}
+        own = {name: getattr(self, name)[index] for name in ("h0_m", "hv_m", *POSITION)}
         return Factors(**own, columns={name: v[index] for name, v in self.columns.items()})
 
     def __len__(self) -> int:
@@ -142,12 +151,14 @@ class Factors:
 class ExpressionModel:
     """One empirical model: its formula, its value and its gradient.
 
-    parameter_names are in the order of theta; about says in words what the model is.
+    parameter_names are in the order of theta, parameter_units theirs; about says in words what the
+    model is.
     """
 
     name: str
     expression: str
     parameter_names: tuple[str, ...]
+    parameter_units: tuple[str, ...]
     about: str = ""
     place: str = "model"
     """Where the expression was written, for messages."""
@@ -171,7 +182,7 @@ class ExpressionModel:
         of physics depend on all factors.
         """
         used = {FACTORS[name] for name in FACTORS if name in self.parsed.names}
-        if used.intersection(POLAR):
+        if used.intersection((*POLAR, "phi_rad")):
             return ("h0_m", "hv_m", *POLAR, *(name for name in CARTESIAN if name in used))
         if used.intersection(CARTESIAN) or self.column_names:
             return ("h0_m", "hv_m", *CARTESIAN)
@@ -315,37 +326,59 @@ def _defined_part(excess: Any, low: float, high: float) -> tuple[float, float]:
 
 
 def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> ExpressionModel:
-    """A model from its entry in a library: its ``expression``, and, where they are not called t0,
-    t1, …, its ``parameters``.
+    """A model from its entry in a library.
 
-    ``place`` is where the entry stands, for messages.
+    ``expression`` is its formula and ``parameters`` lists parameters that are not called t0, t1,
+    …, or maps parameters to their units; units that are not given are inferred. ``place`` is where
+    the entry stands, for messages.
 
     Raises:
-        InputError: naming the place, for an expression that is refused.
+        InputError: naming the place, for an expression that is refused or whose units do not fit.
     """
-    text = settings["expression"]
-    declared = tuple(settings.get("parameters", ()))
+    declared = settings.get("parameters", {})
+    known = (*FACTORS, *COLUMNS)
     for parameter in declared:
-        if parameter in FACTORS or parameter in COLUMNS:
-            raise InputError(f"{place}.parameters: {parameter!r} is the name of a factor")
-    usual = tuple(f"t{index}" for index in range(100))
-    known = parse(
-        text, names=(*FACTORS, *COLUMNS, *declared, *usual), place=f"{place}.expression"
-    ).names
-    undeclared = sorted(
-        (each for each in known if USUAL_PARAMETER.fullmatch(each) and each not in declared),
-        key=lambda each: int(each[1:]),
+        if parameter in known or not re.fullmatch(r"[a-z][a-z0-9_]*", parameter):
+            raise InputError(
+                f"{place}.parameters: {parameter!r} cannot name a parameter; take letters, digits "
+                f"and _, and none of {', '.join(known)}"
+            )
+    usual = tuple(f"t{index}" for index in range(MOST_PARAMETERS))
+    where = f"{place}.expression"
+    expression = parse(
+        settings["expression"],
+        names=(*known, *declared, *usual),
+        known=", ".join((*known, *declared, "pi", "and the parameters t0, t1, …")),
+        place=where,
     )
     for parameter in declared:
-        if parameter not in known:
+        if parameter not in expression.names:
             raise InputError(f"{place}.parameters: {parameter!r} does not occur in the expression")
+    parameters = (
+        *declared,
+        *(each for each in usual if each in expression.names and each not in declared),
+    )
+    if len(parameters) > MOST_PARAMETERS:
+        raise InputError(
+            f"{where}: {len(parameters)} parameters; at most {MOST_PARAMETERS} are allowed"
+        )
+    units = {key: _unit_of(column) for key, column in (FACTORS | COLUMNS).items()}
+    if isinstance(declared, Mapping):
+        units |= {key: str(unit) for key, unit in declared.items() if unit is not None}
+    inferred = parameter_units(expression, units=units, parameters=parameters, place=where)
     return ExpressionModel(
         name=name,
-        expression=" ".join(text.split()),
-        parameter_names=(*declared, *undeclared),
+        expression=expression.text,
+        parameter_names=parameters,
+        parameter_units=tuple(inferred.values()),
         about=settings.get("about", ""),
-        place=f"{place}.expression",
+        place=where,
     )
+
+
+def _unit_of(column: str) -> str:
+    """A column's unit, which the end of its name tells; 1 for none."""
+    return UNITS_OF_SUFFIX.get(column.rsplit("_", 1)[-1], "1")
 
 
 @cache
