@@ -115,11 +115,36 @@ WRONG = {
     "a position twice": (replaced("[0, 15, 30, 45]", "[0, 15, 15]"), "a value stands twice"),
     "finger off the actuator": (replaced("0.0029]", "0.0031]"), "off the actuator's 10.00 mm disc"),
     "finger larger than it": (replaced("length_x_m: 0.010", "length_x_m: 0.020"), "screen: point"),
+    "an unknown outline": (replaced("shape: rectangle", "shape: disc"), "'disc' is not one of"),
+    "a gap that closes": (replaced("bulge_m: 0}", "bulge_m: -4e-6}"), "finger touches the surface"),
+    "a formula that is a program": (
+        replaced("kind: sinc, wave_number_per_m: 109.8", "kind: formula, expression: open('x')"),
+        "actuator.profile.expression: column 1",
+    ),
+    "a formula without a value": (
+        replaced("kind: sinc, wave_number_per_m: 109.8", "kind: formula, expression: 1/x"),
+        "has no finite value everywhere",
+    ),
+    "a mode beyond numbers": (
+        replaced(
+            "kind: sinc, wave_number_per_m: 109.8",
+            "kind: bessel, nodal_diameters: 0, wave_number_rad_per_m: 1e6, edge_share: 1, "
+            "direction_deg: 0",
+        ),
+        "has no finite value everywhere",
+    ),
+    "a scan that is not there": (
+        replaced(
+            "kind: sinc, wave_number_per_m: 109.8",
+            "kind: measured, file: none.csv, axisymmetric: true",
+        ),
+        "none.csv: there is no such scan",
+    ),
     "an angle beyond symmetry": (replaced("30, 45]", "30, 60]"), "60 is greater than the maximum"),
     "more chunks than points": (replaced("screen: 2", "screen: 61"), "61 chunks for 60 points"),
     "no chunk": (replaced("screen: 2", "screen: 0"), "chunks.screen: 0 is less than"),
     "half a chunk": (replaced("screen: 2", "screen: 1.5"), "1.5 is not of type 'integer'"),
-    "an unknown profile": (replaced("kind: sinc", "kind: bessel"), "'bessel' is not one of"),
+    "an unknown profile": (replaced("kind: sinc", "kind: wave"), "'wave' is not one of"),
     "a piston with a wave number": (replaced("kind: sinc", "kind: piston"), "wave_number_per_m"),
     "an unknown scaling": (replaced("scaling: unit", "scaling: inch"), "'inch' is not one of"),
     "a study that is a path": (replaced("study: paper", "study: ../paper"), "study: '../paper'"),
@@ -185,8 +210,9 @@ def test_every_mapping_of_the_schema_rejects_unknown_keys() -> None:
 
     def check(part: Any, place: str) -> None:
         if isinstance(part, dict):
-            # A section with an `if` has its keys listed in `then` and `else`.
-            if "properties" in part and "if" not in part and not place.endswith(".if"):
+            # A section with an `if`, or several in an `allOf`, has its keys listed there.
+            choices = {"if", "allOf"} & set(part)
+            if "properties" in part and not choices and not place.endswith(".if"):
                 assert part["additionalProperties"] is False, place
                 assert set(part.get("required", [])) | {"kind"} >= set(part["properties"]), place
             for key, value in part.items():

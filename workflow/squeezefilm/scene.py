@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, hypot, isfinite, pi, radians, sin, sqrt
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from squeezefilm.errors import InputError
 from squeezefilm.profiles import Profile
 
 GAPS_M = (1e-9, 1e-3)
+OUTLINE_POINTS = 144
+
+Number = TypeVar("Number", float, np.ndarray)
 
 
 @dataclass(frozen=True)
@@ -52,12 +56,75 @@ class Actuator:
 
 
 @dataclass(frozen=True)
+class GapShape:
+    """How the gap at rest differs from place to place under the finger; zero at its centre.
+
+    ``tilt_x_m`` is the gap at the middle of the side at +x less that at −x, ``tilt_y_m`` likewise;
+    ``bulge_m`` the gap at the middle of a side less that at the centre: positive for a pad that
+    bulges towards the surface.
+    """
+
+    tilt_x_m: float = 0.0
+    tilt_y_m: float = 0.0
+    bulge_m: float = 0.0
+
+    @property
+    def flat(self) -> bool:
+        return self == GapShape()
+
+    def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Gap at rest less h0 at positions in [0, 1] across the finger."""
+        x, y = x - 0.5, y - 0.5
+        tilt: np.ndarray = self.tilt_x_m * x + self.tilt_y_m * y
+        return tilt + 4 * self.bulge_m * (x**2 + y**2)
+
+
+@dataclass(frozen=True)
 class Finger:
-    """A rectangular pad with sides along x and y, sliding along x at a constant speed."""
+    """A pad of rectangular or elliptical outline, sliding along its own x axis at constant speed.
+
+    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, or the axes of the ellipse;
+    the finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
+    """
 
     length_x_m: float
     length_y_m: float
     speed_x_m_per_s: float
+    shape: str = "rectangle"
+    rotation_deg: float = 0.0
+    gap: GapShape = GapShape()
+
+    @property
+    def area_m2(self) -> float:
+        share = pi / 4 if self.shape == "ellipse" else 1.0
+        return share * self.length_x_m * self.length_y_m
+
+    @property
+    def reach_m(self) -> float:
+        """Distance of the outline's farthest point from the finger's centre."""
+        if self.shape == "ellipse":
+            return max(self.length_x_m, self.length_y_m) / 2
+        return hypot(self.length_x_m, self.length_y_m) / 2
+
+    def outline(self) -> list[tuple[float, float]]:
+        """Points on the rim from the finger's centre, along the actuator's axes: (x_m, y_m).
+
+        A rectangle's four corners, or points all around an ellipse.
+        """
+        half_x, half_y = self.length_x_m / 2, self.length_y_m / 2
+        if self.shape == "ellipse":
+            angles = (2 * pi * step / OUTLINE_POINTS for step in range(OUTLINE_POINTS))
+            points = [(half_x * cos(angle), half_y * sin(angle)) for angle in angles]
+        else:
+            points = [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
+        return [self.turned(x, y) for x, y in points]
+
+    def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
+        """Finger's coordinates in those of the actuator's axes."""
+        if self.rotation_deg == 0:
+            return x, y
+        c, s = cos(radians(self.rotation_deg)), sin(radians(self.rotation_deg))
+        return c * x - s * y, s * x + c * y
 
 
 @dataclass(frozen=True)
@@ -152,14 +219,43 @@ class Scene:
     @property
     def force_scale_n(self) -> float:
         """p0 times the finger's area: the force of a mean overpressure of one atmosphere."""
-        return self.gas.ambient_pressure_pa * self.finger.length_x_m * self.finger.length_y_m
+        return self.gas.ambient_pressure_pa * self.finger.area_m2
+
+    @property
+    def place(self) -> tuple[Profile, Finger, float, float]:
+        """All that the profile under the finger depends on: equal for scenes that share it."""
+        return self.actuator.profile, self.finger, self.x_m, self.y_m
 
     def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Profile s at positions x, y in [0, 1] across the finger, any common shape."""
-        return self.actuator.profile.amplitude(
-            x_m=self.x_m + (x - 0.5) * self.finger.length_x_m,
-            y_m=self.y_m + (y - 0.5) * self.finger.length_y_m,
+        along_x, along_y = self.finger.turned(
+            (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
         )
+        return self.actuator.profile.amplitude(x_m=self.x_m + along_x, y_m=self.y_m + along_y)
+
+    def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Gap over h0 without vibration at positions in [0, 1] across the finger."""
+        return 1 + self.finger.gap.rise_m(x, y) / self.h0_m
+
+    def closure(self) -> float:
+        """Largest excursion over gap, |ε s|/(gap at rest): 1 where surface and finger touch.
+
+        ε itself for a flat gap: the profile's maximum might lie under the finger.
+        """
+        if self.finger.gap.flat:
+            return self.epsilon
+        x, y = self.inside()
+        gap, excursion = self.rest_gap(x, y), self.epsilon * np.abs(self.amplitude(x, y))
+        return float(np.max(np.where(gap > 0, excursion / gap, 1.0)))
+
+    def inside(self) -> tuple[np.ndarray, np.ndarray]:
+        """A net of points x, y over the finger, rim included, in [0, 1]."""
+        if self.finger.shape == "ellipse":
+            r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
+            return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
+        side = np.linspace(0, 1, 25)
+        x, y = np.meshgrid(side, side, indexing="ij")
+        return x, y
 
 
 def check_scene(scene: Scene) -> None:
@@ -187,20 +283,21 @@ def check_scene(scene: Scene) -> None:
         raise InputError(
             f"point {scene.point_id}: phi_r_m = {scene.phi_r_m:g} must not be negative"
         )
-    corner_m = max(
-        hypot(
-            scene.x_m + side_x * scene.finger.length_x_m / 2,
-            scene.y_m + side_y * scene.finger.length_y_m / 2,
-        )
-        for side_x in (-1, 1)
-        for side_y in (-1, 1)
-    )
-    if corner_m > scene.actuator.surface_radius_m:
+    farthest_m = max(hypot(scene.x_m + x, scene.y_m + y) for x, y in scene.finger.outline())
+    if farthest_m > scene.actuator.surface_radius_m:
+        part = "the rim" if scene.finger.shape == "ellipse" else "a corner"
         raise InputError(
             f"point {scene.point_id}: at phi_r_m = {scene.phi_r_m:g}, phi_deg = {scene.phi_deg:g} "
-            f"a corner of the finger lies {corner_m * 1e3:.2f} mm from the centre, off the "
+            f"{part} of the finger lies {farthest_m * 1e3:.2f} mm from the centre, off the "
             f"actuator's {scene.actuator.surface_radius_m * 1e3:.2f} mm disc"
         )
+    if not scene.finger.gap.flat and scene.closure() >= 1:
+        raise InputError(
+            f"point {scene.point_id}: at h0_m = {scene.h0_m:g}, hv_m = {scene.hv_m:g} the tilted "
+            "or bulging finger touches the surface; finger.gap leaves too little there"
+        )
+    if scene.finger.shape != "rectangle" or not scene.finger.gap.flat:
+        raise InputError("finger: ellipses and shaped gaps are not solved yet")
 
 
 def regime_warnings(scene: Scene) -> list[str]:

@@ -5,15 +5,30 @@ from __future__ import annotations
 from squeezefilm.config import Config
 from squeezefilm.errors import InputError
 from squeezefilm.profiles import Profile, make_profile
-from squeezefilm.scene import Actuator, Finger, Gas, Scene, check_scene
+from squeezefilm.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.tables import ScenePoint
 
 SECTIONS = ("gas", "actuator", "finger")
 
 
 def profile_of(config: Config) -> Profile:
-    """The actuator's vibration shape."""
-    return make_profile(**config["actuator"]["profile"])
+    """The actuator's vibration shape.
+
+    Raises:
+        InputError: naming what is wrong with a formula or a measured profile.
+    """
+    actuator = config["actuator"]
+    return make_profile(
+        surface_radius_m=actuator["surface_radius_m"],
+        folder=config.path.parent,
+        **actuator["profile"],
+    )
+
+
+def finger_of(config: Config) -> Finger:
+    """The finger pad."""
+    keys = dict(config["finger"])
+    return Finger(gap=GapShape(**keys.pop("gap")), **keys)
 
 
 def scene_of(point: ScenePoint, config: Config) -> Scene:
@@ -35,7 +50,7 @@ def scene_of(point: ScenePoint, config: Config) -> Scene:
             surface_radius_m=actuator["surface_radius_m"],
             profile=profile_of(config),
         ),
-        finger=Finger(**config["finger"]),
+        finger=finger_of(config),
     )
     check_scene(scene)
     return scene

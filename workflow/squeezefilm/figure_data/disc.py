@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config import Config
-from squeezefilm.study import profile_of
+from squeezefilm.study import finger_of, profile_of
 
 MEASUREMENT_NOTE = "Model only: the measured points of the original figure are not available to us."
 
@@ -31,9 +31,8 @@ def profile_table(config: Config, *, radii: int, angles: int) -> pd.DataFrame:
 
 def centre_limit_mm(config: Config) -> float:
     """Largest distance of the finger's centre at which the pad is on the disc at every angle."""
-    finger = config["finger"]
-    half_diagonal_m = np.hypot(finger["length_x_m"], finger["length_y_m"]) / 2
-    return round(1e3 * float(config["actuator"]["surface_radius_m"] - half_diagonal_m), 9)
+    free_m = config["actuator"]["surface_radius_m"] - finger_of(config).reach_m
+    return round(1e3 * float(free_m), 9)
 
 
 def profile_note(config: Config) -> str:

@@ -8,6 +8,7 @@ import pandas as pd
 from squeezefilm.config import Config
 from squeezefilm.figure_data import disc
 from squeezefilm.figure_data.common import Inputs
+from squeezefilm.study import finger_of
 
 INPUTS: tuple[str, ...] = ()
 SECTIONS = ("actuator", "finger")
@@ -15,15 +16,10 @@ SECTIONS = ("actuator", "finger")
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Layers surface (polar grid), centre_limit (a circle) and finger (its outline, centred)."""
-    finger, limit_mm = config["finger"], disc.centre_limit_mm(config)
-    x_mm, y_mm = finger["length_x_m"] * 500, finger["length_y_m"] * 500
-    outline = pd.DataFrame(
-        {
-            "layer": "finger",
-            "x_mm": [-x_mm, x_mm, x_mm, -x_mm, -x_mm],
-            "y_mm": [-y_mm, -y_mm, y_mm, y_mm, -y_mm],
-        }
-    )
+    finger, limit_mm = finger_of(config), disc.centre_limit_mm(config)
+    rim = np.round(np.array(finger.outline()) * 1e3, 9)
+    closed = np.vstack([rim, rim[:1]])
+    outline = pd.DataFrame({"layer": "finger", "x_mm": closed[:, 0], "y_mm": closed[:, 1]})
     angle_deg = np.linspace(0, 360, 121)
     circle = pd.DataFrame(
         {
@@ -36,7 +32,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     )
     surface = disc.profile_table(config, radii=41, angles=61)
     note = (
-        f"{disc.profile_note(config)} The finger, {2 * x_mm:g} mm × {2 * y_mm:g} mm, stays on the "
+        f"{disc.profile_note(config)} The finger, {finger.length_x_m * 1e3:g} mm × "
+        f"{finger.length_y_m * 1e3:g} mm, stays on the "
         f"disc at every angle while its centre is within {limit_mm:.2f} mm."
     )
     return pd.concat([surface, circle, outline], ignore_index=True).assign(note=note)
