@@ -1,0 +1,181 @@
+"""Designs with known answers, and certificates that hold for any design."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from squeezefilm.continuous_design import Gradients, optimal_in_box, sensitivity
+from squeezefilm.design import Box, grid
+from squeezefilm.errors import InputError
+from squeezefilm.exact_design import exchange
+from squeezefilm.optimal_design import assess, maximin_design, optimal_weights
+
+LINE = Box(("x",), (-1.0,), (1.0,))
+
+
+def exponential(x: np.ndarray, *, a: float = 2.0, b: float = 1500.0) -> np.ndarray:
+    """Derivatives of a exp(-b/x)."""
+    value = np.exp(-b / x[:, 0])
+    return np.column_stack([value, -a / x[:, 0] * value])
+
+
+def michaelis_menten(x: np.ndarray, *, v: float = 3.0, k: float = 1.0) -> np.ndarray:
+    """Derivatives of v x/(k + x)."""
+    return np.column_stack([x[:, 0] / (k + x[:, 0]), -v * x[:, 0] / (k + x[:, 0]) ** 2])
+
+
+def powers(x: np.ndarray, *, degree: int) -> np.ndarray:
+    return x[:, :1] ** np.arange(degree + 1)
+
+
+@pytest.mark.parametrize(
+    ("gradients", "limits", "points"),
+    [
+        (exponential, (212.0, 422.0), (422 * 1500 / 1922, 422.0)),
+        (michaelis_menten, (0.0, 5.0), (5 / 7, 5.0)),
+        (lambda x: powers(x, degree=2), (-1.0, 1.0), (-1.0, 0.0, 1.0)),
+        (lambda x: powers(x, degree=3), (-1.0, 1.0), (-1.0, -(0.2**0.5), 0.2**0.5, 1.0)),
+    ],
+    ids=["exponential", "Michaelis-Menten", "quadratic", "cubic"],
+)
+def test_known_designs_are_found_off_the_grid(
+    gradients: Gradients, limits: tuple[float, float], points: tuple[float, ...]
+) -> None:
+    """Box and Lucas (1959); Duggleby (1979); Fedorov (1972): as many points as parameters."""
+    box = Box(("x",), limits[:1], limits[1:])
+    design = optimal_in_box(gradients, box, grid(box, 24))
+    order = np.argsort(design.points[:, 0])
+    span = limits[1] - limits[0]
+    np.testing.assert_allclose(design.points[order, 0], points, atol=1e-5 * span)
+    np.testing.assert_allclose(design.weights, 1 / len(points), atol=1e-6)
+    assert design.efficiency_bound > 1 - 1e-7
+
+
+def test_the_known_answers_in_their_own_numbers() -> None:
+    box = Box(("x",), (212.0,), (422.0,))
+    found = np.sort(optimal_in_box(exponential, box, grid(box, 24)).points[:, 0])
+    np.testing.assert_allclose(found, [329.344, 422.0], atol=2e-3)
+
+
+def test_the_best_design_has_a_sensitivity_of_one_at_its_points_and_less_elsewhere() -> None:
+    x = np.linspace(-1, 1, 201)[:, None]
+    design = optimal_weights(powers(x, degree=3))
+    assert design.sensitivity.max() <= 1 + 1e-6
+    np.testing.assert_allclose(design.sensitivity[design.support], 1, atol=1e-5)
+    own = powers(x, degree=3)[design.support]
+    at = sensitivity(own, powers(x, degree=3), weights=design.weights[design.support])
+    np.testing.assert_allclose(at, design.sensitivity, atol=1e-6)
+
+
+def test_units_of_the_parameters_do_not_matter() -> None:
+    f = powers(np.linspace(0, 1, 101)[:, None], degree=3)
+    plain, scaled = optimal_weights(f), optimal_weights(f * [1, 1e6, 1e-6, 1e9])
+    np.testing.assert_allclose(plain.weights, scaled.weights, atol=1e-4)
+    shift = 2 * np.log([1e6, 1e-6, 1e9]).sum()
+    assert scaled.log_det[0] == pytest.approx(plain.log_det[0] + shift, abs=1e-6)
+
+
+def test_the_bound_never_promises_more_than_is_true() -> None:
+    f = powers(np.linspace(-1, 1, 41)[:, None], degree=2)
+    best = optimal_weights(f)
+    rng = np.random.default_rng(3)
+    for size in (3, 4, 6, 10, 20):
+        chosen = rng.choice(len(f), size, replace=False)
+        judged = assess(f[chosen], f)
+        true = np.exp((judged.log_det[0] - best.log_det[0]) / 3)
+        assert 0 < judged.efficiency_bound <= true <= 1 + 1e-6
+
+
+def test_too_few_points_are_worth_nothing() -> None:
+    f = powers(np.linspace(-1, 1, 41)[:, None], degree=2)
+    judged = assess(f[:2], f)
+    assert judged.efficiency_bound == 0
+    assert judged.log_det[0] < np.log(1e-25)
+
+
+def test_parameters_that_cannot_be_told_apart_are_refused() -> None:
+    x = np.linspace(0, 1, 11)
+    for f in (np.column_stack([x, 2 * x]), np.column_stack([x, 0 * x]), x[:1, None] * [[1, 1]]):
+        with pytest.raises(InputError, match="parameter"):
+            optimal_weights(f)
+
+
+def test_a_point_where_the_model_is_undefined_is_not_chosen() -> None:
+    x = np.linspace(-1, 1, 41)
+    f = powers(x[:, None], degree=2)
+    f[-1] = np.nan
+    design = optimal_weights(f)
+    assert x[design.support].max() == x[-2]
+    assert len(f) - 1 not in exchange(f, 3).chosen
+
+
+def test_a_prior_on_one_vector_is_that_vectors_design() -> None:
+    x = np.linspace(0.01, 5, 500)[:, None]
+    stack = np.stack([michaelis_menten(x, k=k) for k in (0.3, 1.0, 3.0)])
+    local = optimal_weights(stack[1])
+    one = optimal_weights(stack, prior=[0, 1, 0])
+    np.testing.assert_allclose(one.log_det[1], local.log_det[0], atol=1e-5)
+    bayesian = optimal_weights(stack)
+    assert bayesian.efficiency_bound > 1 - 1e-5
+    assert bayesian.log_det.mean() >= one.log_det.mean()
+
+
+def test_the_maximin_design_is_best_for_the_worst_vector() -> None:
+    x = np.linspace(0.01, 5, 500)[:, None]
+    stack = np.stack([michaelis_menten(x, k=k) for k in (0.1, 1.0, 5.0)])
+    goal = np.array([optimal_weights(layer).log_det[0] for layer in stack])
+    design, efficiencies = maximin_design(stack)
+    assert design.efficiency_bound > 1 - 1e-4
+    np.testing.assert_allclose(np.exp((design.log_det - goal) / 2), efficiencies, atol=1e-5)
+    bayesian = optimal_weights(stack)
+    assert efficiencies.min() > np.exp((bayesian.log_det - goal) / 2).min() + 0.01
+
+
+def test_additions_take_account_of_what_is_there() -> None:
+    """A quadratic with both ends simulated often: all new points belong in the middle."""
+    x = np.linspace(-1, 1, 41)[:, None]
+    f, ends = powers(x, degree=2), powers(np.array([[-1.0], [1.0]]), degree=2)
+    design = optimal_weights(f, existing=ends, existing_share=0.8)
+    np.testing.assert_allclose(x[design.support], 0, atol=1e-12)
+    some = optimal_weights(f, existing=ends, existing_share=0.4)
+    total = 0.4 * np.array([0.5, 0, 0.5]) + 0.6 * some.weights[[0, 20, 40]]
+    np.testing.assert_allclose(total, 1 / 3, atol=1e-4)
+
+
+def test_an_exact_design_is_the_best_of_all_choices() -> None:
+    f = powers(np.linspace(-1, 1, 11)[:, None] ** 3, degree=2)
+
+    def value(chosen: tuple[int, ...]) -> float:
+        rows = f[list(chosen)]
+        return float(np.linalg.slogdet(rows.T @ rows)[1])
+
+    for points in (3, 4, 5):
+        found = exchange(f, points)
+        best = max(combinations(range(11), points), key=value)
+        assert found.log_det == pytest.approx(value(best), abs=1e-9)
+        assert len(set(found.chosen)) == points
+
+
+def test_exact_points_keep_their_distance_from_each_other_and_from_existing_ones() -> None:
+    x = np.linspace(-1, 1, 41)[:, None]
+    f, there = powers(x, degree=2), np.array([[-1.0]])
+    found = exchange(
+        f,
+        4,
+        existing=powers(there, degree=2),
+        coordinates=x,
+        existing_coordinates=there,
+        separation=0.3,
+    )
+    places = np.sort(np.append(x[found.chosen, 0], -1.0))
+    assert np.diff(places).min() >= 0.3 - 1e-12
+    with pytest.raises(InputError, match="only 2 of 3 points fit"):
+        exchange(f, 3, coordinates=x, separation=1.5)
+
+
+def test_exchange_is_repeatable() -> None:
+    f = michaelis_menten(np.linspace(0.01, 5, 200)[:, None])
+    assert list(exchange(f, 5, seed=4).chosen) == list(exchange(f, 5, seed=4).chosen)
