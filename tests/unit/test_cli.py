@@ -109,10 +109,10 @@ def test_parts_come_together_in_the_order_of_the_plan(plan: Path, tmp_path: Path
 def test_a_failed_scene_is_named_and_nothing_written(
     plan: Path, tmp_path: Path, capsys: Capture
 ) -> None:
-    parts = [part(tmp_path / "a.csv", "1", "3"), part(tmp_path / "b.csv", "2", status="no end")]
+    parts = [part(tmp_path / "a.csv", "1", "2"), part(tmp_path / "b.csv", "3", status="no end")]
     output = tmp_path / "forces.csv"
     text = refused(capsys, "gather", plan, *parts, "--output", output, status=1)
-    assert "point 2: no end" in text
+    assert "point 3: no end" in text
     assert "b.csv" in text
     assert not output.exists()
 
@@ -123,14 +123,19 @@ def test_a_failed_scene_is_named_and_nothing_written(
         ((["1", "2"], ["2", "3"]), "point 2 is in two parts"),
         ((["1"], ["3"]), "point 2 is in no part"),
         ((["1", "2"], ["3", "4"]), "point 4 of the parts is not in the plan"),
+        ((["1", "3"], ["2"]), "first is not a run of the plan's rows"),
     ],
 )
 def test_parts_that_do_not_make_the_plan_are_refused(
     ids: tuple[list[str], list[str]], message: str
 ) -> None:
     scenes = pd.DataFrame({"point_id": ["1", "2", "3"]})
+    parts = {
+        name: pd.DataFrame({"point_id": part})
+        for name, part in zip(("first", "second"), ids, strict=True)
+    }
     with pytest.raises(InputError, match=message):
-        in_order(scenes, [pd.DataFrame({"point_id": names}) for names in ids], of="scenes.csv")
+        list(in_order(scenes, list(parts), read=parts.__getitem__, of="scenes.csv"))
 
 
 def test_a_part_of_another_plan_is_refused(plan: Path, tmp_path: Path, capsys: Capture) -> None:

@@ -36,7 +36,7 @@ def load(path: Path) -> Config:
     return check_study(load_config(path))
 
 
-@pytest.mark.parametrize("name", ["paper", "quick"])
+@pytest.mark.parametrize("name", ["paper", "quick", "sweep"])
 def test_the_studies_that_come_with_the_workflow_are_valid(repository: Path, name: str) -> None:
     config = load(repository / "config" / f"{name}.yaml")
     assert config["study"] == name
@@ -141,9 +141,12 @@ WRONG = {
         "none.csv: there is no such scan",
     ),
     "an angle beyond symmetry": (replaced("30, 45]", "30, 60]"), "60 is greater than the maximum"),
-    "more chunks than points": (replaced("screen: 2", "screen: 61"), "61 chunks for 60 points"),
-    "no chunk": (replaced("screen: 2", "screen: 0"), "chunks.screen: 0 is less than"),
-    "half a chunk": (replaced("screen: 2", "screen: 1.5"), "1.5 is not of type 'integer'"),
+    "jobs of no length": (replaced("_job: 10", "_job: 0"), "seconds_per_job: 0 is less than"),
+    "half a point": (replaced("points: 10000", "points: 0.5"), "0.5 is not of type 'integer'"),
+    "a sweep beyond its sequence": (
+        replaced("first: 0", "first: 2000000000"),
+        "sweep.first: 2000000000 is greater than",
+    ),
     "an unknown profile": (replaced("kind: sinc", "kind: wave"), "'wave' is not one of"),
     "a piston with a wave number": (replaced("kind: sinc", "kind: piston"), "wave_number_per_m"),
     "an unknown scaling": (replaced("scaling: unit", "scaling: inch"), "'inch' is not one of"),

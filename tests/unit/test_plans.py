@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from squeezefilm.config import Config, load_config, plan_sizes
@@ -14,6 +15,7 @@ from squeezefilm.plans import (
     four_factor_plan,
     level_values,
     random_plan,
+    sweep_plan,
 )
 
 
@@ -70,3 +72,27 @@ def test_random_points_fill_their_box_and_repeat() -> None:
     assert np.abs(np.corrcoef(factors.T) - np.eye(4)).max() < 0.2
     assert plan.equals(random_plan(points=400, seed=1, **box))
     assert not plan.equals(random_plan(points=400, seed=2, **box))
+
+
+BOX = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
+
+
+def test_a_sweep_fills_its_box_more_evenly_than_chance() -> None:
+    """Mean of a product of the factors: a smooth function, integrated."""
+
+    def error(plan: pd.DataFrame) -> float:
+        units = [(plan[name] - low) / (high - low) for name, (low, high) in BOX.items()]
+        assert all(((unit >= 0) & (unit < 1)).all() for unit in units)
+        return abs(np.prod(units, axis=0).mean() - 0.5**4)
+
+    even = [error(sweep_plan(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
+    random = [error(random_plan(points=1000, seed=seed, **BOX)) for seed in range(5)]
+    assert np.mean(even) < 0.2 * np.mean(random)
+
+
+def test_sweeps_one_after_another_are_one_sweep() -> None:
+    whole = sweep_plan(points=100, first=0, seed=3, **BOX)
+    parts = [sweep_plan(points=count, first=n, seed=3, **BOX) for n, count in ((0, 37), (37, 63))]
+    assert whole.equals(pd.concat(parts, ignore_index=True))
+    assert not whole.equals(sweep_plan(points=100, first=0, seed=4, **BOX))
+    assert whole["point_id"].is_unique

@@ -7,6 +7,7 @@ library's modulefinder, which reads byte code, with the modules that a job might
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -135,11 +136,11 @@ def test_an_edit_of_the_code_makes_anew_what_it_reaches(
 
 
 def leaves(values: dict[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """The keys of a study; a profile is one, since its keys belong together."""
+    """The keys of a study that commands read; a profile is one, its keys belong together."""
     for key, value in values.items():
         if isinstance(value, dict) and key != "profile":
             yield from leaves(value, (*place, key))
-        elif key != "study":
+        elif key not in ("study", "seconds_per_job"):
             yield (*place, key)
 
 
@@ -177,16 +178,31 @@ def test_an_edit_of_the_study_makes_anew_what_reads_its_section(
 ) -> None:
     text = edited_study(planner.folder / "config/quick.yaml", place, tmp_path)
     made = planner.made_anew(*EVERYTHING, edits={Path("config/quick.yaml"): text})
-    if place[0] == "simulation":
-        # No command reads it: the number of chunks is in the names of the files.
-        simulated = f"results/quick/simulations/{place[-1]}"
-        gathered = {f"{simulated}/{name}.csv" for name in ("forces", "timings")}
-        chunks = {name for name in made if name.startswith(f"{simulated}/chunks/")}
-        assert chunks
-        assert made - chunks == with_dependents(gathered, jobs)
-    else:
-        read = {o for job in jobs if place[0] in job.trace.sections for o in job.outputs}
-        assert made == with_dependents(read, jobs)
+    read = {o for job in jobs if place[0] in job.trace.sections for o in job.outputs}
+    assert undivided(made) == undivided(with_dependents(read, jobs))
+
+
+def undivided(names: set[str]) -> set[str]:
+    """Files by name, but for the chunk: an edit may change how many there are."""
+    return {re.sub(r"/\d+-of-\d+\.", "/", name) for name in names}
+
+
+def test_jobs_of_another_length_make_anew_what_is_divided_otherwise(
+    jobs: list[Job], planner: Planner
+) -> None:
+    config = Path("config/quick.yaml")
+    text = (planner.folder / config).read_text(encoding="utf-8")
+    shorter = re.sub(r"(seconds_per_job:) \S+", r"\1 0.012", text)
+    made = planner.made_anew(*EVERYTHING, edits={config: shorter})
+    simulated = "results/quick/simulations"
+    gathered = {
+        f"{simulated}/{plan}/{name}{suffix}"
+        for plan, suffix in (("four_factor", ".csv"), ("sweep", ".parquet"))
+        for name in ("forces", "timings")
+    }
+    chunks = {name for name in made if "/chunks/" in name}
+    assert {Path(name).parts[3] for name in chunks} == {"four_factor", "sweep"}
+    assert made - chunks == with_dependents(gathered, jobs)
 
 
 def edited_study(path: Path, place: tuple[str, ...], folder: Path) -> str:

@@ -35,7 +35,7 @@ def test_the_models_describe_their_points(finished: Finished) -> None:
 
 
 def test_progress_is_shown(finished: Finished) -> None:
-    assert "Simulate screen, part 1 of 2" in finished.log
+    assert "Simulate four_factor, part 1 of 2" in finished.log
     assert "of" in finished.log
     assert "steps (" in finished.log
 
@@ -74,10 +74,8 @@ def test_an_edit_is_carried_out_and_undone(finished: Finished, tmp_path: Path) -
     again = {path for path, time in times.items() if path.stat().st_mtime_ns != time}
     assert {str(path.relative_to(folder / "results/quick/simulations")) for path in again} == {
         "screen/scenes.csv",
-        "screen/chunks/1-of-2.csv",
-        "screen/chunks/1-of-2.timings.csv",
-        "screen/chunks/2-of-2.csv",
-        "screen/chunks/2-of-2.timings.csv",
+        "screen/chunks/1-of-1.csv",
+        "screen/chunks/1-of-1.timings.csv",
         "screen/forces.csv",
         "screen/timings.csv",
     }
@@ -91,11 +89,11 @@ def test_a_scene_that_fails_is_named_and_the_others_finish(
     finished: Finished, tmp_path: Path
 ) -> None:
     folder = copy_checkout(finished.folder, tmp_path / "failing", "results", ".snakemake")
-    chunk = folder / "results/quick/simulations/screen/chunks/2-of-2.csv"
+    chunk = folder / "results/quick/simulations/four_factor/chunks/2-of-2.csv"
     table = read_forces(chunk)
     table.loc[0, ["status", "force_n"]] = ["no convergence in 40 steps", float("nan")]
     table.to_csv(chunk, index=False)
-    target = "results/quick/simulations/screen/forces.csv"
+    target = "results/quick/simulations/four_factor/forces.csv"
     done = snakemake(folder, target, *QUICK)
     assert done.returncode != 0
     name = table["point_id"].iloc[0]

@@ -68,10 +68,10 @@ def test_a_figure_needs_its_own_simulations_alone(fresh: Planner) -> None:
 
 def test_the_paper_is_the_default_study(fresh: Planner) -> None:
     done = snakemake(fresh.folder, "fig08", "--dry-run", "--quiet", "all")
-    assert "Simulate screen, part 2 of 2" in done.stdout
+    assert "Simulate screen, part 1 of 1" in done.stdout
     assert done.returncode == 0
 
 
-def test_the_paper_is_simulated_in_chunks(fresh: Planner) -> None:
-    done = snakemake(fresh.folder, "--summary", "results/paper/simulations/error_map/forces.csv")
-    assert "error_map/chunks/4-of-4.csv" in done.stdout
+def test_a_sweep_is_simulated_in_chunks(fresh: Planner) -> None:
+    done = snakemake(fresh.folder, "sweep", "--summary", "--configfile", "config/sweep.yaml")
+    assert "sweep/chunks/4-of-4.parquet" in done.stdout

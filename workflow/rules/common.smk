@@ -9,6 +9,7 @@ LIBRARY = Path(workflow.current_basedir).parent.resolve()
 sys.path.insert(0, str(LIBRARY))
 
 from squeezefilm import imports, locks
+from squeezefilm.chunks import chunk_counts
 from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.study import check_study
@@ -43,13 +44,14 @@ def config_path():
 
 def load():
     try:
-        return check_study(load_config(config_path()))
+        config = check_study(load_config(config_path()))
+        return config, chunk_counts(config)
     except InputError as error:
         refuse(error)
 
 
 CONFIG_FILE = config_path()
-CONFIG = load()
+CONFIG, CHUNKS = load()
 STUDY = CONFIG["study"]
 
 
@@ -75,7 +77,7 @@ def settings(module, key=None):
 
 def chunk_files(plan, suffix):
     """The files of the chunks in which a plan is simulated; their number is known from the start."""
-    chunks = CONFIG["simulation"]["chunks"].get(plan, 1)
+    chunks = CHUNKS.get(plan, 1)
     return [
         f"<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}{suffix}"
         for chunk in range(1, chunks + 1)
@@ -88,15 +90,19 @@ def cores_for(searches):
 
 
 # Put before every command of every rule: the library is found installed or not, and the python is
-# that of the environment that runs snakemake, unless a conda environment is activated after it.
+# that of the environment that runs snakemake, unless a conda environment is activated after it. A
+# job on a cluster's node keeps its compiled kernels there, in Snakemake's tmpdir: home directories
+# are shared by nodes that may differ, over a network that may not lock.
 shell.prefix(
     "set -euo pipefail; "
+    f"{'export SQUEEZEFILM_NODE_CACHE=$TMPDIR; ' if workflow.remote_exec else ''}"
     f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
     f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
 )
 
 
 PLANS = [
+    "sweep",
     "screen",
     "error_map",
     "two_factor_design",

@@ -1,4 +1,4 @@
-# From a plan to its forces: plan → chunks → forces.
+# From a plan to its forces: plan → chunks → forces. As CSV, or for a sweep's many rows as Parquet.
 
 DESIGN_OF_PLAN = {
     "two_factor_design": "<results>/designs/two_factor.csv",
@@ -60,6 +60,7 @@ rule plan_extrapolation:
 
 
 # Compiled kernels go to the caches, so that the chunks, which start side by side, find them there.
+# On another node the first chunk to start compiles, and those beside it wait.
 rule compile_kernels:
     input:
         code=code("warm"),
@@ -135,6 +136,48 @@ rule gather:
     shell:
         "python -m squeezefilm gather {input.scenes} {input.forces} --timings {input.timings} "
         "--output {output.forces} --timings-output {output.timings} >{log} 2>&1"
+
+
+use rule plan as plan_parquet with:
+    output:
+        "<results>/simulations/{plan}/scenes.parquet",
+    log:
+        "<logs>/plan/{plan}.parquet.log",
+
+
+use rule simulate as simulate_parquet with:
+    input:
+        code=code("simulate"),
+        config=ancient(CONFIG_FILE),
+        scenes="<results>/simulations/{plan}/scenes.parquet",
+        kernels="<results>/simulations/device.json",
+    output:
+        forces="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.parquet",
+        timings="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.timings.parquet",
+    log:
+        "<logs>/simulate/{plan}/{chunk}-of-{chunks}.parquet.log",
+    benchmark:
+        "<benchmarks>/simulate/{plan}/{chunk}-of-{chunks}.parquet.tsv"
+
+
+use rule gather as gather_parquet with:
+    input:
+        code=code("gather"),
+        scenes="<results>/simulations/{plan}/scenes.parquet",
+        forces=lambda wildcards: chunk_files(wildcards.plan, ".parquet"),
+        timings=lambda wildcards: chunk_files(wildcards.plan, ".timings.parquet"),
+    output:
+        forces="<results>/simulations/{plan}/forces.parquet",
+        timings="<results>/simulations/{plan}/timings.parquet",
+    log:
+        "<logs>/gather/{plan}.parquet.log",
+
+
+rule sweep:
+    input:
+        "<results>/simulations/sweep/forces.parquet",
+    message:
+        "Every scene of the sweep has its force"
 
 
 rule explain:

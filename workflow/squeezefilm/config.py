@@ -150,7 +150,7 @@ def _refuse_non_finite(value: Any, *, path: Path, place: str) -> None:
 
 
 def _check_relations(values: dict[str, Any], *, path: Path) -> None:
-    """Refuse what a schema cannot: empty ranges, contact, more chunks than points."""
+    """Refuse what a schema cannot: empty ranges, contact, a position twice."""
     for section in ("screen", "error_map"):
         for factor in ("h0_m", "hv_m"):
             levels = values[section][factor]
@@ -168,12 +168,6 @@ def _check_relations(values: dict[str, Any], *, path: Path) -> None:
     for factor in ("phi_r_m", "phi_deg"):
         if len(set(values["positions"][factor])) < len(values["positions"][factor]):
             raise InputError(f"{path}: positions.{factor}: a value stands twice")
-    points = plan_sizes(values)
-    for plan, chunks in values["simulation"]["chunks"].items():
-        if chunks > points[plan]:
-            raise InputError(
-                f"{path}: simulation.chunks.{plan}: {chunks} chunks for {points[plan]} points"
-            )
 
 
 def plan_sizes(values: Mapping[str, Any]) -> dict[str, int]:
@@ -185,6 +179,7 @@ def plan_sizes(values: Mapping[str, Any]) -> dict[str, int]:
         "four_factor": values["design"]["points"]
         * (1 + len(positions["phi_r_m"]) * len(positions["phi_deg"])),
         "four_factor_control": values["four_factor_control"]["points"],
+        "sweep": values["sweep"]["points"],
     }
 
 

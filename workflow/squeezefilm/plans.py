@@ -1,8 +1,9 @@
-"""Which points are simulated: the screen, the four-factor plan and the control grid."""
+"""Which points are simulated: the screen, the four-factor plan, control points and sweeps."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -62,6 +63,49 @@ def four_factor_plan(
     ]
     gaps, amplitudes, radii, angles = zip(*rows, strict=True)
     return plan(h0_m=gaps, hv_m=amplitudes, phi_r_m=radii, phi_deg=angles)
+
+
+def factor_ranges(
+    *, screen: Mapping[str, Any], positions: Mapping[str, Any]
+) -> dict[str, tuple[float, float]]:
+    """The box of the four factors: the screen's gaps and amplitudes, the finger's positions."""
+    return {
+        "h0_m": (screen["h0_m"]["start"], screen["h0_m"]["stop"]),
+        "hv_m": (screen["hv_m"]["start"], screen["hv_m"]["stop"]),
+        "phi_r_m": (0.0, float(max(positions["phi_r_m"]))),
+        "phi_deg": (float(min(positions["phi_deg"])), float(max(positions["phi_deg"]))),
+    }
+
+
+def sweep_plan(
+    *,
+    points: int,
+    first: int,
+    seed: int,
+    h0_m: tuple[float, float],
+    hv_m: tuple[float, float],
+    phi_r_m: tuple[float, float],
+    phi_deg: tuple[float, float],
+) -> pd.DataFrame:
+    """Points of a Sobol' sequence, which fills a box of the four factors evenly.
+
+    Scrambled by the seed. The sequence is one: sweeps from ``first`` 0 and 1000, of 1000 points
+    each, are the sweep of 2000 points in two parts. Points are numbered by their place in it.
+    """
+    from scipy.stats import qmc  # slow to import, and only needed here
+
+    sequence = qmc.Sobol(4, rng=seed)
+    if first:
+        sequence.fast_forward(first)
+    with warnings.catch_warnings():
+        # Of numbers of points that are no power of two: they fill the box a little less evenly.
+        warnings.filterwarnings("ignore", message="The balance properties", category=UserWarning)
+        units = sequence.random(points)
+    lower, upper = np.transpose([h0_m, hv_m, phi_r_m, phi_deg])
+    drawn = lower + (upper - lower) * units
+    table = plan(h0_m=drawn[:, 0], hv_m=drawn[:, 1], phi_r_m=drawn[:, 2], phi_deg=drawn[:, 3])
+    table["point_id"] = np.arange(first + 1, first + points + 1).astype(str)
+    return table
 
 
 def random_plan(

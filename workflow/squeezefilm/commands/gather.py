@@ -9,9 +9,10 @@ nothing when a point has no force.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from squeezefilm.errors import InputError, RunError
@@ -22,10 +23,11 @@ from squeezefilm.tables import (
     read_forces,
     read_scenes,
     read_timings,
-    write_table,
+    table_writer,
 )
 
 SECTIONS: tuple[str, ...] = ()
+NAMED = 100  # failed points, at most, in a message
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,40 +44,68 @@ def run(options: argparse.Namespace) -> None:
     if bool(options.timings) != (options.timings_output is not None):
         raise InputError("give --timings and --timings-output together")
     scenes = read_scenes(options.scenes)
-    forces = in_order(scenes, [read_forces(path) for path in options.chunks], of=options.scenes)
-    moved = (forces[list(FACTOR_COLUMNS)] != scenes[list(FACTOR_COLUMNS)]).any(axis=1)
-    if moved.any():
-        raise InputError(
-            f"{options.scenes}: point {forces['point_id'][moved].iloc[0]} was simulated with "
-            "other factors than the plan has; simulate it anew"
-        )
-    failed = forces[forces["status"] != "ok"]
-    if len(failed):
-        names = "; ".join(f"point {row.point_id}: {row.status}" for row in failed.itertuples())
-        parts = ", ".join(str(Path(path)) for path in options.chunks)
-        raise RunError(f"no force for {names} (of {options.scenes}; their rows are in {parts})")
+    _gather_forces(scenes, options)
     if options.timings:
-        timings = in_order(
-            scenes, [read_timings(path) for path in options.timings], of=options.scenes
-        )
-        write_table(timings[list(TIMING_COLUMNS)], options.timings_output)
-    write_table(forces[list(FORCE_COLUMNS)], options.output)
+        parts = in_order(scenes, options.timings, read=read_timings, of=options.scenes)
+        with table_writer(options.timings_output) as write:
+            for part in parts:
+                write(part[list(TIMING_COLUMNS)])
 
 
-def in_order(scenes: pd.DataFrame, parts: Sequence[pd.DataFrame], *, of: str) -> pd.DataFrame:
-    """The parts' rows in the order of the plan.
+def _gather_forces(scenes: pd.DataFrame, options: argparse.Namespace) -> None:
+    failures: list[str] = []
+    first = 0
+    with table_writer(options.output) as write:
+        for part in in_order(scenes, options.chunks, read=read_forces, of=options.scenes):
+            planned = scenes[list(FACTOR_COLUMNS)].iloc[first : first + len(part)]
+            moved = (part[list(FACTOR_COLUMNS)].to_numpy() != planned.to_numpy()).any(axis=1)
+            if moved.any():
+                raise InputError(
+                    f"{options.scenes}: point {part['point_id'][moved].iloc[0]} was simulated with "
+                    "other factors than the plan has; simulate it anew"
+                )
+            first += len(part)
+            failed = part[part["status"] != "ok"]
+            failures += [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
+            write(part[list(FORCE_COLUMNS)])
+        if failures:
+            named = "; ".join(failures[:NAMED])
+            more = f" and {len(failures) - NAMED} more" if len(failures) > NAMED else ""
+            parts = ", ".join(str(Path(path)) for path in options.chunks[:NAMED])
+            raise RunError(
+                f"no force for {named}{more} (of {options.scenes}; their rows are in {parts})"
+            )
+
+
+def in_order(
+    scenes: pd.DataFrame, parts: Sequence[str], *, read: Callable[[str], pd.DataFrame], of: str
+) -> Iterator[pd.DataFrame]:
+    """The parts' tables in the order of the plan, their rows too.
+
+    Each is read twice, so that no more than one is held at a time.
 
     Raises:
-        InputError: for a point that is missing, twice there, or not of the plan.
+        InputError: for a point that is missing, twice there, or not of the plan, and for parts
+            that are not each a run of the plan's rows.
     """
-    rows = pd.concat(parts, ignore_index=True)
-    twice = rows["point_id"][rows["point_id"].duplicated()]
-    if len(twice):
-        raise InputError(f"{of}: point {twice.iloc[0]} is in two parts")
-    missing = scenes["point_id"][~scenes["point_id"].isin(rows["point_id"])]
-    if len(missing):
-        raise InputError(f"{of}: point {missing.iloc[0]} is in no part")
-    strange = rows["point_id"][~rows["point_id"].isin(scenes["point_id"])]
-    if len(strange):
-        raise InputError(f"{of}: point {strange.iloc[0]} of the parts is not in the plan")
-    return rows.set_index("point_id").loc[scenes["point_id"]].reset_index()
+    plan = pd.Index(scenes["point_id"])
+    rows = {}
+    seen = np.zeros(len(plan), dtype=bool)
+    for part in parts:
+        ids = read(part)["point_id"]
+        rows[part] = plan.get_indexer(ids)
+        strange = ids[rows[part] < 0]
+        if len(strange):
+            raise InputError(f"{of}: point {strange.iloc[0]} of the parts is not in the plan")
+        twice = ids[seen[rows[part]]]
+        if len(twice):
+            raise InputError(f"{of}: point {twice.iloc[0]} is in two parts")
+        seen[rows[part]] = True
+    if not seen.all():
+        raise InputError(f"{of}: point {plan[~seen][0]} is in no part")
+    first = 0
+    for part in sorted(rows, key=lambda part: rows[part].min()):
+        if rows[part].max() != first + len(rows[part]) - 1:
+            raise InputError(f"{of}: {part} is not a run of the plan's rows")
+        first += len(rows[part])
+        yield read(part).iloc[np.argsort(rows[part])]

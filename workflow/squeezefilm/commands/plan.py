@@ -3,7 +3,8 @@
   squeezefilm plan screen --config config/paper.yaml --output scenes.csv
   squeezefilm plan four_factor --config config/paper.yaml --design DESIGN.csv --output scenes.csv
 
-Plans from the configuration alone: screen, error_map, four_factor_control. Plans from a design:
+Plans from the configuration alone: screen, error_map, four_factor_control, sweep (write it to a
+.parquet file when it is large). Plans from a design:
 four_factor (each of its points at each finger position), and two_factor_design,
 four_factor_design, four_factor_design_distinct (its points as they are).
 """
@@ -12,17 +13,18 @@ from __future__ import annotations
 
 import argparse
 
-import numpy as np
 import pandas as pd
 
 from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError
 from squeezefilm.plans import (
     centred_grid,
+    factor_ranges,
     finger_positions,
     four_factor_plan,
     level_values,
     random_plan,
+    sweep_plan,
 )
 from squeezefilm.tables import SCENE_COLUMNS, read_design, write_table
 
@@ -30,6 +32,7 @@ SECTIONS = {
     "screen": ("screen",),
     "error_map": ("error_map",),
     "four_factor_control": ("four_factor_control", "screen", "positions"),
+    "sweep": ("sweep", "screen", "positions"),
     "four_factor": ("positions",),
     "two_factor_design": (),
     "four_factor_design": (),
@@ -65,7 +68,16 @@ def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.D
         levels = config[kind]
         return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
     if kind == "four_factor_control":
-        return _control_points(config)
+        return random_plan(
+            points=config[kind]["points"], seed=config[kind]["seed"], **_ranges(config)
+        )
+    if kind == "sweep":
+        return sweep_plan(
+            points=config[kind]["points"],
+            first=config[kind]["first"],
+            seed=config[kind]["seed"],
+            **_ranges(config),
+        )
     assert design is not None
     if kind == "four_factor":
         return four_factor_plan(
@@ -76,13 +88,5 @@ def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.D
     return design[list(SCENE_COLUMNS)]
 
 
-def _control_points(config: Config) -> pd.DataFrame:
-    screen, positions = config["screen"], config["positions"]
-    return random_plan(
-        points=config["four_factor_control"]["points"],
-        seed=config["four_factor_control"]["seed"],
-        h0_m=(screen["h0_m"]["start"], screen["h0_m"]["stop"]),
-        hv_m=(screen["hv_m"]["start"], screen["hv_m"]["stop"]),
-        phi_r_m=(0.0, float(np.max(positions["phi_r_m"]))),
-        phi_deg=(float(np.min(positions["phi_deg"])), float(np.max(positions["phi_deg"]))),
-    )
+def _ranges(config: Config) -> dict[str, tuple[float, float]]:
+    return factor_ranges(screen=config["screen"], positions=config["positions"])

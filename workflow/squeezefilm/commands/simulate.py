@@ -13,16 +13,20 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
+from squeezefilm import node_cache, provenance
 from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
 from squeezefilm.reynolds.solver import METHODS
@@ -33,12 +37,14 @@ from squeezefilm.tables import (
     ScenePoint,
     read_scenes,
     scene_points,
-    write_table,
+    table_writer,
 )
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 TOLERANCES = (1e-10, 0.1)
+# Scenes whose results are held before they are written.
+PIECE = 4096
 
 
 @dataclass(frozen=True)
@@ -134,51 +140,73 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Setti
     if options.chunk is not None:
         rows = chunk_rows(options.chunk, count=len(points))
         points, table = points[rows], table.iloc[rows]
-    try:
-        scenes = [scene_of(point, config) for point in points]
-    except InputError as error:
-        raise InputError(f"{options.scenes}: {error}") from None
-    device = choose_device(settings.device)
-    warm(device, needs_of(scenes[0]))
-    start = time.perf_counter()
-    with tqdm(total=len(scenes), unit="scene", desc=str(options.scenes), disable=None) as bar:
-        solutions = solve(
-            scenes,
-            tolerance=settings.tolerance,
-            method=settings.method,
-            device=device,
-            report=bar.update,
-        )
-    seconds = time.perf_counter() - start
-    columns = {
-        name: [getattr(solution, name) for solution in solutions]
-        for name in FORCE_COLUMNS
-        if name not in table.columns
-    }
-    write_table(table.reset_index(drop=True).assign(**columns)[list(FORCE_COLUMNS)], options.output)
-    if options.timings is not None:
-        shares = [seconds * share for share in _work_shares(solutions)]
-        timings = table[["point_id"]].reset_index(drop=True).assign(solve_seconds=shares)
-        write_table(timings, options.timings)
-    _report(scenes, solutions, seconds=seconds, keep_going=options.keep_going)
-
-
-def _report(
-    scenes: Sequence[Scene], solutions: Sequence[Solution], *, seconds: float, keep_going: bool
-) -> None:
-    failures = [
-        f"point {scene.point_id}: {solution.status}"
-        for scene, solution in zip(scenes, solutions, strict=True)
-        if solution.status != "ok"
-    ]
+    scenes = _scenes(points, config, path=options.scenes)
+    with node_cache.one_build_at_a_time():
+        device = choose_device(settings.device)
+        provenance.note(device=describe(settings.device))
+        warm(device, needs_of(scenes[0]))
+    failures: list[str] = []
+    total = 0.0
+    with (
+        tqdm(total=len(scenes), unit="scene", desc=str(options.scenes), disable=None) as bar,
+        table_writer(options.output) as write,
+        _optional_writer(options.timings) as write_timings,
+    ):
+        for first in range(0, len(scenes), PIECE):
+            piece = slice(first, first + PIECE)
+            start = time.perf_counter()
+            solutions = solve(
+                scenes[piece],
+                tolerance=settings.tolerance,
+                method=settings.method,
+                device=device,
+                report=bar.update,
+            )
+            seconds = time.perf_counter() - start
+            solved = table.iloc[piece].reset_index(drop=True)
+            write(_forces(solved, solutions))
+            shares = [seconds * share for share in _work_shares(solutions)]
+            write_timings(solved[["point_id"]].assign(solve_seconds=shares))
+            failures += [
+                f"point {scene.point_id}: {solution.status}"
+                for scene, solution in zip(scenes[piece], solutions, strict=True)
+                if solution.status != "ok"
+            ]
+            total += seconds
     print(
-        f"{len(scenes) - len(failures)} of {len(scenes)} scenes solved in {seconds:.3f} s",
+        f"{len(scenes) - len(failures)} of {len(scenes)} scenes solved in {total:.3f} s",
         file=sys.stderr,
     )
-    if failures and keep_going:
+    if failures and options.keep_going:
         print("\n".join(failures), file=sys.stderr)
     elif failures:
         raise RunError("no force for " + "; ".join(failures))
+
+
+def _scenes(points: Sequence[ScenePoint], config: Config, *, path: str) -> list[Scene]:
+    try:
+        return [scene_of(point, config) for point in points]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
+    """The rows of a plan with what was solved for them."""
+    columns = {
+        name: [getattr(solution, name) for solution in solutions]
+        for name in FORCE_COLUMNS
+        if name not in rows.columns
+    }
+    return rows.assign(**columns)[list(FORCE_COLUMNS)]
+
+
+@contextmanager
+def _optional_writer(path: str | None) -> Iterator[Callable[[pd.DataFrame], None]]:
+    if path is None:
+        yield lambda rows: None
+    else:
+        with table_writer(path) as write:
+            yield write
 
 
 def _work_shares(solutions: Sequence[Solution]) -> list[float]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 
+from squeezefilm import node_cache, provenance
 from squeezefilm.config import load_config
 from squeezefilm.reynolds import device
 from squeezefilm.reynolds.needs import needs_of
@@ -28,5 +29,7 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     wanted = config["solver"]["device"]
     at_rest = ScenePoint("any", h0_m=5e-6, hv_m=0.0, phi_r_m=0.0, phi_deg=0.0)
-    warm(device.choose_device(wanted), needs_of(scene_of(at_rest, config)))
+    with node_cache.one_build_at_a_time():
+        warm(device.choose_device(wanted), needs_of(scene_of(at_rest, config)))
+    provenance.note(device=device.describe(wanted))
     write_json(device.describe(wanted), options.output)

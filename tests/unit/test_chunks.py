@@ -1,0 +1,72 @@
+"""Jobs last about as long as the study asks, and how plans are divided changes no force."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from squeezefilm import chunks
+from squeezefilm.chunks import chunk_counts, expected_seconds
+from squeezefilm.cli import main
+from squeezefilm.commands import simulate
+from squeezefilm.config import Config, load_config
+from squeezefilm.errors import InputError
+
+
+@pytest.fixture
+def quick(repository: Path) -> Config:
+    return load_config(repository / "config" / "quick.yaml")
+
+
+def with_jobs_of(config: Config, seconds: float) -> Config:
+    return Config(config.path, {**config, "simulation": {"seconds_per_job": seconds}})
+
+
+def test_a_plan_has_as_many_jobs_as_its_cost_asks_for(quick: Config) -> None:
+    scene = expected_seconds(quick, centred=True)
+    counts = chunk_counts(with_jobs_of(quick, 5.5 * scene))
+    assert counts["screen"] == 3  # 12 scenes
+    assert counts["error_map"] == 7  # 36 scenes
+    assert set(chunk_counts(with_jobs_of(quick, 1000)).values()) == {1}
+
+
+def test_a_job_has_at_least_one_scene(quick: Config) -> None:
+    assert chunk_counts(with_jobs_of(quick, 1e-5))["screen"] == 12
+
+
+def test_scenes_off_the_centre_and_tighter_tolerances_cost_more(quick: Config) -> None:
+    loose = expected_seconds(quick, centred=True)
+    assert expected_seconds(quick, centred=False) > 2 * loose
+    tight = Config(quick.path, {**quick, "solver": {**quick["solver"], "tolerance": 1e-8}})
+    assert expected_seconds(tight, centred=True) > 1.5 * loose
+
+
+def test_more_jobs_than_a_workflow_can_handle_are_refused(
+    quick: Config, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chunks, "MOST_CHUNKS", 10)
+    with pytest.raises(InputError, match=r"seconds_per_job: 1e-05 s make 12 jobs.*at least 0\.0"):
+        chunk_counts(with_jobs_of(quick, 1e-5))
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_neither_chunks_nor_pieces_change_a_row(
+    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    config = str(repository / "config" / "quick.yaml")
+    scenes, forces = (str(tmp_path / f"{name}.{suffix}") for name in ("scenes", "forces"))
+    assert main(["plan", "sweep", "--config", config, "--output", scenes]) == 0
+    solve = ["simulate", scenes, "--config", config]
+    assert main([*solve, "--output", forces]) == 0
+    monkeypatch.setattr(simulate, "PIECE", 4)
+    parts = []
+    for part in ("1/2", "2/2"):
+        parts.append(str(tmp_path / f"{part[0]}.{suffix}"))
+        assert main([*solve, "--chunk", part, "--output", parts[-1]]) == 0
+    gathered = str(tmp_path / f"gathered.{suffix}")
+    assert main(["gather", scenes, *parts, "--output", gathered]) == 0
+    read = pd.read_csv if suffix == "csv" else pd.read_parquet
+    assert len(read(forces)) == 30
+    assert read(gathered).equals(read(forces))

@@ -1,0 +1,75 @@
+"""On a cluster's node kernels lie in the user's own folder there, and are built by one job."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from squeezefilm import node_cache
+
+
+@pytest.fixture(autouse=True)
+def caches(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("POCL_CACHE_DIR", "XDG_CACHE_HOME", node_cache.VARIABLE):
+        monkeypatch.setenv(name, "elsewhere")  # so that it is put back afterwards
+        monkeypatch.delenv(name)
+
+
+def test_without_the_variable_caches_stay_where_they_are() -> None:
+    with node_cache.one_build_at_a_time():
+        assert "POCL_CACHE_DIR" not in os.environ
+
+
+def test_both_caches_go_to_the_named_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path / "scratch"))
+    with node_cache.one_build_at_a_time():
+        for name in ("POCL_CACHE_DIR", "XDG_CACHE_HOME"):
+            assert Path(os.environ[name]).is_relative_to(tmp_path / "scratch")
+    (own,) = (tmp_path / "scratch").iterdir()
+    assert own.stat().st_mode & 0o777 == 0o700
+
+
+def test_a_folder_that_others_may_write_to_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path))
+    own = tmp_path / f"squeezefilm-{os.getuid()}"
+    own.mkdir()
+    own.chmod(0o777)
+    with node_cache.one_build_at_a_time():
+        assert "POCL_CACHE_DIR" not in os.environ
+
+
+def test_a_folder_that_cannot_be_made_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path / "file"))
+    with node_cache.one_build_at_a_time():
+        assert "POCL_CACHE_DIR" not in os.environ
+
+
+def build(log: Path) -> None:
+    with node_cache.one_build_at_a_time():
+        for word in ("begin", "end"):
+            with log.open("a") as handle:
+                handle.write(f"{word}\n")
+            time.sleep(0.05)
+
+
+def test_jobs_build_one_after_the_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path))
+    log = tmp_path / "log"
+    fork = multiprocessing.get_context("fork")
+    processes = [fork.Process(target=build, args=(log,)) for _ in range(3)]
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join()
+    assert log.read_text().split() == ["begin", "end"] * 3
