@@ -1,0 +1,37 @@
+"""All quantities of a finished study, in the order in which they are judged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from squeezefilm.checking.designs import design_quantities
+from squeezefilm.checking.drawings import drawing_quantities
+from squeezefilm.checking.figure_tables import figure_quantities, table_quantities
+from squeezefilm.checking.quantities import Quantity
+from squeezefilm.checking.results import (
+    claim_quantities,
+    fit_quantities,
+    numerics_quantities,
+    setting_quantities,
+    simulation_quantities,
+    validation_quantities,
+)
+from squeezefilm.checking.tolerances import Closeness
+from squeezefilm.config import Config
+
+
+def study_quantities(results: Path, config: Config) -> list[Quantity]:
+    """What the results in a folder are checked by; config has the sections that decide them."""
+    closeness = Closeness(solver=float(config["solver"]["tolerance"]))
+    return [
+        *setting_quantities(config),
+        *figure_quantities(results, closeness),
+        *table_quantities(results, closeness),
+        *claim_quantities(results),
+        *simulation_quantities(results, closeness),
+        *fit_quantities(results, config, closeness),
+        *design_quantities(results, config, closeness),
+        *validation_quantities(results, closeness),
+        *drawing_quantities(results),
+        *numerics_quantities(results),
+    ]
