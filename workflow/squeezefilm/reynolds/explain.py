@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from squeezefilm.reynolds.needs import LeftOut, needs_of
+from squeezefilm.reynolds import elliptic
+from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import grid_for, iteration_flops
 from squeezefilm.reynolds.resolution import finer_grid
 from squeezefilm.reynolds.solver import by_limits
@@ -20,7 +21,8 @@ class Explanation:
         method: name of the method.
         domain: ``whole``, ``half`` or ``quarter`` of the finger.
         terms: the terms of the equation that are solved.
-        nx, ny, nt: points across the finger and over the period, on the finest grid expected.
+        nx, ny, nt: points across the finger and over the period, on the finest grid expected; for
+            an elliptical finger along a radius and around.
         left_out: what the scene does not need, with the reasons.
         expected_error: relative; a limit's own estimate, else the tolerance.
         expected_mflop: millions of floating-point operations, to within a factor of about two.
@@ -65,12 +67,15 @@ def explain(
                 )
             )
             continue
+        if scene.finger.shape == "ellipse":
+            explanations.append(_in_modes(scene, need, terms, tolerance=tolerance))
+            continue
         first = grid_for(scene, need, tolerance=tolerance)
         finest = finer_grid(first) or first
         explanations.append(
             Explanation(
                 method="periodic",
-                domain=("whole", "half", "quarter")[need.fold_x + need.fold_y],
+                domain=_domain(need),
                 terms=tuple(terms),
                 nx=finest.x.full_points,
                 ny=finest.y.full_points,
@@ -85,6 +90,28 @@ def explain(
             )
         )
     return explanations
+
+
+def _in_modes(scene: Scene, need: Needs, terms: Sequence[str], *, tolerance: float) -> Explanation:
+    """The way of a scene with an elliptical finger."""
+    first = elliptic.first_resolution(scene, need, tolerance=tolerance)
+    finest = first.finer
+    work = _expected_iterations(scene.closure()) * elliptic.flops(first)
+    return Explanation(
+        method=elliptic.METHOD,
+        domain=_domain(need),
+        terms=tuple(terms),
+        nx=finest.pad.radial_points,
+        ny=finest.pad.angles,
+        nt=finest.instants,
+        left_out=need.halves_left_out + need.terms_left_out,
+        expected_error=tolerance,
+        expected_mflop=(work + 6 * elliptic.flops(finest)) / 1e6,
+    )
+
+
+def _domain(need: Needs) -> str:
+    return ("whole", "half", "quarter")[need.fold_x + need.fold_y]
 
 
 def _expected_iterations(epsilon: float) -> float:

@@ -54,6 +54,8 @@ def solve_marching(
 
 def _refused(scene: Scene, needs: Needs) -> str | None:
     """Why a scene cannot be marched, if so."""
+    if scene.finger.shape != "rectangle" or not scene.finger.gap.flat:
+        return "march knows rectangular fingers with a flat gap only"
     if needs.flow_terms > 1 or needs.polytropic:
         return "march knows viscous isothermal flow only"
     if abs(scene.bearing_number) > LARGEST_BEARING:

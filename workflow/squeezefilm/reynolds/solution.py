@@ -19,7 +19,8 @@ class Solution:
         status: ``ok``, or what went wrong.
         method: name of the method.
         left_out: what the scene did not need.
-        nx, ny, nt: collocation points across the finger and over the period.
+        nx, ny, nt: collocation points across the finger, or along a radius and around for an
+            elliptical one, and over the period.
         newton_steps, krylov_iterations: over all grids.
         residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
         work: floating-point operations of the iterations, for sharing out run time.

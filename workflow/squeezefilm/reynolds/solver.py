@@ -10,6 +10,7 @@ import numpy as np
 
 from squeezefilm.reynolds import limits
 from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.elliptic import solve_elliptic
 from squeezefilm.reynolds.limits import LimitForces, limit_axis, limit_points
 from squeezefilm.reynolds.marching import solve_marching
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
@@ -69,8 +70,9 @@ def solve(
     Args:
         tolerance: relative error asked for.
         method: one of METHODS. ``auto`` takes the first limit whose error estimate holds the
-            tolerance, else the periodic state. A limit asked for by name always gives its force;
-            the status then says where its estimate is above the tolerance.
+            tolerance, else the periodic state, on a grid or, for an elliptical pad, in its modes
+            (elliptic.py). A limit asked for by name always gives its force; the status then says
+            where its estimate is above the tolerance.
         device: an OpenCL device; the default one if left out.
         report: called with the number of scenes that were finished, as they are.
     """
@@ -81,10 +83,20 @@ def solve(
         report(1)
     if method in LIMITS:
         for index in set(range(len(scenes))) - set(solutions):
-            reason = f"{method} does not know this scene's profile or terms"
+            reason = f"{method} does not know this scene's finger, profile or terms"
             solutions[index] = refusal(reason, method=method)
             report(1)
     left = [index for index in range(len(scenes)) if index not in solutions]
+    if method != "march":
+        round_ones = [index for index in left if scenes[index].finger.shape == "ellipse"]
+        rest = solve_elliptic(
+            [scenes[index] for index in round_ones],
+            [needs[index] for index in round_ones],
+            tolerance=tolerance,
+            report=report,
+        )
+        solutions.update(zip(round_ones, rest, strict=True))
+        left = [index for index in left if index not in solutions]
     if left:
         on_device = solve_marching if method == "march" else solve_periodic
         rest = on_device(
@@ -120,7 +132,9 @@ def by_limits(
 
 
 def _applies(name: str, scene: Scene, needs: Needs) -> bool:
-    """Whether the limit was derived for this scene's terms at all."""
+    """Whether the limit was derived for this scene's finger and terms at all."""
+    if scene.finger.shape != "rectangle" or not scene.finger.gap.flat:
+        return False
     if needs.bearing or needs.polytropic or needs.flow_terms > 2 or scene.epsilon == 0:
         return False
     return name != "closed-form" or (needs.uniform and needs.flow_terms == 1)
@@ -168,7 +182,7 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
     if name == "closed-form":
         return limits.closed_form(epsilon=epsilon, sigma=sigma, aspect=aspect)
     x, y = np.meshgrid(limit_axis(nx).all_nodes, limit_axis(ny).all_nodes, indexing="ij")
-    places = {(scene.x_m, scene.y_m): scene.amplitude(x, y) for scene in scenes}
+    places = {scene.place: scene.amplitude(x, y) for scene in scenes}
     function = {
         "fast-limit": limits.fast_limit,
         "boundary-layer": limits.boundary_layer_limit,
@@ -178,7 +192,7 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
     return function(
         epsilon=epsilon,
         sigma=sigma,
-        amplitude=np.stack([places[scene.x_m, scene.y_m] for scene in scenes]),
+        amplitude=np.stack([places[scene.place] for scene in scenes]),
         aspect=aspect,
         slip=np.array([sum(scene.flow_coefficients[1:]) for scene in scenes]),
     )

@@ -1,0 +1,133 @@
+"""Pads of other outlines and places: turned rectangles, discs and ellipses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from films import PISTON, film
+from scipy.special import ellipe, iv
+
+from squeezefilm.profiles import StandingWave
+from squeezefilm.reynolds import boundary_layer
+from squeezefilm.reynolds.explain import explain
+from squeezefilm.reynolds.solution import Solution
+from squeezefilm.reynolds.solver import solve
+from squeezefilm.scene import Scene
+
+WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
+
+
+def pad(scene: Scene, **changes: object) -> Scene:
+    return replace(scene, finger=replace(scene.finger, **changes))  # type: ignore[arg-type]
+
+
+def ellipse(**numbers: object) -> Scene:
+    return pad(film(**numbers), shape="ellipse")  # type: ignore[arg-type]
+
+
+def solved(scene: Scene, *, tolerance: float = 1e-6, method: str = "auto") -> Solution:
+    (solution,) = solve([scene], tolerance=tolerance, method=method)
+    assert solution.status == "ok"
+    return solution
+
+
+def mean(scene: Scene, *, tolerance: float = 1e-6) -> float:
+    """Mean overpressure over pad and period."""
+    return solved(scene, tolerance=tolerance).force_n / scene.force_scale_n
+
+
+def disc_stiffness(sigma: float) -> float:
+    """Spring coefficient of a disc that vibrates as a whole, of diameter l0, by Bessel functions.
+
+    ∇²p − iσp = iσ with p = 0 at r = 1/2: p = I0(√(iσ) r)/I0(√(iσ)/2) − 1.
+    """
+    z = np.sqrt(1j * sigma) / 2
+    return float((1 - 2 * iv(1, z) / (z * iv(0, z))).real)
+
+
+@pytest.mark.parametrize("sigma", [2.0, 22.0, 583.0, 5e3])
+def test_a_disc_has_its_linear_limit(sigma: float) -> None:
+    """Where all of the gap moves alike ⟨H³P²⟩ is constant, whatever the outline: F = 5/4 ε² S."""
+    epsilon = 1e-3
+    expected = 1.25 * epsilon**2 * disc_stiffness(sigma)
+    assert mean(ellipse(epsilon=epsilon, sigma=sigma, profile=PISTON)) == pytest.approx(
+        expected, rel=8 * epsilon**2 + 1e-6
+    )
+
+
+@pytest.mark.parametrize("aspect", [1.0, 0.5])
+def test_an_ellipse_has_its_fast_limit(aspect: float) -> None:
+    """The closed form over the area, and a layer that takes d(ε)/√σ of each length of the rim."""
+    epsilon, sigma = 0.4, 5e3
+    fast = sqrt((1 + 1.5 * epsilon**2) / (1 - epsilon**2)) - 1
+    rim = 2 * max(1, aspect) * ellipe(1 - min(aspect, 1 / aspect) ** 2)
+    layer = float(boundary_layer.integrals(np.array(epsilon))[0]) * rim / (pi / 4 * aspect)
+    scene = ellipse(epsilon=epsilon, sigma=sigma, aspect=aspect, profile=PISTON)
+    assert mean(scene) == pytest.approx(fast + layer / sqrt(sigma), rel=4 / (aspect**2 * sigma))
+
+
+def test_an_ellipse_holds_its_tolerance() -> None:
+    """The error that is stated covers what a much finer solution shows, over kinds of films."""
+    films = [
+        ellipse(epsilon=0.44, sigma=583.0),
+        ellipse(epsilon=0.9, sigma=100.0),
+        ellipse(epsilon=0.3, sigma=40.0, x=0.2, y=0.1, aspect=1.5),
+        ellipse(epsilon=0.4, sigma=200.0, bearing=5.0, profile=WAVE),
+        ellipse(epsilon=0.4, sigma=583.0, rarefaction="fukui-kaneko", polytropic_exponent=1.4),
+    ]
+    for scene in films:
+        rough, fine = solved(scene, tolerance=1e-3), solved(scene, tolerance=1e-5)
+        assert abs(rough.force_n - fine.force_n) <= rough.force_error_n
+        assert rough.force_error_n <= 1e-3 * abs(rough.force_n)
+
+
+@pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
+def test_a_turned_finger_is_the_finger_under_a_turned_profile(outline: str) -> None:
+    scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
+    across = replace(
+        scene, actuator=replace(scene.actuator, profile=replace(WAVE, direction_deg=-50.0))
+    )
+    turned = pad(scene, rotation_deg=50.0)
+    assert mean(turned, tolerance=1e-4) == pytest.approx(mean(across, tolerance=1e-4), rel=1e-9)
+    assert mean(turned, tolerance=1e-4) != pytest.approx(mean(scene, tolerance=1e-4), rel=1e-2)
+
+
+@pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
+def test_a_quarter_turn_exchanges_the_sides(outline: str) -> None:
+    wide = pad(film(epsilon=0.4, sigma=300.0, aspect=2.0, x=0.1, y=0.2), shape=outline)
+    # σ is in units of the side along x, which is the other one now.
+    finger = replace(wide.finger, length_x_m=0.02, length_y_m=0.01, rotation_deg=90.0)
+    high = replace(wide, finger=finger)
+    forces = [solved(scene, tolerance=1e-4).force_n for scene in (wide, high)]
+    assert forces[0] == pytest.approx(forces[1], rel=2e-4)
+
+
+def test_a_disc_may_be_turned() -> None:
+    scene = ellipse(epsilon=0.4, sigma=300.0, x=0.1, y=0.2)
+    forces = [mean(pad(scene, rotation_deg=turn), tolerance=1e-4) for turn in (0.0, 37.0)]
+    assert forces[0] == pytest.approx(forces[1], rel=2e-4)
+
+
+def test_what_is_even_about_the_middle_is_solved_on_a_quarter_of_a_disc() -> None:
+    folded, off = ellipse(epsilon=0.4, sigma=300.0), ellipse(epsilon=0.4, sigma=300.0, x=1e-9)
+    assert "mirror half in x; mirror half in y" in solved(folded).left_out
+    assert "mirror half in x" not in solved(off, tolerance=1e-4).left_out
+    assert mean(off, tolerance=1e-4) == pytest.approx(mean(folded, tolerance=1e-4), rel=2e-4)
+
+
+def test_explain_says_how_an_ellipse_is_solved() -> None:
+    scene = ellipse(epsilon=0.4, sigma=583.0)
+    (way,) = explain([scene], tolerance=1e-5)
+    solution = solved(scene, tolerance=1e-5)
+    assert (way.method, way.domain) == (solution.method, "quarter")
+    assert (way.nx, way.ny, way.nt) == (solution.nx, solution.ny, solution.nt)
+
+
+@pytest.mark.parametrize("method", ["closed-form", "boundary-layer", "small-amplitude", "march"])
+def test_methods_for_rectangles_refuse_an_ellipse(method: str) -> None:
+    (solution,) = solve([ellipse(epsilon=0.4, sigma=583.0)], tolerance=1e-3, method=method)
+    assert np.isnan(solution.force_n)
+    assert "rectangular" in solution.status or "finger" in solution.status

@@ -1,0 +1,315 @@
+"""The periodic state under an elliptical pad: Galerkin's method in the pad's modes, in NumPy.
+
+Unknown: the mass excess m = H(ρ − 1), zero on the rim, as a sum of modes φ_i (pad_modes.py) at
+equidistant instants. With the flux's terms c_k H^(3−k) ∇g_k(P), dg_k/dP = ρ^(1−k), and the product
+⟨·,·⟩ of the mean over the pad, the film equation asks of every mode
+
+    −Σ_k c_k ⟨∇φ_i, H^(3−k) ∇Πg_k⟩ − σ d⟨φ_i, Hρ⟩/dT + Λ ⟨∂φ_i/∂X, Hρ⟩ = 0,
+
+Π the projection on the modes. No derivative of the gap is needed, so that a gap of any shape enters
+by its values alone. Newton's correction is a mass w = δm; in the modes times Fourier's harmonics
+the operator D Δ − σ d/dT, D the mean diffusivity, is diagonal and preconditions GMRES.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.pad_modes import PadGrid, PadModes, pad_modes
+from squeezefilm.reynolds.refinement import ITERATION_SHARE, grid_for
+from squeezefilm.reynolds.resolution import MOMENT_FACTOR, MOMENTS, MOST_TIME, ROUND_OFF
+from squeezefilm.reynolds.solution import Solution, left_out_text
+from squeezefilm.reynolds.spectral import period
+from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
+
+METHOD = "periodic-modes"
+MOST_NEWTON = 40
+MOST_KRYLOV = 120
+LARGEST_BASIS_BYTES = 256 * 2**20
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Degree of the modes and number of instants."""
+
+    pad: PadGrid
+    instants: int
+
+    @property
+    def fits(self) -> bool:
+        """Whether the modes and their derivatives take no more memory than is allowed."""
+        folds = 2**self.pad.fold_x * 2**self.pad.fold_y
+        points = self.pad.radial_points * self.pad.angles / folds
+        modes = (self.pad.degree + 1) * (self.pad.degree + 2) / 2 / folds
+        return 3 * 8 * points * modes <= LARGEST_BASIS_BYTES and self.instants <= MOST_TIME
+
+    @property
+    def finer(self) -> Resolution:
+        """The next resolution, about a fifth more of each."""
+        degree = self.pad.degree + 2 * max(2, round(self.pad.degree / 10))
+        instants = self.instants + 4 * max(1, round(self.instants / 20))
+        pad = PadGrid(degree, self.pad.aspect, self.pad.fold_x, self.pad.fold_y)
+        return Resolution(pad, instants)
+
+
+@dataclass
+class _State:
+    """A state on one resolution and how it was reached."""
+
+    modes: PadModes
+    mass: np.ndarray
+    mean_pressure: np.ndarray
+    largest: float
+    thinnest: float
+    residual: float
+    newton_steps: int
+    krylov_iterations: int
+    failure: str = ""
+
+    @property
+    def moments(self) -> np.ndarray:
+        """Lowest cosine moments of the mean overpressure; the first is its mean."""
+        x, y = (
+            np.cos(2 * np.pi * np.outer(np.arange(MOMENTS), place))
+            for place in (self.modes.x, self.modes.y)
+        )
+        moments: np.ndarray = (x * self.modes.weights * self.mean_pressure) @ y.T
+        return moments
+
+
+def solve_elliptic(
+    scenes: Sequence[Scene],
+    needs: Sequence[Needs],
+    *,
+    tolerance: float,
+    report: Callable[[int], object] = lambda solved: None,
+) -> list[Solution]:
+    """The periodic state of each scene; the arguments are those of ``solver.solve``."""
+    solutions = []
+    for scene, need in zip(scenes, needs, strict=True):
+        solutions.append(_solve(scene, need, tolerance=tolerance))
+        report(1)
+    return solutions
+
+
+def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolution:
+    """As fine as the rectangle's first grid: a degree for each node across."""
+    grid = grid_for(scene, needs, tolerance=tolerance)
+    degree = max(8, 2 * round(max(grid.x.full_points, grid.y.full_points) / 2))
+    return Resolution(PadGrid(degree, scene.aspect, needs.fold_x, needs.fold_y), grid.nt)
+
+
+def flops(resolution: Resolution) -> float:
+    """Floating-point operations of one Krylov iteration's products."""
+    pad = resolution.pad
+    folds = 2**pad.fold_x * 2**pad.fold_y
+    modes = (pad.degree + 1) * (pad.degree + 2) / 2 / folds
+    return 12.0 * modes * pad.radial_points * pad.angles / folds * resolution.instants
+
+
+def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
+    resolution = first_resolution(scene, needs, tolerance=tolerance)
+    before: _State | None = None
+    before_instants = 0
+    newton = krylov = 0
+    work = 0.0
+    status, force, error = "", np.nan, np.nan
+    residual = 0.0
+    while True:
+        if not resolution.fits:
+            status = f"tolerance not reached with modes up to degree {resolution.pad.degree}"
+            break
+        guess = None
+        if before is not None:
+            in_time = period(before_instants).interpolation_to(period(resolution.instants))
+            guess = before.modes.carried_to(pad_modes(resolution.pad)) @ before.mass @ in_time.T
+        state = _periodic_state(scene, resolution, guess=guess, tolerance=tolerance)
+        newton += state.newton_steps
+        krylov += state.krylov_iterations
+        work += (state.newton_steps + state.krylov_iterations) * flops(resolution)
+        residual = state.residual
+        if state.failure:
+            status = f"{state.failure} (modes up to degree {resolution.pad.degree})"
+            break
+        thinnest = scene.inverse_knudsen * state.thinnest
+        if scene.gas.rarefaction == "fukui-kaneko" and thinnest < FUKUI_KANEKO_LEAST_D:
+            status = f"gas too rarefied: D falls to {thinnest:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
+            break
+        mean = float(state.moments[0, 0])
+        if before is not None:
+            floor = ROUND_OFF * state.largest
+            change = float(np.abs(state.moments - before.moments).max())
+            known = MOMENT_FACTOR * change + residual / (1 - scene.closure()) + floor
+            if known <= tolerance * abs(mean) + floor:
+                status, force, error = "ok", mean, known
+                break
+        before, before_instants = state, resolution.instants
+        resolution = resolution.finer
+    return Solution(
+        force_n=force * scene.force_scale_n,
+        force_error_n=error * scene.force_scale_n,
+        status=status,
+        method=METHOD,
+        left_out=left_out_text(needs.halves_left_out + needs.terms_left_out),
+        nx=resolution.pad.radial_points,
+        ny=resolution.pad.angles,
+        nt=resolution.instants,
+        newton_steps=newton,
+        krylov_iterations=krylov,
+        residual=residual,
+        work=work,
+    )
+
+
+def _periodic_state(
+    scene: Scene, resolution: Resolution, *, guess: np.ndarray | None, tolerance: float
+) -> _State:
+    """Newton's method with GMRES on one resolution, from a guess or from rest."""
+    from scipy.sparse.linalg import LinearOperator, gmres
+
+    modes, time = pad_modes(resolution.pad), period(resolution.instants)
+    film = _Film(scene, modes, time.nodes)
+    shape = len(modes.eigenvalues), resolution.instants
+    mass = np.zeros(shape) if guess is None else guess
+    harmonics = 1j * np.arange(resolution.instants // 2 + 1)
+    harmonics[-1] = 0  # the last cosine has no rate on the instants
+
+    def rate(values: np.ndarray) -> np.ndarray:
+        spectrum = harmonics * np.fft.rfft(values, axis=1)
+        return scene.sigma * np.fft.irfft(spectrum, n=resolution.instants, axis=1)
+
+    newton = krylov = 0
+    size, failure = np.inf, "Newton's method did not converge"
+    with np.errstate(all="ignore"):
+        while newton <= MOST_NEWTON:
+            film.set_state(mass)
+            symbol = -film.diffusivity * modes.eigenvalues[:, None] - scene.sigma * harmonics
+
+            def precondition(values: np.ndarray, symbol: np.ndarray = symbol) -> np.ndarray:
+                spectrum = np.fft.rfft(values, axis=1) / symbol
+                return np.fft.irfft(spectrum, n=resolution.instants, axis=1)
+
+            def product(flat: np.ndarray) -> np.ndarray:
+                change = flat.reshape(shape)
+                return precondition(film.respond(change) - rate(change)).ravel()
+
+            right = -precondition(film.balance() - rate(mass)).ravel()
+            size = float(np.sqrt(right @ right / resolution.instants))
+            if not np.isfinite(size):
+                failure = "the pressure became infinite"
+                break
+            force = film.mean_overpressure
+            goal = ITERATION_SHARE * tolerance * (1 - scene.closure()) * abs(force)
+            if size <= goal or size == 0:
+                failure = ""
+                break
+            target = max(0.3 * goal, min(0.1 * size, size**2))
+            norms: list[float] = []
+            step, _ = gmres(
+                LinearOperator((right.size, right.size), matvec=product, dtype=float),
+                right,
+                rtol=target / size,
+                restart=MOST_KRYLOV,
+                maxiter=1,
+                callback=norms.append,
+                callback_type="pr_norm",
+            )
+            newton, krylov = newton + 1, krylov + len(norms)
+            change = step.reshape(shape)
+            mass = mass + film.safe_share(change) * change
+    return _State(
+        modes=modes,
+        mass=mass,
+        mean_pressure=film.pressure.mean(axis=1),
+        largest=float(np.abs(film.pressure).max()),
+        thinnest=float(((1 + film.pressure) * film.gap).min()),
+        residual=size,
+        newton_steps=newton,
+        krylov_iterations=krylov,
+        failure=failure,
+    )
+
+
+class _Film:
+    """The equation's terms but for the rate, at the quadrature points: fields are (Q, instants)."""
+
+    def __init__(self, scene: Scene, modes: PadModes, instants: np.ndarray) -> None:
+        self.scene, self.modes = scene, modes
+        s = scene.amplitude(modes.x, modes.y)[:, None]
+        self.gap = scene.rest_gap(modes.x, modes.y)[:, None] + scene.epsilon * s * np.sin(instants)
+        self.weighted = modes.weights[:, None] * modes.values
+        squeeze = scene.sigma * scene.epsilon * s * np.cos(instants)
+        self.drive = -self.weighted.T @ squeeze
+        self.sliding = np.empty((0, 0))
+        if scene.bearing_number:
+            self.sliding = scene.bearing_number * modes.weights[:, None] * modes.along_x
+            self.drive += self.sliding.T @ self.gap
+        self.exponent = scene.gas.polytropic_exponent
+
+    def set_state(self, mass: np.ndarray) -> None:
+        """Take a state, given by its mass excess in the modes, shape (modes, instants)."""
+        self.mass = mass
+        excess = self.modes.values @ mass
+        self.density = 1 + excess / self.gap
+        n = self.exponent
+        self.pressure = excess / self.gap
+        slope = 1 / self.gap  # dP/dm
+        if n != 1:
+            self.pressure = np.expm1(n * np.log1p(self.pressure))
+            slope = n * self.density ** (n - 1) / self.gap
+        self.terms = []
+        self.diffusivity = 0.0
+        for k, coefficient in enumerate(self.scene.flow_coefficients):
+            power = coefficient * self.gap ** (3 - k)
+            response = self.density ** (1 - k) * slope
+            self.terms.append((power, response, self._potential(k)))
+            share = (power * response).mean(axis=1)
+            self.diffusivity += float(self.modes.weights @ share)
+
+    def _potential(self, k: int) -> np.ndarray:
+        """g_k(P) − g_k(1), exact for a small overpressure."""
+        p = self.pressure
+        power = (1 - k) / self.exponent + 1
+        if power == 2:
+            return p * (1 + p / 2)
+        return np.log1p(p) if power == 0 else np.expm1(power * np.log1p(p)) / power
+
+    def _flow(self, power: np.ndarray, potential: np.ndarray) -> np.ndarray:
+        """−⟨∇φ_i, power ∇Π potential⟩, shape (modes, instants)."""
+        projected = self.weighted.T @ potential
+        weighted = self.modes.weights[:, None] * power
+        along_x = weighted * (self.modes.along_x @ projected)
+        along_y = weighted * (self.modes.along_y @ projected)
+        return -(self.modes.along_x.T @ along_x + self.modes.along_y.T @ along_y)
+
+    def balance(self) -> np.ndarray:
+        """All terms of the equation but −σ dm/dT, at the state."""
+        total = self.drive.copy()
+        for power, _, potential in self.terms:
+            total += self._flow(power, potential)
+        if self.sliding.size:
+            total += self.sliding.T @ (self.modes.values @ self.mass)
+        return total
+
+    def respond(self, change: np.ndarray) -> np.ndarray:
+        """What a small change of the mass changes in the balance."""
+        values = self.modes.values @ change
+        total = np.zeros_like(change)
+        for power, response, _ in self.terms:
+            total += self._flow(power, response * values)
+        if self.sliding.size:
+            total += self.sliding.T @ values
+        return total
+
+    def safe_share(self, change: np.ndarray) -> float:
+        """Largest share of a step that takes at most 9/10 of the density anywhere."""
+        steepest = float((-(self.modes.values @ change) / self.gap / self.density).max())
+        return 0.9 / steepest if steepest > 0.9 else 1.0
+
+    @property
+    def mean_overpressure(self) -> float:
+        return float(self.modes.weights @ self.pressure.mean(axis=1))
