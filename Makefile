@@ -9,12 +9,13 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper quick test lint format lock resume clean
+.PHONY: help paper quick test test-browser lint format lock resume clean
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
 	@echo "make quick    the same rules on a small study, in under a minute"
 	@echo "make test     the tests"
+	@echo "make test-browser   the pages, in a browser without a screen"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
 	@echo "make resume   go on after a run was killed"
@@ -29,6 +30,13 @@ quick: $(VENV)/.run
 
 test: $(VENV)/.dev
 	$(RUN) pytest -n 2
+
+# A root user of Debian gets the browser too; elsewhere the tests say what is missing.
+test-browser: $(VENV)/.dev
+	@{ command -v chromium && command -v chromedriver; } >/dev/null || [ "$$(id -u)" != 0 ] \
+		|| { apt-get -q update && apt-get -qy install --no-install-recommends chromium chromium-driver; } \
+		|| true
+	$(RUN) pytest tests/browser
 
 lint: $(VENV)/.dev
 	$(RUN) ruff check .

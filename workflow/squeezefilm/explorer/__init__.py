@@ -91,7 +91,7 @@ def _fit(name: str, fit: FittedModel) -> dict[str, Any]:
     plan = "its plan" if plan == fit.model.replace("_", " ") else plan
     return {
         "name": name,
-        "label": f"{WORDS[fit.model]}, from {fit.points} simulations ({plan})",
+        "label": f"{WORDS[fit.model]}, {fit.points} simulations ({plan})",
         "moves": "phi_r_m" in model.factor_names,
         "theta": [*fit.theta, *(0.0 for _ in range(5 - len(fit.theta)))],
     }

@@ -33,13 +33,15 @@
     return space[name][1] - space[name][0] || 1;
   }
 
-  // What a model is judged by: with two factors, the simulations of a centred finger.
+  // What a model is judged by, those it was fitted to first: with two factors, the simulations of a
+  // centred finger.
   const judges = new Map();
   function judgesOf(fit) {
     if (!judges.has(fit)) {
       judges.set(fit, simulations
         .filter((each) => fit.moves || each.phi_r_m === 0)
-        .map((each) => ({ ...each, error: force(fit.theta, each) / each.force_n - 1 })));
+        .map((each) => ({ ...each, error: force(fit.theta, each) / each.force_n - 1 }))
+        .sort((one, other) => (other.plan === fit.name) - (one.plan === fit.name)));
     }
     return judges.get(fit);
   }
@@ -354,7 +356,7 @@
   }
 
   // Seen from farther away where the page is narrow.
-  const view = { azimuth: -130, distance: innerWidth < 500 ? 2.5 : 1.9, height: 0.85 };
+  const view = { azimuth: -130, distance: innerWidth < 500 ? 2.3 : 1.9, height: 0.85 };
   function eye() {
     const angle = (view.azimuth * Math.PI) / 180;
     return { x: view.distance * Math.cos(angle), y: view.distance * Math.sin(angle), z: view.height };
@@ -413,6 +415,7 @@
   update();
   // After the first drawing: what the mouse does to the view moves the slider too.
   requestAnimationFrame(() => requestAnimationFrame(() => {
+    byId("js-plotly-tester")?.setAttribute("aria-hidden", "true");
     byId("space").on("plotly_relayout", (change) => {
       const camera = change["scene.camera"];
       if (!camera) return;

@@ -1,0 +1,333 @@
+"""The explorer shows what the library computes, and can be used with a keyboard and a finger."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import Select
+
+from squeezefilm.fitted import FittedModel, read_fit
+from squeezefilm.force_model import Factors, get_model
+from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces
+
+from .conftest import DESKTOP, PHONE, Browser
+
+EXACT = 1e-9
+SHOWN_UNIT = {"h0": 1e-6, "hv": 1e-6, "phi-r": 1e-3, "phi-phi": 1.0, "wanted": 1.0}
+FACTOR = dict(zip(("h0", "hv", "phi-r", "phi-phi"), FACTOR_COLUMNS, strict=True))
+FITS = (
+    "two_factor_design",
+    "screen",
+    "four_factor",
+    "four_factor_design",
+    "four_factor_design_distinct",
+)
+
+
+class Explorer:
+    """The page, by what a reader does with it."""
+
+    def __init__(self, browser: Browser, results: Path) -> None:
+        self.browser, self.results = browser, results
+
+    def element(self, name: str):
+        return self.browser.driver.find_element(By.ID, name)
+
+    def text(self, name: str) -> str:
+        return self.element(name).text.replace("−", "-").replace("\N{NO-BREAK SPACE}", " ")
+
+    def choose(self, fit: str) -> None:
+        Select(self.element("fit")).select_by_value(fit)
+
+    def type(self, **values: float) -> None:
+        """Type values, in the shown units, into the boxes beside the sliders."""
+        for name, value in values.items():
+            box = self.element(f"{name.replace('_', '-')}-number")
+            box.send_keys(Keys.CONTROL, "a")
+            box.send_keys(repr(value), Keys.TAB)
+
+    def factors(self) -> dict[str, float]:
+        """Where the sliders stand, in SI units."""
+        return {
+            factor: float(self.element(f"{name}-number").get_attribute("value")) * SHOWN_UNIT[name]
+            for name, factor in FACTOR.items()
+        }
+
+    @property
+    def force_n(self) -> float:
+        """The number that a reader sees."""
+        match = re.fullmatch(r"(-?\d+\.\d{3})\s*(\d{6})\s*N", self.text("force"))
+        assert match, self.text("force")
+        return float(match[1] + match[2])
+
+    def fit(self, name: str) -> FittedModel:
+        return read_fit(self.results / "fits" / f"{name}.json")
+
+    def library_n(self, name: str) -> float:
+        fit = self.fit(name)
+        return float(get_model(fit.model).evaluate(fit.theta, Factors.of(**self.factors()))[0])
+
+
+START = {"h0": 5.0, "hv": 2.0, "phi-r": 0.0, "phi-phi": 0.0, "wanted": 1.0}
+
+
+@pytest.fixture
+def explorer(browser: Browser, results: Path) -> Iterator[Explorer]:
+    """The page as it looks when it is opened; it stays open from test to test."""
+    page = results / "explorer.html"
+    if browser.shown != (page, DESKTOP, False):
+        browser.open(page)
+    browser.run(
+        "const say = (e, kind) => e.dispatchEvent(new Event(kind, {bubbles: true}));"
+        "const fit = document.getElementById('fit');"
+        "fit.selectedIndex = 0; say(fit, 'change');"
+        "for (const [name, value] of Object.entries(arguments[0])) {"
+        "  const bar = document.getElementById(name); bar.value = value; say(bar, 'input'); }",
+        START,
+    )
+    yield Explorer(browser, results)
+    assert browser.complaints() == []
+    assert browser.requests() == []
+
+
+def test_the_page_opens_at_the_edge_of_the_simulated_space(browser: Browser, results: Path) -> None:
+    browser.open(results / "explorer.html")
+    explorer = Explorer(browser, results)
+    assert {n: float(explorer.element(n).get_attribute("value")) for n in START} == START
+    assert explorer.element("fit").get_attribute("value") == FITS[0]
+
+
+@pytest.fixture(scope="session")
+def screen(results: Path) -> pd.DataFrame:
+    return read_ok_forces(results / "simulations/screen/forces.csv")
+
+
+@pytest.mark.parametrize("name", FITS)
+def test_the_number_shown_is_the_librarys(name: str, explorer: Explorer) -> None:
+    explorer.choose(name)
+    random = np.random.default_rng(1)
+    moved = get_model(explorer.fit(name).model).factor_names != ("h0_m", "hv_m")
+    for _ in range(4):
+        explorer.type(h0=random.uniform(5, 10), hv=random.uniform(0.2, 2.2))
+        if moved:
+            explorer.type(phi_r=random.uniform(0, 2.9), phi_phi=random.uniform(0, 45))
+        assert explorer.force_n == pytest.approx(explorer.library_n(name), rel=0, abs=EXACT)
+
+
+def test_sliders_move_the_number(explorer: Explorer) -> None:
+    explorer.choose("four_factor")
+    explorer.type(phi_r=1.0)
+    before = explorer.force_n
+    for name in FACTOR:
+        slider = explorer.element(name)
+        ActionChains(explorer.browser.driver).drag_and_drop_by_offset(slider, 23, 0).perform()
+        assert explorer.force_n == pytest.approx(
+            explorer.library_n("four_factor"), rel=0, abs=EXACT
+        )
+        assert explorer.force_n != before
+        before = explorer.force_n
+
+
+@pytest.mark.parametrize(
+    ("keys", "steps"),
+    [([Keys.ARROW_RIGHT] * 3, 3), ([Keys.ARROW_LEFT] * 2, -2), ([Keys.ARROW_UP], 1)],
+)
+def test_arrow_keys_move_a_slider_by_its_step(
+    keys: list[str], steps: int, explorer: Explorer
+) -> None:
+    explorer.type(h0=7.0, hv=1.0)
+    explorer.element("hv").send_keys(*keys)
+    assert explorer.factors()["hv_m"] == pytest.approx(1e-6 + steps * 0.01e-6, rel=1e-12)
+    assert explorer.force_n == pytest.approx(
+        explorer.library_n("two_factor_design"), rel=0, abs=EXACT
+    )
+
+
+def test_home_and_end_reach_the_ends(explorer: Explorer) -> None:
+    slider = explorer.element("h0")
+    for key, end in ((Keys.END, "max"), (Keys.HOME, "min")):
+        slider.send_keys(key)
+        assert float(slider.get_attribute("value")) == float(slider.get_attribute(end))
+
+
+def test_the_tab_key_passes_every_control_and_the_focus_is_seen(explorer: Explorer) -> None:
+    explorer.element("fit").click()
+    explorer.element("fit").send_keys(Keys.ESCAPE)
+    passed = ["fit"]
+    for _ in range(12):
+        ActionChains(explorer.browser.driver).send_keys(Keys.TAB).perform()
+        focused = explorer.browser.driver.switch_to.active_element
+        passed.append(focused.get_attribute("id"))
+        assert focused.value_of_css_property("outline-style") == "solid"
+    wanted = [f"{name}{kind}" for name in (*FACTOR, "wanted") for kind in ("", "-number")]
+    assert passed == ["fit", *wanted, "take", "turn"]
+
+
+def test_every_control_has_a_name_for_those_who_do_not_see_it(explorer: Explorer) -> None:
+    tree = explorer.browser.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+    roles = {"slider", "spinbutton", "combobox", "button", "image"}
+    controls = [node for node in tree if node.get("role", {}).get("value") in roles]
+    assert len(controls) >= 15
+    nameless = [node for node in controls if not node.get("name", {}).get("value", "").strip()]
+    assert nameless == []
+    says = explorer.element("h0").get_attribute("aria-valuetext")
+    assert says == "5 µm"
+
+
+def test_the_wanted_force_is_met(explorer: Explorer) -> None:
+    explorer.type(h0=5.0, wanted=1.0)
+    explorer.element("take").click()
+    assert explorer.force_n == pytest.approx(1, rel=0, abs=1e-8)
+    fit = explorer.fit("two_factor_design")
+    amplitude_m = get_model(fit.model).amplitude_for_force(fit.theta, force_n=1.0, h0_m=5e-6)
+    assert explorer.text("amplitude") == f"{1e6 * amplitude_m:.3f} µm for 1 N"
+
+
+def test_no_amplitude_gives_too_large_a_force(explorer: Explorer) -> None:
+    explorer.choose("screen")
+    explorer.type(wanted=0.0)
+    assert explorer.text("amplitude") in ("none gives 0 N", "0.000 µm for 0 N") or re.fullmatch(
+        r"0\.\d{3} µm for 0 N", explorer.text("amplitude")
+    )
+
+
+def test_the_error_is_that_of_the_nearest_simulation(
+    explorer: Explorer, screen: pd.DataFrame
+) -> None:
+    explorer.choose("screen")
+    fit = explorer.fit("screen")
+    for row in screen.iloc[:: max(1, len(screen) // 4)].itertuples():
+        explorer.type(h0=row.h0_m * 1e6, hv=row.hv_m * 1e6)
+        model_n = get_model(fit.model).evaluate(
+            fit.theta, Factors.of(h0_m=row.h0_m, hv_m=row.hv_m)
+        )[0]
+        shown = float(explorer.text("error").removesuffix(" %"))
+        assert shown == pytest.approx(100 * (model_n / row.force_n - 1), abs=0.0051)
+        assert explorer.text("nearest").startswith(f"{row.force_n:#.4g} N at")
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ({"h0": 7.0, "hv": 1.0}, ""),
+        ({"h0": 5.0, "hv": 2.2}, "the amplitude lies outside the simulated 0.2–2 µm"),
+        ({"h0": 4.5, "hv": 1.0}, "the gap lies outside the simulated 5–10 µm"),
+        ({"phi_r": 1.0}, "knows a centred finger only"),
+    ],
+)
+def test_where_a_model_is_not_to_be_trusted_the_page_says_why(
+    values: dict[str, float], reason: str, explorer: Explorer
+) -> None:
+    explorer.type(**values)
+    said = explorer.text("trust")
+    assert said.startswith("Not to be trusted" if reason else "Trusted")
+    assert reason in said
+
+
+def test_a_touching_surface_has_no_force(explorer: Explorer) -> None:
+    script = "arguments[0].max = 99; arguments[1].max = 99"
+    explorer.browser.run(script, explorer.element("hv"), explorer.element("hv-number"))
+    explorer.type(h0=4.0)
+    explorer.element("hv").send_keys(Keys.END)
+    touching = explorer.factors()["hv_m"] >= explorer.factors()["h0_m"]
+    assert (explorer.text("force") == "no force") == touching
+
+
+def test_the_mouse_turns_the_surface_and_so_does_its_slider(explorer: Explorer) -> None:
+    eye = "return document.getElementById('space')._fullLayout.scene._scene.getCamera().eye"
+    before = explorer.browser.run(eye)
+    actions = ActionChains(explorer.browser.driver)
+    actions.move_to_element(explorer.element("space")).click_and_hold()
+    actions.move_by_offset(60, 10).move_by_offset(40, 0).release().perform()
+    explorer.browser.settle()
+    turned = explorer.browser.run(eye)
+    assert math.dist((turned["x"], turned["y"]), (before["x"], before["y"])) > 0.1
+    explorer.element("turn").send_keys(Keys.HOME)
+    explorer.browser.settle()
+    again = explorer.browser.run(eye)
+    assert again["x"] == pytest.approx(-math.hypot(turned["x"], turned["y"]), rel=1e-3)
+
+
+def test_the_drawings_show_the_point_the_curve_and_the_simulations(
+    explorer: Explorer, screen: pd.DataFrame
+) -> None:
+    explorer.choose("screen")
+    explorer.type(h0=8.0, hv=1.5, wanted=0.2)
+    explorer.browser.settle()
+
+    def trace(drawing: str, name: str) -> dict[str, list[float]]:
+        return explorer.browser.run(
+            "const t = document.getElementById(arguments[0]).data.find(t => t.name === arguments[1]);"
+            "return {x: [...t.x], y: [...t.y], z: t.z ? [...t.z] : null}",
+            drawing,
+            name,
+        )
+
+    assert trace("plane", "this point")["x"] == pytest.approx([8.0])
+    assert trace("plane", "this point")["y"] == pytest.approx([1.5])
+    assert trace("space", "this point")["z"] == pytest.approx([explorer.force_n], abs=EXACT)
+    for drawing in ("plane", "space"):
+        fitted = trace(drawing, "fitted")
+        np.testing.assert_allclose(fitted["x"], 1e6 * screen["h0_m"], rtol=1e-12)
+        np.testing.assert_allclose(fitted["y"], 1e6 * screen["hv_m"], rtol=1e-12)
+    curve = trace("plane", "0.2 N")
+    fit = explorer.fit("screen")
+    on_curve = [(x, y) for x, y in zip(curve["x"], curve["y"], strict=True) if y]
+    assert len(on_curve) > 100
+    h0_m, hv_m = 1e-6 * np.array(on_curve).T
+    forces = get_model(fit.model).evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))
+    np.testing.assert_allclose(forces, 0.2, rtol=1e-9)
+
+
+def test_on_a_phone_the_force_stays_in_sight_while_sliders_move(
+    browser: Browser, results: Path
+) -> None:
+    browser.open(results / "explorer.html", size=PHONE)
+    explorer = Explorer(browser, results)
+    for name in FACTOR:
+        slider = explorer.element(name)
+        browser.run("arguments[0].scrollIntoView({block: 'end'})", slider)
+        box = browser.run("return document.getElementById('force').getBoundingClientRect()")
+        assert 0 <= box["top"] < box["bottom"] <= PHONE[1]
+        slider_box = browser.run("return arguments[0].getBoundingClientRect()", slider)
+        assert slider_box["height"] >= 24
+        assert box["bottom"] < slider_box["top"] < PHONE[1]
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+def test_text_stands_out_from_what_is_behind_it(
+    dark: bool, browser: Browser, results: Path, luminance: Callable[[str], float]
+) -> None:
+    """Contrast of 4.5 for text and 3 for lines, as the WCAG ask for."""
+    browser.open(results / "explorer.html", dark=dark)
+    names = ("paper", "card", "ink", "soft", "blue", "red", "good")
+    script = (
+        "return getComputedStyle(document.documentElement).getPropertyValue('--' + arguments[0])"
+    )
+    light = {name: luminance(browser.run(script, name)) for name in names}
+    assert (light["card"] < 0.1) == dark
+    for behind in ("paper", "card"):
+        for name, least in {"ink": 7, "soft": 4.5, "red": 4.5, "good": 4.5, "blue": 3}.items():
+            high, low = sorted((light[name], light[behind]), reverse=True)
+            assert (high + 0.05) / (low + 0.05) >= least, (name, behind)
+
+
+@pytest.fixture(scope="session")
+def luminance() -> Callable[[str], float]:
+    """The relative luminance of a colour #rrggbb (WCAG 2)."""
+
+    def of(colour: str) -> float:
+        channels = (int(colour.strip()[i : i + 2], 16) / 255 for i in (1, 3, 5))
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+        return float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
+
+    return of
