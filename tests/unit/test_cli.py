@@ -8,7 +8,6 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm import locks
 from squeezefilm.cli import COMMANDS, main
 from squeezefilm.commands.gather import in_order
 from squeezefilm.errors import InputError
@@ -176,25 +175,6 @@ def test_a_design_of_another_model_is_refused(config: str, tmp_path: Path, capsy
         capsys, "design", "four-factor", fit, *words, "--summary", names[2], "--distinct", names[3]
     )
     assert "a fit of the model two_factor" in text
-
-
-def test_the_lock_of_a_dead_run_alone_is_removed(tmp_path: Path, capsys: Capture) -> None:
-    lock = tmp_path / locks.LOCKS / "0.input.lock"
-    assert main(["unlock", "--folder", str(tmp_path)]) == 0
-    lock.parent.mkdir(parents=True)
-    lock.touch()
-    assert "an unknown run" in refused(capsys, "unlock", "--folder", tmp_path, status=1)
-    locks.record_owner(tmp_path)
-    assert "which still runs" in refused(capsys, "unlock", "--folder", tmp_path, status=1)
-    owner = json.loads((tmp_path / locks.OWNER).read_text())
-    (tmp_path / locks.OWNER).write_text(json.dumps(owner | {"host": "elsewhere"}))
-    assert "cannot be asked" in refused(capsys, "unlock", "--folder", tmp_path, status=1)
-    assert lock.exists()
-    # The same process number, but a process that started at another time: used again.
-    (tmp_path / locks.OWNER).write_text(json.dumps(owner | {"started": 1.0}))
-    assert main(["unlock", "--folder", str(tmp_path)]) == 0
-    assert not lock.exists()
-    assert "which is dead" in capsys.readouterr().out
 
 
 def test_doctor_finds_the_device_and_says_where_things_lie(tmp_path: Path, capsys: Capture) -> None:

@@ -8,10 +8,11 @@ from shlex import quote
 LIBRARY = Path(workflow.current_basedir).parent.resolve()
 sys.path.insert(0, str(LIBRARY))
 
-from squeezefilm import imports, locks
+from squeezefilm import atomic, imports, locks, run_card
 from squeezefilm.chunks import chunk_counts
 from squeezefilm.config import load_config
-from squeezefilm.errors import InputError
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.models import check_models
 from squeezefilm.study import check_study
 
 
@@ -45,6 +46,7 @@ def config_path():
 def load():
     try:
         config = check_study(load_config(config_path()))
+        check_models(config["models"], config["comparison"], place=config.path)
         return config, chunk_counts(config)
     except InputError as error:
         refuse(error)
@@ -89,6 +91,13 @@ def cores_for(searches):
     return max(1, min(4, searches // 4))
 
 
+# One run at a time makes a study; its jobs know it by name, also those that run elsewhere.
+CARDS = Path("results") / STUDY / "run_cards"
+MAIN = workflow.is_main_process
+OWNER = locks.new_owner() if MAIN else locks.read_owner(CARDS)
+RUN = str(CARDS / OWNER.run) if OWNER else ""
+
+
 # Put before every command of every rule: the library is found installed or not, and the python is
 # that of the environment that runs snakemake, unless a conda environment is activated after it. A
 # job on a cluster's node keeps its compiled kernels there, in Snakemake's tmpdir: home directories
@@ -97,7 +106,7 @@ shell.prefix(
     "set -euo pipefail; "
     f"{'export SQUEEZEFILM_NODE_CACHE=$TMPDIR; ' if workflow.remote_exec else ''}"
     f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
-    f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
+    f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}} SQUEEZEFILM_RUN={quote(RUN)}; "
 )
 
 
@@ -109,6 +118,7 @@ PLANS = [
     "extrapolation",
     "four_factor",
     "four_factor_control",
+    "model_control",
     "four_factor_design",
     "four_factor_design_distinct",
 ]
@@ -128,5 +138,49 @@ wildcard_constraints:
     chunks="[0-9]+",
 
 
+ATTENDED = locks.attend(Path.cwd()) if MAIN else None
+
+# Snakemake refuses a second run too, but does not say whose the first one is.
+if MAIN and not workflow.output_settings.dryrun and locks.is_held(CARDS):
+    print(f"squeezefilm: note: {locks.held_by(CARDS)}", file=sys.stderr)
+
+
+def begin_run():
+    """Take the study and begin the run's card."""
+    global HELD
+    try:
+        HELD = locks.hold(CARDS, OWNER)
+        atomic.remove_parts(CARDS.parent)
+        run_card.begin(
+            CARDS,
+            OWNER,
+            config=CONFIG,
+            config_path=Path(CONFIG_FILE),
+            command=sys.argv,
+            cores=workflow.cores,
+        )
+    except (InputError, RunError) as error:
+        refuse(error)
+
+
+def end_run(outcome):
+    """Complete the run's card; the next run does it where that fails."""
+    try:
+        run_card.end(CARDS, OWNER, outcome=outcome)
+    except InputError as error:
+        print(f"squeezefilm: note: {error}", file=sys.stderr)
+
+
 onstart:
-    locks.record_owner(Path.cwd())
+    if MAIN:
+        begin_run()
+
+
+onsuccess:
+    if MAIN:
+        end_run(run_card.COMPLETED)
+
+
+onerror:
+    if MAIN:
+        end_run(run_card.FAILED)

@@ -7,7 +7,7 @@ import importlib
 import sys
 from collections.abc import Sequence
 
-from squeezefilm import __version__
+from squeezefilm import __version__, provenance
 from squeezefilm.errors import InputError, RunError
 
 COMMANDS = {
@@ -16,12 +16,18 @@ COMMANDS = {
     "plan": "write the scenes of a plan",
     "extrapolate": "write the scenes at which fitted models expect a wanted force",
     "gather": "put the simulated parts of a plan together",
+    "limits": "the physics limit of each scene, with nothing fitted",
     "fit": "fit an empirical model to forces",
     "design": "find the points at which simulations teach most about a fitted model",
+    "compare": "fitted models side by side: errors, a table and a map",
+    "predict": "forces by a fitted model, from its file alone",
+    "working-point": "the amplitude that gives a wanted force, by a fitted model",
+    "export": "write a fitted model as a C header or a Python function",
     "validate": "judge a fitted model on simulated forces",
     "figure-data": "build the table that a figure is drawn from",
     "plot": "draw a figure from its table",
     "table": "make one of the paper's tables",
+    "explorer": "write a page of HTML in which fitted models can be played with",
     "claims": "compare the paper's claims with the results",
     "work-precision": "error against run time of the solver and of other methods",
     "stability": "stiff and extreme films, each with a verdict",
@@ -31,8 +37,13 @@ COMMANDS = {
     "warm": "compile the kernels ahead of time",
     "roofline": "measure the solver's kernels beside the limits of the device",
     "left-out": "put back what scenes do not need: the same forces, at what cost",
+    "trace": "say which run, code and device made a result",
+    "check": "compare a finished study with its stored reference",
+    "verdict": "show the table of a check; fails when anything in it failed",
+    "reference": "make the reference that a study is checked against",
     "doctor": "check the OpenCL device, caches, lock and versions of this installation",
     "unlock": "remove the lock that a killed run of the workflow left",
+    "repair": "put results aside that are not as they were made",
 }
 
 
@@ -58,7 +69,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             subparser.set_defaults(run=module.run)
     options = parser.parse_args(words)
     try:
-        return int(options.run(options) or 0)
+        status = int(options.run(options) or 0)
+        provenance.finish(words)
+        return status
+    except provenance.Superseded as end:
+        print(f"squeezefilm: {end}", file=sys.stderr)
+        return 0
     except InputError as error:
         return _complain(error, status=2)
     except RunError as error:

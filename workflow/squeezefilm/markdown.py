@@ -2,30 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from squeezefilm.errors import InputError
+from squeezefilm.atomic import whole_file
 
 
 def markdown_table(table: pd.DataFrame) -> str:
     """The table in Markdown; values are shown as they are, missing ones as a dash."""
-    rows = [list(table.columns), ["---"] * len(table.columns)]
-    rows += [["–" if pd.isna(cell) else cell for cell in row] for row in table.to_numpy().tolist()]
+    return markdown_rows([list(table.columns), *table.to_numpy().tolist()])
+
+
+def markdown_rows(rows: Sequence[Sequence[Any]]) -> str:
+    """Rows of cells as a table in Markdown, the first one as its header."""
+    header, *others = rows
+    shown = [["–" if pd.isna(cell) else cell for cell in row] for row in others]
     return "".join(
-        "| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |\n" for row in rows
+        "| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |\n"
+        for row in [header, ["---"] * len(header), *shown]
     )
 
 
 def write_markdown(text: str, path: Path | str) -> None:
-    """Write text for people.
+    """Write text for people, whole or not at all.
 
     Raises:
         InputError: where the file cannot be written.
     """
-    try:
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        Path(path).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8")

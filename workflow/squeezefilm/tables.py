@@ -9,8 +9,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +18,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.atomic import whole_file
 from squeezefilm.errors import InputError
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
@@ -307,7 +306,7 @@ def _number_type(column: pd.Series) -> Any:
 def write_json(values: dict[str, Any], path: Path | str) -> None:
     """Write a JSON file with sorted keys, whole or not at all."""
     text = json.dumps(values, indent=2, sort_keys=True, allow_nan=False) + "\n"
-    with whole_file(Path(path)) as name:
+    with whole_file(path) as name:
         name.write_text(text, encoding="utf-8")
 
 
@@ -326,28 +325,3 @@ def read_json(path: Path | str) -> dict[str, Any]:
     if not isinstance(values, dict):
         raise InputError(f"{path}: expected a JSON object")
     return values
-
-
-@contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """A name beside the target to write to, renamed at the end; gone if something goes wrong.
-
-    No half-written file ever bears the target's name, and two writers do not meet.
-
-    Raises:
-        InputError: when the file cannot be written.
-    """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-    os.close(descriptor)
-    try:
-        yield Path(name)
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-    finally:
-        Path(name).unlink(missing_ok=True)

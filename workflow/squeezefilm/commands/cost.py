@@ -11,9 +11,10 @@ from __future__ import annotations
 import argparse
 import sys
 
+from squeezefilm import provenance
 from squeezefilm.config import load_config
 from squeezefilm.numerics.cost import cost, sizes
-from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.tables import write_table
 
 SECTIONS = ("solver", "numerics")
@@ -28,6 +29,7 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     settings, wanted = config["numerics"], config["solver"]["device"]
     name = choose_device(wanted).name
+    provenance.note(device=describe(wanted))
     table = cost(
         sizes(full=settings["extent"] == "full"),
         repeats=settings["repeats"],

@@ -6,28 +6,15 @@ Ends with status 1 when there is no OpenCL device that computes in double precis
 from __future__ import annotations
 
 import argparse
-import importlib.metadata
 import os
-import platform
-import sys
 from pathlib import Path
 
-from squeezefilm import __version__, locks
+from squeezefilm import locks
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.provenance import versions
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, describe, device_name, list_devices
 
 SECTIONS: tuple[str, ...] = ()
-PACKAGES = (
-    "snakemake",
-    "numpy",
-    "scipy",
-    "pandas",
-    "matplotlib",
-    "pymoo",
-    "pyopencl",
-    "pocl-binary-distribution",
-    "scikit-fem",
-)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,21 +43,6 @@ def run(options: argparse.Namespace) -> None:
     print("\nall well: simulations can run")
 
 
-def versions() -> dict[str, str]:
-    """Versions of the system and of the packages that results depend on."""
-    found = {
-        "squeezefilm": __version__,
-        "python": f"{platform.python_version()} ({sys.executable})",
-        "system": platform.platform(),
-    }
-    for name in PACKAGES:
-        try:
-            found[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            found[name] = "not installed"
-    return found
-
-
 def caches() -> dict[str, str]:
     """Where compiled kernels are kept, and whether that can be written."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
@@ -83,14 +55,18 @@ def caches() -> dict[str, str]:
 
 
 def lock_state(folder: Path) -> str:
-    """Whether the workflow of a folder is locked, and by whom."""
-    if not locks.is_locked(folder):
+    """Whether a run goes on in a folder, or has left a lock behind."""
+    held = {cards: locks.is_held(cards) for cards in locks.studies(folder)}
+    for cards, answer in held.items():
+        if answer:
+            return locks.held_by(cards)
+    if not locks.has_snakemake_lock(folder):
         return "free"
-    owner = locks.read_owner(folder)
-    if owner is None:
-        return "locked by an unknown run"
-    state = {True: "still runs", False: "is dead: make resume", None: "cannot be asked from here"}
-    return f"locked by process {owner.process} on {owner.host}, which {state[owner.lives()]}"
+    return (
+        "locked by a run on another host, which cannot be asked from here"
+        if None in held.values()
+        else "locked by a run that is dead: make resume"
+    )
 
 
 def _folder_state(folder: Path) -> str:

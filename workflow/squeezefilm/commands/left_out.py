@@ -9,10 +9,11 @@ import argparse
 
 import pandas as pd
 
+from squeezefilm import provenance
 from squeezefilm.config import load_config
 from squeezefilm.errors import RunError
 from squeezefilm.numerics.left_out import Variant, measure
-from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.study import scene_of
 from squeezefilm.tables import read_scenes, scene_points, write_table
 
@@ -30,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     device = choose_device(config["solver"]["device"])
+    provenance.note(device=describe(config["solver"]["device"]))
     points = [point for path in options.scenes for point in scene_points(read_scenes(path))]
     variants = measure(
         [scene_of(point, config) for point in points],

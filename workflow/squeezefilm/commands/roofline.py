@@ -9,9 +9,10 @@ import argparse
 
 import pandas as pd
 
+from squeezefilm import provenance
 from squeezefilm.config import load_config
 from squeezefilm.numerics.roofline import measure
-from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.tables import write_table
 
 SECTIONS = ("solver",)
@@ -23,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    device = choose_device(load_config(options.config).only(SECTIONS)["solver"]["device"])
+    wanted = load_config(options.config).only(SECTIONS)["solver"]["device"]
+    device = choose_device(wanted)
+    provenance.note(device=describe(wanted))
     table = pd.DataFrame([vars(rate) for rate in measure(device)]).assign(device=device.name)
     write_table(table, options.output)
     print(table.drop(columns="device").to_string(index=False, float_format="{:.2f}".format))

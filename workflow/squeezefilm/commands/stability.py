@@ -14,10 +14,11 @@ import sys
 
 import pandas as pd
 
+from squeezefilm import provenance
 from squeezefilm.config import load_config
 from squeezefilm.errors import RunError
 from squeezefilm.numerics.stability import cases, explicit_limits, stability
-from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.tables import write_table
 
 SECTIONS = ("solver", "numerics")
@@ -40,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     full = config["numerics"]["extent"] == "full"
+    provenance.note(device=describe(config["solver"]["device"]))
     judged = stability(
         [case for case in cases() if full or case.in_sample],
         device=choose_device(config["solver"]["device"]),

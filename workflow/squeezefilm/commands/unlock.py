@@ -1,6 +1,6 @@
 """Remove the lock that a killed run of the workflow left in this folder.
 
-Only where the run that took the lock is dead; otherwise ends with status 1 and says who holds it.
+Only when every run in it is dead; otherwise ends with status 1 and says who goes on.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    if not locks.is_locked(options.folder):
-        print(f"{options.folder.resolve()}: not locked")
+    folder = options.folder.resolve()
+    locked = locks.has_snakemake_lock(folder)
+    for cards in locks.studies(folder):
+        held = locks.is_held(cards)
+        if held:
+            raise RunError(locks.held_by(cards))
+        if held is None and locked:
+            raise RunError(
+                f"{folder} is locked, and {locks.read_owner(cards)}, which made {cards.parent}, "
+                "cannot be asked from here. When you are sure that it is dead, run: "
+                "snakemake --unlock"
+            )
+    if not locked:
+        print(f"{folder}: not locked")
         return
-    owner = locks.read_owner(options.folder)
-    by_hand = "When you are sure that it is dead, run: snakemake --unlock"
-    if owner is None:
-        raise RunError(f"{options.folder.resolve()} is locked by an unknown run. {by_hand}")
-    if owner.lives() is None:
-        raise RunError(
-            f"{options.folder.resolve()} is locked by process {owner.process} on {owner.host}, "
-            f"which cannot be asked from here. {by_hand}"
-        )
-    if owner.lives():
-        raise RunError(
-            f"{options.folder.resolve()} is locked by process {owner.process}, which still runs; "
-            "wait for it, or end it"
-        )
-    locks.remove_lock(options.folder)
-    print(f"{options.folder.resolve()}: removed the lock of process {owner.process}, which is dead")
+    if locks.is_attended(folder):
+        raise RunError(f"{folder}: snakemake runs there; wait for it, or end it")
+    locks.remove_snakemake_lock(folder)
+    print(f"{folder}: removed the lock of a run that is dead")

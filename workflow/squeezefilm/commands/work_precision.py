@@ -15,6 +15,7 @@ import sys
 
 import pandas as pd
 
+from squeezefilm import provenance
 from squeezefilm.config import load_config
 from squeezefilm.fitted import read_fit
 from squeezefilm.numerics.work_precision import (
@@ -24,7 +25,7 @@ from squeezefilm.numerics.work_precision import (
     missing_peers,
     work_precision,
 )
-from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.tables import write_table
 
 SECTIONS = ("solver", "numerics")
@@ -44,6 +45,7 @@ def run(options: argparse.Namespace) -> None:
     settings = config["numerics"]
     full = settings["extent"] == "full"
     device = choose_device(config["solver"]["device"])
+    provenance.note(device=describe(config["solver"]["device"]))
     model_error = read_fit(options.fit).global_error
     warm = work_precision(
         FILMS if full else SAMPLE,

@@ -15,6 +15,8 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.textpath import text_to_path
 
+from squeezefilm.atomic import whole_file
+
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
 PNG_DPI = 300
@@ -121,5 +123,6 @@ def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
 def save(figure: Figure, paths: Iterable[Path | str]) -> None:
     """Save in the formats that the names ask for, byte for byte the same each time."""
     for path in map(Path, paths):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, metadata=_NO_METADATA[path.suffix])
+        with whole_file(path) as part:
+            kind = path.suffix.removeprefix(".")
+            figure.savefig(part, format=kind, metadata=_NO_METADATA[path.suffix])

@@ -1,0 +1,123 @@
+"""A file is whole or not there, whoever else writes it and whatever happens meanwhile."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pandas as pd
+import pytest
+
+from squeezefilm import atomic, provenance
+from squeezefilm.atomic import whole_file
+from squeezefilm.errors import InputError
+from squeezefilm.figures import style
+from squeezefilm.markdown import write_markdown
+from squeezefilm.tables import write_json, write_table
+
+TABLE = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6]})
+
+
+def draw(path: Path) -> None:
+    style.save(plt.figure(figsize=(1, 1)), [path])
+    plt.close("all")
+
+
+WRITERS = {
+    "table.csv": lambda path: write_table(TABLE, path),
+    "table.parquet": lambda path: write_table(TABLE, path),
+    "fit.json": lambda path: write_json({"theta": [1.0]}, path),
+    "table.md": lambda path: write_markdown("text\n", path),
+    "figure.png": draw,
+    "figure.svg": draw,
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_no_writer_shows_a_half_written_file(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / name
+    path.write_text("before")
+    seen = []
+
+    def fail(descriptor: int) -> None:
+        seen.append((path.read_text(), [part.name for part in tmp_path.glob(".*.part")]))
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(atomic.os, "fsync", fail)
+    with pytest.raises(InputError, match=f"{name}: cannot be written: No space left on device"):
+        WRITERS[name](path)
+    ((text, parts),) = seen
+    assert text == "before"
+    assert len(parts) == 1
+    assert [entry.name for entry in tmp_path.iterdir()] == [name]
+    monkeypatch.undo()
+    WRITERS[name](path)
+    assert path.read_bytes() not in (b"before", b"")
+    assert [entry.name for entry in tmp_path.iterdir()] == [name]
+
+
+def test_twins_that_write_the_same_file_do_not_meet(tmp_path: Path) -> None:
+    path = tmp_path / "forces.csv"
+
+    def write(number: int) -> None:
+        with whole_file(path) as part:
+            part.write_text(f"{number}\n" * 5000)
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(write, range(40)))
+    lines = path.read_text().splitlines()
+    assert len(lines) == 5000
+    assert len(set(lines)) == 1
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(
+    repository: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "plan" / "forces.csv"
+    write_markdown("before", path)
+    code = (
+        "import os, signal; from squeezefilm.atomic import whole_file\n"
+        f"with whole_file({str(path)!r}) as part:\n"
+        "    part.write_text('half')\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    killed = subprocess.run([sys.executable, "-c", code], cwd=repository / "workflow", check=False)
+    assert killed.returncode == -9
+    assert path.read_text() == "before"
+    assert len(list(path.parent.iterdir())) == 2
+    atomic.remove_parts(tmp_path)
+    assert list(path.parent.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("kind", ["a folder in its place", "a file for a folder"])
+def test_a_place_that_cannot_be_written_is_named(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "plan" / "forces.csv"
+    if kind == "a folder in its place":
+        path.mkdir(parents=True)
+    else:
+        path.parent.write_text("")
+    with pytest.raises(InputError, match=f"{path}: cannot be written: "):
+        write_table(TABLE, path)
+    assert not list(tmp_path.rglob(".*.part"))
+
+
+def test_a_job_whose_run_was_followed_by_another_writes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = tmp_path / "run_cards" / "first"
+    path = tmp_path / "forces.csv"
+    monkeypatch.setenv(provenance.RUN_VARIABLE, str(run))
+    write_markdown(json.dumps({"run": "first"}), run.parent / provenance.CURRENT)
+    write_markdown("of the first run", path)
+    write_markdown(json.dumps({"run": "second"}), tmp_path / "new")
+    (tmp_path / "new").replace(run.parent / provenance.CURRENT)
+    with pytest.raises(provenance.Superseded, match="second has begun: nothing is written"):
+        write_markdown("late", path)
+    assert path.read_text() == "of the first run"
