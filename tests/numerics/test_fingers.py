@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import pi, sqrt
+from dataclasses import dataclass, replace
+from math import log, pi, sqrt
 
 import numpy as np
 import pytest
 from films import PISTON, film
 from scipy.special import ellipe, iv
 
+from squeezefilm.errors import InputError
 from squeezefilm.profiles import StandingWave
 from squeezefilm.reynolds import boundary_layer
 from squeezefilm.reynolds.explain import explain
+from squeezefilm.reynolds.galerkin import _periodic_state, first_resolution, solve_in_modes
+from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.solution import Solution
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.scene import Scene
+from squeezefilm.scene import GapShape, Scene, check_scene
 
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 
@@ -131,3 +134,92 @@ def test_methods_for_rectangles_refuse_an_ellipse(method: str) -> None:
     (solution,) = solve([ellipse(epsilon=0.4, sigma=583.0)], tolerance=1e-3, method=method)
     assert np.isnan(solution.force_n)
     assert "rectangular" in solution.status or "finger" in solution.status
+
+
+@pytest.mark.parametrize("numbers", [{}, {"x": 0.2, "bearing": 5.0}, {"rarefaction": "slip"}])
+def test_modes_of_a_rectangle_give_the_forces_of_its_grid(numbers: dict[str, object]) -> None:
+    """Two methods that share no more than the equation."""
+    scene = film(epsilon=0.44, sigma=583.0, **numbers)  # type: ignore[arg-type]
+    (modes,) = solve_in_modes([scene], [needs_of(scene)], tolerance=1e-5)
+    assert modes.status == "ok"
+    assert modes.force_n == pytest.approx(
+        solved(scene, tolerance=1e-6, method="periodic").force_n, rel=1.1e-5
+    )
+
+
+@dataclass(frozen=True)
+class AsTheGap:
+    """A surface that moves most where the gap is wide, s = gap at rest / h0."""
+
+    scene: Scene
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        finger = self.scene.finger
+        return self.scene.rest_gap(x_m / finger.length_x_m + 0.5, y_m / finger.length_y_m + 0.5)
+
+
+@pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
+@pytest.mark.parametrize(
+    "gap", [GapShape(bulge_m=1.5e-6), GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, bulge_m=-0.5e-6)]
+)
+def test_a_gap_that_breathes_keeps_its_mean_square(outline: str, gap: GapShape) -> None:
+    """H = G(x, y) (1 + ε sin T): div(G³ ∇⟨(1 + ε sin T)³ P²⟩) = 0 makes that mean 1 + 3ε²/2."""
+    epsilon = 0.4
+    shaped = pad(film(epsilon=epsilon, sigma=50.0), shape=outline, gap=gap)
+    scene = replace(shaped, actuator=replace(shaped.actuator, profile=AsTheGap(shaped)))
+    resolution = first_resolution(scene, needs_of(scene), tolerance=1e-7)
+    state = _periodic_state(scene, resolution, guess=None, tolerance=1e-9)
+    instants = 2 * pi * np.arange(resolution.instants) / resolution.instants
+    pressure = 1 + state.pressure
+    mean_square = ((1 + epsilon * np.sin(instants)) ** 3 * pressure**2).mean(axis=1)
+    assert mean_square == pytest.approx(1 + 1.5 * epsilon**2, rel=1e-5)
+    assert np.ptp(pressure.mean(axis=1)) > 0.01
+
+
+def test_a_tilted_pad_carries_as_a_slider_bearing() -> None:
+    """Without vibration and at a small bearing number: Reynolds' plane slider (1886).
+
+    W/L = Λ/H2² [ln(1 + K) − 2K/(2 + K)]/K² with H from H1 = H2 (1 + K) down to H2, twice as wide
+    less once as wide to be rid of the ends.
+    """
+    h0, tilt = 5e-6, 4e-6
+    wedge = [
+        pad(film(epsilon=0.0, sigma=1.0, bearing=1e-4, aspect=a), gap=GapShape(tilt_x_m=-tilt))
+        for a in (4.0, 8.0)
+    ]
+    narrow, wide = (mean(scene, tolerance=1e-4) * scene.aspect for scene in wedge)
+    low = 1 - tilt / h0 / 2
+    k = tilt / h0 / low
+    expected = 1e-4 / low**2 * (log(1 + k) - 2 * k / (2 + k)) / k**2
+    assert (wide - narrow) / 4 == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_flat_shape_is_the_flat_gap() -> None:
+    scene = film(epsilon=0.4, sigma=300.0)
+    nearly = pad(scene, gap=GapShape(bulge_m=1e-12, tilt_x_m=1e-12))
+    assert solved(nearly).method == "periodic-modes"
+    assert mean(nearly) == pytest.approx(mean(scene), rel=2e-6)
+
+
+def test_a_tilt_breaks_the_symmetry_along_it_alone() -> None:
+    scene = pad(film(epsilon=0.4, sigma=300.0), gap=GapShape(tilt_x_m=1e-6))
+    solution = solved(scene, tolerance=1e-4)
+    assert "mirror half in y" in solution.left_out
+    assert "mirror half in x" not in solution.left_out
+    other = pad(scene, gap=GapShape(tilt_x_m=-1e-6))
+    assert solved(other, tolerance=1e-4).force_n == pytest.approx(solution.force_n, rel=1e-9)
+
+
+def test_room_at_the_rim_costs_force() -> None:
+    forces = [
+        mean(pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(bulge_m=bulge)), tolerance=1e-4)
+        for bulge in (2e-6, 0.0, -2e-6)
+    ]
+    # The same gap in the middle, where the amplitude is, but more room at the rim.
+    assert forces[0] < forces[1] < forces[2]
+
+
+def test_a_pad_that_touches_is_refused() -> None:
+    touching = pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(tilt_x_m=9e-6))
+    with pytest.raises(InputError, match="touches the surface"):
+        check_scene(replace(touching, actuator=replace(touching.actuator, surface_radius_m=1.0)))

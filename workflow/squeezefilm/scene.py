@@ -296,8 +296,6 @@ def check_scene(scene: Scene) -> None:
             f"point {scene.point_id}: at h0_m = {scene.h0_m:g}, hv_m = {scene.hv_m:g} the tilted "
             "or bulging finger touches the surface; finger.gap leaves too little there"
         )
-    if not scene.finger.gap.flat:
-        raise InputError("finger: shaped gaps are not solved yet")
 
 
 def regime_warnings(scene: Scene) -> list[str]:

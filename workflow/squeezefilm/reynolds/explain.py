@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from squeezefilm.reynolds import elliptic
+from squeezefilm.reynolds import galerkin
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import grid_for, iteration_flops
 from squeezefilm.reynolds.resolution import finer_grid
@@ -67,7 +67,7 @@ def explain(
                 )
             )
             continue
-        if scene.finger.shape == "ellipse":
+        if galerkin.wants_modes(scene):
             explanations.append(_in_modes(scene, need, terms, tolerance=tolerance))
             continue
         first = grid_for(scene, need, tolerance=tolerance)
@@ -75,7 +75,7 @@ def explain(
         explanations.append(
             Explanation(
                 method="periodic",
-                domain=_domain(need),
+                domain=("whole", "half", "quarter")[need.fold_x + need.fold_y],
                 terms=tuple(terms),
                 nx=finest.x.full_points,
                 ny=finest.y.full_points,
@@ -93,25 +93,21 @@ def explain(
 
 
 def _in_modes(scene: Scene, need: Needs, terms: Sequence[str], *, tolerance: float) -> Explanation:
-    """The way of a scene with an elliptical finger."""
-    first = elliptic.first_resolution(scene, need, tolerance=tolerance)
+    """The way of a scene that is solved in the modes of its pad."""
+    first = galerkin.first_resolution(scene, need, tolerance=tolerance)
     finest = first.finer
-    work = _expected_iterations(scene.closure()) * elliptic.flops(first)
+    work = _expected_iterations(scene.closure()) * first.flops
     return Explanation(
-        method=elliptic.METHOD,
-        domain=_domain(need),
+        method=galerkin.METHOD,
+        domain=("whole", "half", "quarter")[first.pad.fold_x + first.pad.fold_y],
         terms=tuple(terms),
-        nx=finest.pad.radial_points,
-        ny=finest.pad.angles,
+        nx=finest.pad.points[0],
+        ny=finest.pad.points[1],
         nt=finest.instants,
-        left_out=need.halves_left_out + need.terms_left_out,
+        left_out=galerkin.halves_left_out(first, need) + need.terms_left_out,
         expected_error=tolerance,
-        expected_mflop=(work + 6 * elliptic.flops(finest)) / 1e6,
+        expected_mflop=(work + 6 * finest.flops) / 1e6,
     )
-
-
-def _domain(need: Needs) -> str:
-    return ("whole", "half", "quarter")[need.fold_x + need.fold_y]
 
 
 def _expected_iterations(epsilon: float) -> float:

@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.galerkin import wants_modes
 from squeezefilm.reynolds.needs import LeftOut, Needs
 from squeezefilm.reynolds.periodic import Grid
 from squeezefilm.reynolds.refinement import grid_for, problems_of
@@ -54,7 +55,7 @@ def solve_marching(
 
 def _refused(scene: Scene, needs: Needs) -> str | None:
     """Why a scene cannot be marched, if so."""
-    if scene.finger.shape != "rectangle" or not scene.finger.gap.flat:
+    if wants_modes(scene):
         return "march knows rectangular fingers with a flat gap only"
     if needs.flow_terms > 1 or needs.polytropic:
         return "march knows viscous isothermal flow only"

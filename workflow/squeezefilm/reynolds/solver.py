@@ -10,7 +10,7 @@ import numpy as np
 
 from squeezefilm.reynolds import limits
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.elliptic import solve_elliptic
+from squeezefilm.reynolds.galerkin import solve_in_modes, wants_modes
 from squeezefilm.reynolds.limits import LimitForces, limit_axis, limit_points
 from squeezefilm.reynolds.marching import solve_marching
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
@@ -70,9 +70,9 @@ def solve(
     Args:
         tolerance: relative error asked for.
         method: one of METHODS. ``auto`` takes the first limit whose error estimate holds the
-            tolerance, else the periodic state, on a grid or, for an elliptical pad, in its modes
-            (elliptic.py). A limit asked for by name always gives its force; the status then says
-            where its estimate is above the tolerance.
+            tolerance, else the periodic state, on a grid or, where that does not know the finger,
+            in its modes (galerkin.py). A limit asked for by name always gives its force; the status
+            then says where its estimate is above the tolerance.
         device: an OpenCL device; the default one if left out.
         report: called with the number of scenes that were finished, as they are.
     """
@@ -88,14 +88,14 @@ def solve(
             report(1)
     left = [index for index in range(len(scenes)) if index not in solutions]
     if method != "march":
-        round_ones = [index for index in left if scenes[index].finger.shape == "ellipse"]
-        rest = solve_elliptic(
-            [scenes[index] for index in round_ones],
-            [needs[index] for index in round_ones],
+        others = [index for index in left if wants_modes(scenes[index])]
+        rest = solve_in_modes(
+            [scenes[index] for index in others],
+            [needs[index] for index in others],
             tolerance=tolerance,
             report=report,
         )
-        solutions.update(zip(round_ones, rest, strict=True))
+        solutions.update(zip(others, rest, strict=True))
         left = [index for index in left if index not in solutions]
     if left:
         on_device = solve_marching if method == "march" else solve_periodic
@@ -133,7 +133,7 @@ def by_limits(
 
 def _applies(name: str, scene: Scene, needs: Needs) -> bool:
     """Whether the limit was derived for this scene's finger and terms at all."""
-    if scene.finger.shape != "rectangle" or not scene.finger.gap.flat:
+    if wants_modes(scene):
         return False
     if needs.bearing or needs.polytropic or needs.flow_terms > 2 or scene.epsilon == 0:
         return False

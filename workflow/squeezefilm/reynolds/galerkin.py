@@ -1,4 +1,6 @@
-"""The periodic state under an elliptical pad: Galerkin's method in the pad's modes, in NumPy.
+"""The periodic state under any pad: Galerkin's method in the pad's modes, in NumPy.
+
+For what the kernels' grid does not know, elliptical outlines and gaps that are not flat at rest.
 
 Unknown: the mass excess m = H(ρ − 1), zero on the rim, as a sum of modes φ_i (pad_modes.py) at
 equidistant instants. With the flux's terms c_k H^(3−k) ∇g_k(P), dg_k/dP = ρ^(1−k), and the product
@@ -14,14 +16,20 @@ the operator D Δ − σ d/dT, D the mean diffusivity, is diagonal and precondit
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.needs import LeftOut, Needs
 from squeezefilm.reynolds.pad_modes import PadGrid, PadModes, pad_modes
-from squeezefilm.reynolds.refinement import ITERATION_SHARE, grid_for
-from squeezefilm.reynolds.resolution import MOMENT_FACTOR, MOMENTS, MOST_TIME, ROUND_OFF
+from squeezefilm.reynolds.refinement import ITERATION_SHARE
+from squeezefilm.reynolds.resolution import (
+    MOMENT_FACTOR,
+    MOMENTS,
+    MOST_TIME,
+    ROUND_OFF,
+    first_grid,
+)
 from squeezefilm.reynolds.solution import Solution, left_out_text
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
@@ -29,7 +37,7 @@ from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 METHOD = "periodic-modes"
 MOST_NEWTON = 40
 MOST_KRYLOV = 120
-LARGEST_BASIS_BYTES = 256 * 2**20
+LARGEST_BYTES = 512 * 2**20
 
 
 @dataclass(frozen=True)
@@ -41,28 +49,32 @@ class Resolution:
 
     @property
     def fits(self) -> bool:
-        """Whether the modes and their derivatives take no more memory than is allowed."""
-        folds = 2**self.pad.fold_x * 2**self.pad.fold_y
-        points = self.pad.radial_points * self.pad.angles / folds
-        modes = (self.pad.degree + 1) * (self.pad.degree + 2) / 2 / folds
-        return 3 * 8 * points * modes <= LARGEST_BASIS_BYTES and self.instants <= MOST_TIME
+        """Whether the modes at the quadrature points take no more memory than is allowed."""
+        points = self.pad.points[0] * self.pad.points[1] / self.pad.folds
+        matrices = 3 * 8 * points * self.pad.modes if self.pad.shape == "ellipse" else 0
+        fields = 8 * points * self.instants * (20 + MOST_KRYLOV / 2)
+        return matrices + fields <= LARGEST_BYTES and self.instants <= MOST_TIME
 
     @property
     def finer(self) -> Resolution:
         """The next resolution, about a fifth more of each."""
         degree = self.pad.degree + 2 * max(2, round(self.pad.degree / 10))
         instants = self.instants + 4 * max(1, round(self.instants / 20))
-        pad = PadGrid(degree, self.pad.aspect, self.pad.fold_x, self.pad.fold_y)
-        return Resolution(pad, instants)
+        return Resolution(replace(self.pad, degree=degree), instants)
+
+    @property
+    def flops(self) -> float:
+        """Floating-point operations of one Krylov iteration's products."""
+        return 6 * self.pad.flops * self.instants
 
 
 @dataclass
 class _State:
-    """A state on one resolution and how it was reached."""
+    """A state on one resolution and how it was reached; ``pressure`` is P − 1, (Q, instants)."""
 
     modes: PadModes
     mass: np.ndarray
-    mean_pressure: np.ndarray
+    pressure: np.ndarray
     largest: float
     thinnest: float
     residual: float
@@ -77,11 +89,11 @@ class _State:
             np.cos(2 * np.pi * np.outer(np.arange(MOMENTS), place))
             for place in (self.modes.x, self.modes.y)
         )
-        moments: np.ndarray = (x * self.modes.weights * self.mean_pressure) @ y.T
+        moments: np.ndarray = (x * self.modes.weights * self.pressure.mean(axis=1)) @ y.T
         return moments
 
 
-def solve_elliptic(
+def solve_in_modes(
     scenes: Sequence[Scene],
     needs: Sequence[Needs],
     *,
@@ -96,19 +108,35 @@ def solve_elliptic(
     return solutions
 
 
+def wants_modes(scene: Scene) -> bool:
+    """Whether the kernels' grid does not know this finger."""
+    return scene.finger.shape != "rectangle" or not scene.finger.gap.flat
+
+
 def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolution:
     """As fine as the rectangle's first grid: a degree for each node across."""
-    grid = grid_for(scene, needs, tolerance=tolerance)
+    gap, bulge = scene.finger.gap, 8 * abs(scene.finger.gap.bulge_m) / scene.h0_m
+    narrowest = float(scene.rest_gap(*scene.inside()).min())
+    bent = bulge / scene.epsilon if scene.epsilon else 0.0
+    grid = first_grid(
+        epsilon=scene.closure(),
+        sigma=scene.sigma / min(1.0, narrowest) ** 2,
+        aspect=scene.aspect,
+        needs=replace(
+            needs, curvature_x=needs.curvature_x + bent, curvature_y=needs.curvature_y + bent
+        ),
+        tolerance=tolerance,
+    )
     degree = max(8, 2 * round(max(grid.x.full_points, grid.y.full_points) / 2))
-    return Resolution(PadGrid(degree, scene.aspect, needs.fold_x, needs.fold_y), grid.nt)
+    fold_x, fold_y = needs.fold_x and gap.tilt_x_m == 0, needs.fold_y and gap.tilt_y_m == 0
+    pad = PadGrid(scene.finger.shape, degree, scene.aspect, fold_x, fold_y)
+    return Resolution(pad, grid.nt)
 
 
-def flops(resolution: Resolution) -> float:
-    """Floating-point operations of one Krylov iteration's products."""
+def halves_left_out(resolution: Resolution, needs: Needs) -> tuple[LeftOut, ...]:
+    """Mirror images of what is solved; a tilt breaks the symmetry along it."""
     pad = resolution.pad
-    folds = 2**pad.fold_x * 2**pad.fold_y
-    modes = (pad.degree + 1) * (pad.degree + 2) / 2 / folds
-    return 12.0 * modes * pad.radial_points * pad.angles / folds * resolution.instants
+    return replace(needs, fold_x=pad.fold_x, fold_y=pad.fold_y).halves_left_out
 
 
 def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
@@ -126,11 +154,11 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
         guess = None
         if before is not None:
             in_time = period(before_instants).interpolation_to(period(resolution.instants))
-            guess = before.modes.carried_to(pad_modes(resolution.pad)) @ before.mass @ in_time.T
+            guess = before.modes.carry(before.mass, pad_modes(resolution.pad)) @ in_time.T
         state = _periodic_state(scene, resolution, guess=guess, tolerance=tolerance)
         newton += state.newton_steps
         krylov += state.krylov_iterations
-        work += (state.newton_steps + state.krylov_iterations) * flops(resolution)
+        work += (state.newton_steps + state.krylov_iterations) * resolution.flops
         residual = state.residual
         if state.failure:
             status = f"{state.failure} (modes up to degree {resolution.pad.degree})"
@@ -154,9 +182,9 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
         force_error_n=error * scene.force_scale_n,
         status=status,
         method=METHOD,
-        left_out=left_out_text(needs.halves_left_out + needs.terms_left_out),
-        nx=resolution.pad.radial_points,
-        ny=resolution.pad.angles,
+        left_out=left_out_text(halves_left_out(resolution, needs) + needs.terms_left_out),
+        nx=resolution.pad.points[0],
+        ny=resolution.pad.points[1],
         nt=resolution.instants,
         newton_steps=newton,
         krylov_iterations=krylov,
@@ -224,7 +252,7 @@ def _periodic_state(
     return _State(
         modes=modes,
         mass=mass,
-        mean_pressure=film.pressure.mean(axis=1),
+        pressure=film.pressure,
         largest=float(np.abs(film.pressure).max()),
         thinnest=float(((1 + film.pressure) * film.gap).min()),
         residual=size,
@@ -241,19 +269,17 @@ class _Film:
         self.scene, self.modes = scene, modes
         s = scene.amplitude(modes.x, modes.y)[:, None]
         self.gap = scene.rest_gap(modes.x, modes.y)[:, None] + scene.epsilon * s * np.sin(instants)
-        self.weighted = modes.weights[:, None] * modes.values
         squeeze = scene.sigma * scene.epsilon * s * np.cos(instants)
-        self.drive = -self.weighted.T @ squeeze
-        self.sliding = np.empty((0, 0))
-        if scene.bearing_number:
-            self.sliding = scene.bearing_number * modes.weights[:, None] * modes.along_x
-            self.drive += self.sliding.T @ self.gap
+        self.drive = -modes.project(squeeze)
+        self.bearing = scene.bearing_number
+        if self.bearing:
+            self.drive += modes.project_on_slopes(self.bearing * self.gap, None)
         self.exponent = scene.gas.polytropic_exponent
 
     def set_state(self, mass: np.ndarray) -> None:
         """Take a state, given by its mass excess in the modes, shape (modes, instants)."""
         self.mass = mass
-        excess = self.modes.values @ mass
+        excess = self.modes.values(mass)
         self.density = 1 + excess / self.gap
         n = self.exponent
         self.pressure = excess / self.gap
@@ -280,34 +306,33 @@ class _Film:
 
     def _flow(self, power: np.ndarray, potential: np.ndarray) -> np.ndarray:
         """−⟨∇φ_i, power ∇Π potential⟩, shape (modes, instants)."""
-        projected = self.weighted.T @ potential
-        weighted = self.modes.weights[:, None] * power
-        along_x = weighted * (self.modes.along_x @ projected)
-        along_y = weighted * (self.modes.along_y @ projected)
-        return -(self.modes.along_x.T @ along_x + self.modes.along_y.T @ along_y)
+        along_x, along_y = self.modes.slopes(self.modes.project(potential))
+        return -self.modes.project_on_slopes(power * along_x, power * along_y)
 
     def balance(self) -> np.ndarray:
         """All terms of the equation but −σ dm/dT, at the state."""
         total = self.drive.copy()
         for power, _, potential in self.terms:
             total += self._flow(power, potential)
-        if self.sliding.size:
-            total += self.sliding.T @ (self.modes.values @ self.mass)
-        return total
+        return total + self._carried(self.mass)
 
     def respond(self, change: np.ndarray) -> np.ndarray:
         """What a small change of the mass changes in the balance."""
-        values = self.modes.values @ change
-        total = np.zeros_like(change)
+        values = self.modes.values(change)
+        total = self._carried(change)
         for power, response, _ in self.terms:
             total += self._flow(power, response * values)
-        if self.sliding.size:
-            total += self.sliding.T @ values
         return total
+
+    def _carried(self, mass: np.ndarray) -> np.ndarray:
+        """The mass that sliding carries along, Λ ⟨∂φ_i/∂X, m⟩."""
+        if not self.bearing:
+            return np.zeros_like(mass)
+        return self.modes.project_on_slopes(self.bearing * self.modes.values(mass), None)
 
     def safe_share(self, change: np.ndarray) -> float:
         """Largest share of a step that takes at most 9/10 of the density anywhere."""
-        steepest = float((-(self.modes.values @ change) / self.gap / self.density).max())
+        steepest = float((-self.modes.values(change) / self.gap / self.density).max())
         return 0.9 / steepest if steepest > 0.9 else 1.0
 
     @property
