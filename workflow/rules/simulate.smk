@@ -138,6 +138,12 @@ rule gather:
         "--output {output.forces} --timings-output {output.timings} >{log} 2>&1"
 
 
+# A rule made from another one is local only if it says so itself.
+localrules:
+    plan_parquet,
+    gather_parquet,
+
+
 use rule plan as plan_parquet with:
     output:
         "<results>/simulations/{plan}/scenes.parquet",
