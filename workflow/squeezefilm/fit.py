@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import Bounds, differential_evolution
+from scipy.optimize import Bounds, differential_evolution, least_squares
 
 from squeezefilm.errors import InputError
 from squeezefilm.force_model import ExpressionModel, Factors
@@ -24,6 +24,7 @@ from squeezefilm.search import Array, Objective, genetic_search, nelder_mead
 
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
+MOST_SEARCHES = 32
 
 
 @dataclass(frozen=True)
@@ -76,17 +77,21 @@ def fit_model(
 ) -> Fit:
     """Genetic algorithm within +-bound, stopped early, then Nelder-Mead (paper, section III).
 
-    Several independent genetic searches are made and the best of them refined.
+    Several independent genetic searches are made and the best of them refined. A model that is
+    linear in its parameters, or has none, needs no search.
     factors and force_n hold n experiments, force_n in newtons. Equal input and seed give an equal
     result. Raises InputError for fewer points than parameters, for lengths that differ and for
     forces that are not finite or all zero.
     """
     force = _checked_force(model, factors, force_n, bound)
+    if model.is_linear:
+        return _linear_fit(model, factors, force, bound=bound, seed=seed)
     objective = _objective(model, factors, force)
     parameters = len(model.parameter_names)
     limit = np.full(parameters, np.arcsinh(bound))
     # The good region's share of the box falls with every parameter: twice the searches for each.
-    seeds = np.random.SeedSequence(seed).generate_state(2 ** (parameters - 1))
+    count = min(2 ** (parameters - 1), MOST_SEARCHES)
+    seeds = np.random.SeedSequence(seed).generate_state(count)
     searches = [
         genetic_search(objective, lower=-limit, upper=limit, seed=int(each)) for each in seeds
     ]
@@ -124,6 +129,8 @@ def fit_by_differential_evolution(
     bound. Raises InputError as fit_model does.
     """
     force = _checked_force(model, factors, force_n, bound)
+    if model.is_linear:
+        return _linear_fit(model, factors, force, bound=bound, seed=seed)
     objective = _objective(model, factors, force)
     limit = np.full(len(model.parameter_names), np.arcsinh(bound))
     population = 60 * len(model.parameter_names)
@@ -155,6 +162,70 @@ def fit_by_differential_evolution(
         evaluations=population * (int(rough.nit) + 1) + best.evaluations,
         search_theta=np.sinh(rough.x),
     )
+
+
+def refit(
+    model: ExpressionModel, factors: Factors, force_n: ArrayLike, *, start: ArrayLike
+) -> Array:
+    """The least-squares theta near a known one, by a method with derivatives.
+
+    For the many fits to parts of the points that a cross-validation makes. Where the model is
+    linear, or has no parameters, ``start`` does not matter. Raises InputError where the model is
+    undefined at the start.
+    """
+    force = np.asarray(force_n, dtype=float)
+    start = np.asarray(start, dtype=float)
+    if model.is_linear:
+        return _linear_theta(model, factors, force)
+    if not np.all(np.isfinite(model.evaluate(start, factors))):
+        raise InputError(f"fit: the {model.name} model is undefined at the start, {start.tolist()}")
+    away = 1e3 * float(np.linalg.norm(force))
+
+    def residual(theta: Array) -> Array:
+        return np.nan_to_num(model.evaluate(theta, factors) - force, nan=away)
+
+    found = least_squares(
+        residual,
+        start,
+        jac=lambda theta: np.nan_to_num(model.gradient(theta, factors)),
+        x_scale=np.maximum(np.abs(start), 1e-3),
+        xtol=1e-14,
+        ftol=1e-14,
+        gtol=1e-14,
+    )
+    return np.asarray(found.x)
+
+
+def _linear_fit(
+    model: ExpressionModel, factors: Factors, force: Array, *, bound: float, seed: int
+) -> Fit:
+    theta = _linear_theta(model, factors, force)
+    return _fit(
+        model,
+        factors,
+        force,
+        theta=theta,
+        method="linear least squares" if len(theta) else "no parameters",
+        bound=bound,
+        seed=seed,
+        searches=0,
+        evaluations=1,
+        search_theta=theta,
+    )
+
+
+def _linear_theta(model: ExpressionModel, factors: Factors, force: Array) -> Array:
+    """Linear least squares, columns scaled to length one."""
+    zero = np.zeros(len(model.parameter_names))
+    if not len(zero):
+        return zero
+    columns = model.gradient(zero, factors)
+    length = np.linalg.norm(columns, axis=0)
+    length = np.where(length > 0, length, 1.0)
+    rest = force - model.evaluate(zero, factors)
+    if not (np.all(np.isfinite(columns)) and np.all(np.isfinite(rest))):
+        raise InputError(f"fit: the {model.name} model is undefined at some of the points")
+    return np.asarray(np.linalg.lstsq(columns / length, rest, rcond=None)[0] / length)
 
 
 def _checked_force(

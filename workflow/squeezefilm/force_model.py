@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from squeezefilm.errors import InputError
-from squeezefilm.expressions import Expression, Program, derivative, parse
+from squeezefilm.expressions import Expression, Name, Program, derivative, parse, walk
 from squeezefilm.units import parameter_units
 
 Array = NDArray[np.float64]
@@ -187,6 +187,16 @@ class ExpressionModel:
         if used.intersection(CARTESIAN) or self.column_names:
             return ("h0_m", "hv_m", *CARTESIAN)
         return ("h0_m", "hv_m")
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the force is a linear function of the parameters, so that no search is needed."""
+        slopes = (derivative(self.parsed.root, name) for name in self.parameter_names)
+        return not any(
+            isinstance(part, Name) and part.name in self.parameter_names
+            for slope in slopes
+            for part in walk(slope)
+        )
 
     @cached_property
     def _value(self) -> Program:

@@ -72,6 +72,24 @@ def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float = 0.15
     )
 
 
+def error_sizes(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, float]:
+    """Errors of modelled against simulated forces, both in newtons, shape (n,), in four numbers.
+
+    ``global_error`` is |model - simulation|/|simulation|, ``root_mean_square_n`` and ``largest_n``
+    are in newtons, ``largest_relative`` is the largest relative error in magnitude. Raises
+    InputError as relative_errors does.
+    """
+    model, simulation = _checked(model_n, simulation_n)
+    relative = relative_errors(model_n=model, simulation_n=simulation)
+    error = model - simulation
+    return {
+        "global_error": float(np.linalg.norm(error) / np.linalg.norm(simulation)),
+        "root_mean_square_n": float(np.sqrt(np.mean(error**2))),
+        "largest_n": float(np.max(np.abs(error))),
+        "largest_relative": float(np.max(np.abs(relative))),
+    }
+
+
 def _checked(model_n: ArrayLike, simulation_n: ArrayLike) -> tuple[Array, Array]:
     model = np.atleast_1d(np.asarray(model_n, dtype=float))
     simulation = np.atleast_1d(np.asarray(simulation_n, dtype=float))

@@ -14,7 +14,6 @@ from pathlib import Path
 from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.fitted import read_fit
-from squeezefilm.force_model import get_model
 from squeezefilm.plans import plan
 from squeezefilm.tables import write_table
 
@@ -35,7 +34,7 @@ def run(options: argparse.Namespace) -> None:
         if Path(path).stem in amplitudes:
             raise InputError(f"{path}: two fits bear the name {Path(path).stem}")
         try:
-            amplitude_m = get_model(fit.model).amplitude_for_force(
+            amplitude_m = fit.force_model.amplitude_for_force(
                 fit.theta, force_n=point["force_n"], h0_m=point["h0_m"]
             )
         except InputError as error:

@@ -2,53 +2,95 @@
 
   squeezefilm fit FORCES.csv --model two-factor --config C.yaml --output FIT.json --runs RUNS.csv
 
+The model is one of the library's or of the study's own (its section `models`). A model that uses
+the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv.
+
 Each of the study's bounds and seeds gives one run of the paper's method, a genetic algorithm
-followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. RUNS.csv
-has every run, FIT.json the run with the least sum of squares.
+followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. A model
+that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the run with
+the least sum of squares and all that is needed to use the model: formula, parameters and their
+units, ranges of the factors, errors on the points and on points left out, and where it comes from.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from squeezefilm import __version__
+from squeezefilm.atomic import digest
 from squeezefilm.config import load_config
+from squeezefilm.cross_validation import left_out_predictions
 from squeezefilm.errors import InputError
+from squeezefilm.experiments import check_columns, factors_of
 from squeezefilm.fit import Fit, fit_by_differential_evolution, fit_model
-from squeezefilm.force_model import ExpressionModel, Factors, get_model
+from squeezefilm.force_model import ExpressionModel, Factors
+from squeezefilm.identifiability import check_identifiable
+from squeezefilm.models import model_named
 from squeezefilm.parallel import spread
-from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces, write_json, write_table
+from squeezefilm.tables import read_ok_forces, write_json, write_table
+from squeezefilm.validation import error_sizes
 
-SECTIONS = ("fit",)
-MODELS = ("two-factor", "four-factor")
+SECTIONS = ("fit", "models")
+FOLDS, FOLD_SEED = 5, 1
+"""Of the cross-validation that tells a fit's error at points it was not fitted to."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("forces", metavar="FORCES.csv", help="simulated forces")
-    parser.add_argument("--model", required=True, choices=MODELS)
+    parser.add_argument("--model", required=True, metavar="NAME", help="such as two-factor")
+    parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="FIT.json", help="the best run")
     parser.add_argument("--processes", type=int, default=1, help="to spread the runs over")
-    parser.add_argument("--runs", required=True, metavar="RUNS.csv", help="all runs")
+    parser.add_argument("--runs", metavar="RUNS.csv", help="all runs")
+    parser.add_argument("--seeds", type=int, help="instead of the study's number of seeds")
+    parser.add_argument(
+        "--keep-going",
+        action="store_true",
+        help="write into FIT.json why the model cannot be fitted, and exit with 0",
+    )
 
 
 def run(options: argparse.Namespace) -> None:
-    settings = load_config(options.config).only(SECTIONS)["fit"]
-    model = get_model(options.model.replace("-", "_"))
+    config = load_config(options.config).only(SECTIONS)
+    model = model_named(options.model, config["models"], place=options.config)
     forces = read_ok_forces(options.forces)
+    factors = factors_of(forces, limits=options.limits)
+    force_n = forces["force_n"].to_numpy()
+    settings = config["fit"]
+    if options.seeds is not None:
+        settings = settings | {"seeds": dict.fromkeys(settings["seeds"], options.seeds)}
     try:
-        runs = _runs(model, forces, processes=options.processes, **settings)
+        check_columns(model, factors)
+        if len(factors) >= len(model.parameter_names):
+            check_identifiable(model, factors)
+        runs = _runs(model, factors, force_n, processes=options.processes, **settings)
+        best = min(runs, key=lambda run: run.sum_of_squares)
+        about = describe(model, factors, force_n, best)
     except InputError as error:
-        raise InputError(f"{options.forces}: {error}") from None
-    write_table(pd.DataFrame([_row(run, model) for run in runs]), options.runs)
-    write_json(min(runs, key=lambda run: run.sum_of_squares).to_dict(), options.output)
+        if not options.keep_going:
+            raise InputError(f"{options.forces}: {error}") from None
+        write_json({"model": model.name, "refused": str(error)}, options.output)
+        print(error)
+        return
+    if options.runs:
+        write_table(pd.DataFrame([_row(run, model) for run in runs]), options.runs)
+    source = {"squeezefilm": __version__, "forces_sha256": digest(Path(options.forces))}
+    if options.limits:
+        source["limits_sha256"] = digest(Path(options.limits))
+    write_json({**best.to_dict(), **about, "source": source}, options.output)
 
 
 def _runs(
     model: ExpressionModel,
-    forces: pd.DataFrame,
+    factors: Factors,
+    force_n: np.ndarray,
     *,
     bounds: list[float],
     seeds: dict[str, int],
@@ -56,9 +98,10 @@ def _runs(
     processes: int,
 ) -> list[Fit]:
     """Every seed with every bound, and a differential evolution with every bound as a check."""
-    factors = Factors.of(**{name: forces[name] for name in FACTOR_COLUMNS})
-    force_n = forces["force_n"].to_numpy()
-    all_seeds = range(first_seed, first_seed + seeds[model.name])
+    if model.is_linear:
+        return [fit_model(model, factors, force_n, bound=bounds[0], seed=first_seed)]
+    count = seeds["four_factor" if len(model.parameter_names) > 3 else "two_factor"]
+    all_seeds = range(first_seed, first_seed + count)
 
     def one(way: tuple[Callable[..., Fit], float, int]) -> Fit:
         function, bound, seed = way
@@ -73,6 +116,45 @@ def _runs(
         )
     ]
     return spread(one, ways, processes=processes)
+
+
+def describe(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: np.ndarray,
+    fit: Fit,
+) -> dict[str, Any]:
+    """What a file must tell of a fit, so that the model can be used from the file alone."""
+    return {
+        "about": model.about,
+        "expression": model.expression,
+        "parameters": list(model.parameter_names),
+        "parameter_units": list(model.parameter_units),
+        "force_unit": "N",
+        "ranges": {
+            name: [float(np.min(values)), float(np.max(values))]
+            for name in (*model.factor_names, *model.column_names)
+            for values in [factors.column(name)]
+        },
+        "residual": error_sizes(model_n=model.evaluate(fit.theta, factors), simulation_n=force_n),
+        "cross_validation": _cross_validation(model, factors, force_n, fit),
+    }
+
+
+def _cross_validation(
+    model: ExpressionModel, factors: Factors, force_n: np.ndarray, fit: Fit
+) -> dict[str, float] | None:
+    """Errors at points left out of the fit; none where the points are too few to leave any out."""
+    count = len(force_n)
+    folds = min(FOLDS, count)
+    if folds < 2 or count - -(-count // folds) < len(model.parameter_names):
+        return None
+    predicted = left_out_predictions(
+        model, factors, force_n, theta=fit.theta, folds=folds, seed=FOLD_SEED
+    )
+    if not np.all(np.isfinite(predicted)):
+        return None
+    return {"folds": folds, **error_sizes(model_n=predicted, simulation_n=force_n)}
 
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:

@@ -3,8 +3,8 @@
   squeezefilm plan screen --config config/paper.yaml --output scenes.csv
   squeezefilm plan four_factor --config config/paper.yaml --design DESIGN.csv --output scenes.csv
 
-Plans from the configuration alone: screen, error_map, four_factor_control, sweep (write it to a
-.parquet file when it is large). Plans from a design:
+Plans from the configuration alone: screen, error_map, four_factor_control, model_control,
+sweep (write it to a .parquet file when it is large). Plans from a design:
 four_factor (each of its points at each finger position), and two_factor_design,
 four_factor_design, four_factor_design_distinct (its points as they are).
 """
@@ -33,6 +33,7 @@ SECTIONS = {
     "error_map": ("error_map",),
     "four_factor_control": ("four_factor_control", "screen", "positions"),
     "sweep": ("sweep", "screen", "positions"),
+    "model_control": ("comparison", "screen", "positions"),
     "four_factor": ("positions",),
     "two_factor_design": (),
     "four_factor_design": (),
@@ -70,6 +71,11 @@ def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.D
     if kind == "four_factor_control":
         return random_plan(
             points=config[kind]["points"], seed=config[kind]["seed"], **_ranges(config)
+        )
+    if kind == "model_control":
+        settings = config["comparison"]
+        return random_plan(
+            points=settings["control_points"], seed=settings["seed"], **_ranges(config)
         )
     if kind == "sweep":
         return sweep_plan(

@@ -1,6 +1,9 @@
 """Judge a fitted model on simulated forces: errors point by point, and their summary.
 
-squeezefilm validate FIT.json FORCES.csv --config C.yaml --output ERRORS.csv --summary ERRORS.json
+  squeezefilm validate FIT.json FORCES.csv --config C.yaml \\
+      --output ERRORS.csv --summary ERRORS.json
+
+A model that uses the physics limit needs the forces' LIMITS.csv as --limits.
 """
 
 from __future__ import annotations
@@ -9,8 +12,8 @@ import argparse
 
 from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.experiments import check_columns, factors_of
 from squeezefilm.fitted import read_fit
-from squeezefilm.force_model import Factors, get_model
 from squeezefilm.tables import (
     FACTOR_COLUMNS,
     SCENE_COLUMNS,
@@ -26,6 +29,7 @@ SECTIONS = ("validation",)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
     parser.add_argument("forces", metavar="FORCES.csv", help="simulated forces")
+    parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="ERRORS.csv", help="error of each point")
     parser.add_argument(
@@ -36,9 +40,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     settings = load_config(options.config).only(SECTIONS)["validation"]
     fit, forces = read_fit(options.fit), read_ok_forces(options.forces)
-    model = get_model(fit.model)
+    model = fit.force_model
     try:
-        factors = Factors.of(**{name: forces[name] for name in model.factor_names})
+        factors = factors_of(forces, limits=options.limits)
+        check_columns(model, factors)
         predicted = model.evaluate(fit.theta, factors)
         errors = relative_errors(model_n=predicted, simulation_n=forces["force_n"])
         summary = summarise(

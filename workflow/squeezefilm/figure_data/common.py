@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.fitted import FittedModel
-from squeezefilm.force_model import Factors, get_model
+from squeezefilm.force_model import Factors
 
 Inputs = Mapping[str, Path]
 
@@ -47,7 +47,7 @@ def model_mesh(fit: FittedModel, screen: pd.DataFrame) -> pd.DataFrame:
     h0_m = np.linspace(screen["h0_m"].min(), screen["h0_m"].max(), MESH_LINES)
     hv_m = np.linspace(screen["hv_m"].min(), screen["hv_m"].max(), MESH_LINES)
     gaps, amplitudes = (values.ravel() for values in np.meshgrid(h0_m, hv_m, indexing="ij"))
-    force = get_model(fit.model).evaluate(fit.theta, Factors.of(h0_m=gaps, hv_m=amplitudes))
+    force = fit.force_model.evaluate(fit.theta, Factors.of(h0_m=gaps, hv_m=amplitudes))
     return plane_table(
         pd.DataFrame({"h0_m": gaps, "hv_m": amplitudes, "force_n": force}), layer="model"
     )

@@ -40,6 +40,7 @@ NUMERICS = (
     "paper_signature",
     "left_out",
 )
+MODELS = ("model_errors",)
 
 
 def figure_module(name: str) -> ModuleType:
@@ -48,7 +49,7 @@ def figure_module(name: str) -> ModuleType:
     Raises:
         InputError: for a name that is no figure.
     """
-    known = (*FIGURES, *NUMERICS)
+    known = (*FIGURES, *NUMERICS, *MODELS)
     if name not in known:
         raise InputError(f"there is no figure {name!r}; the figures are {', '.join(known)}")
     return importlib.import_module(f"squeezefilm.figures.{name}")

@@ -1,0 +1,128 @@
+# Candidates for the force model, the paper's, physics and your own, side by side: `snakemake models`.
+
+MODEL_SPACES = ["two_factor", "four_factor"]
+# The points that candidates are fitted to, and those that they are judged on.
+FITTED_PLAN = {"two_factor": "screen", "four_factor": "four_factor"}
+CONTROL_PLAN = {"two_factor": "error_map", "four_factor": "model_control"}
+
+
+wildcard_constraints:
+    space="|".join(MODEL_SPACES),
+    model="[a-z][a-z0-9_]*",
+
+
+rule limits:
+    input:
+        code=code("limits"),
+        config=ancient(CONFIG_FILE),
+        scenes="<results>/simulations/{plan}/scenes.csv",
+    output:
+        "<results>/simulations/{plan}/limits.csv",
+    log:
+        "<logs>/limits/{plan}.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    params:
+        settings=settings("commands.limits"),
+    message:
+        "What physics says of {wildcards.plan} with nothing fitted"
+    shell:
+        "python -m squeezefilm limits {input.scenes} --config {input.config} "
+        "--output {output} >{log} 2>&1"
+
+
+rule fit_candidate:
+    input:
+        code=code("fit"),
+        config=ancient(CONFIG_FILE),
+        forces=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/forces.csv",
+        limits=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/limits.csv",
+    output:
+        "<results>/models/{space}/{model}.json",
+    log:
+        "<logs>/models/{space}/{model}.log",
+    localrule: True
+    conda:
+        "../../envs/fit.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=30,
+    params:
+        settings=settings("commands.fit"),
+    message:
+        "Fit the candidate {wildcards.model} to {wildcards.space} points"
+    shell:
+        "python -m squeezefilm fit {input.forces} --limits {input.limits} "
+        "--model {wildcards.model} --seeds 1 --keep-going --config {input.config} "
+        "--output {output} >{log} 2>&1"
+
+
+rule compare:
+    input:
+        code=code("compare"),
+        fits=lambda wildcards: [
+            f"<results>/models/{wildcards.space}/{model}.json"
+            for model in CONFIG["comparison"][wildcards.space]
+        ],
+        forces=lambda wildcards: f"<results>/simulations/{CONTROL_PLAN[wildcards.space]}/forces.csv",
+        limits=lambda wildcards: f"<results>/simulations/{CONTROL_PLAN[wildcards.space]}/limits.csv",
+    output:
+        table="<results>/models/{space}.csv",
+        text="<results>/models/{space}.md",
+        errors="<results>/models/{space}_errors.csv",
+    log:
+        "<logs>/models/compare_{space}.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    message:
+        "Candidates side by side on {wildcards.space} points"
+    shell:
+        "python -m squeezefilm compare {input.fits} --forces {input.forces} "
+        "--limits {input.limits} --output {output.table} --report {output.text} "
+        "--errors {output.errors} >{log} 2>&1"
+
+
+rule plot_model_errors:
+    input:
+        code=code("plot", "figures.model_errors"),
+        data="<results>/models/{space}_errors.csv",
+    output:
+        png="<results>/models/{space}_errors.png",
+        svg="<results>/models/{space}_errors.svg",
+    log:
+        "<logs>/models/plot_{space}.log",
+    localrule: True
+    conda:
+        "../../envs/figures.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    message:
+        "Draw the candidates' errors on {wildcards.space} points"
+    shell:
+        "python -m squeezefilm plot model_errors {input.data} "
+        "--output {output.png} {output.svg} >{log} 2>&1"
+
+
+rule models:
+    input:
+        expand("<results>/models/{space}.{format}", space=MODEL_SPACES, format=["csv", "md"]),
+        expand(
+            "<results>/models/{space}_errors.{format}",
+            space=MODEL_SPACES,
+            format=["csv", "png", "svg"],
+        ),
+    message:
+        "Candidates for the force model are compared"
