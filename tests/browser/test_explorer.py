@@ -266,7 +266,8 @@ def test_the_drawings_show_the_point_the_curve_and_the_simulations(
 
     def trace(drawing: str, name: str) -> dict[str, list[float]]:
         return explorer.browser.run(
-            "const t = document.getElementById(arguments[0]).data.find(t => t.name === arguments[1]);"
+            "const {data} = document.getElementById(arguments[0]);"
+            "const t = data.find(t => t.name === arguments[1]);"
             "return {x: [...t.x], y: [...t.y], z: t.z ? [...t.z] : null}",
             drawing,
             name,

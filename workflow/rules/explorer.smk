@@ -23,7 +23,7 @@ rule explorer:
         "<logs>/explorer.log",
     localrule: True
     conda:
-        "../../envs/figures.yaml"
+        "../../envs/tables.yaml"
     threads: 1
     resources:
         mem_mb=500,

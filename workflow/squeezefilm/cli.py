@@ -27,6 +27,7 @@ COMMANDS = {
     "figure-data": "build the table that a figure is drawn from",
     "plot": "draw a figure from its table",
     "table": "make one of the paper's tables",
+    "uncertainty": "how far each assumption would have to move to explain a difference",
     "explorer": "write a page of HTML in which fitted models can be played with",
     "claims": "compare the paper's claims with the results",
     "work-precision": "error against run time of the solver and of other methods",
