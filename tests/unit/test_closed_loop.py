@@ -1,0 +1,130 @@
+"""The loop ends where it should, and its estimates are those of the points it has seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from squeezefilm.closed_loop import Goal, Outcome, Pool, run_loop
+from squeezefilm.errors import InputError
+from squeezefilm.force_model import ExpressionModel, Factors, make_model
+
+GRID = 9
+CHECKS = 8
+GOAL = Goal(global_error=1e-3, worst_error=4e-3, most_simulations=20, batch=2)
+
+
+def model(expression: str) -> ExpressionModel:
+    return make_model("tried", {"expression": expression}, place="test")
+
+
+QUADRATIC = "t0*(hv/h0)**2 + t1*(hv/h0)**4"
+
+
+def pool(*, checks: int = CHECKS) -> Pool:
+    """Gaps of 5 to 10 µm and amplitudes of 0.2 to 2 µm: a grid, checks and a sample."""
+    gap, amplitude = np.meshgrid(np.linspace(0, 1, GRID), np.linspace(0, 1, GRID))
+    drawn = np.random.default_rng(5).uniform(size=(checks + 200, 2))
+    unit = np.concatenate([np.column_stack([gap.ravel(), amplitude.ravel()]), drawn])
+    factors = Factors.of(h0_m=5e-6 + 5e-6 * unit[:, 0], hv_m=0.2e-6 + 1.8e-6 * unit[:, 1])
+    ends = np.cumsum([0, GRID**2, checks, 200])
+    parts = [np.arange(start, stop) for start, stop in pairwise(ends)]
+    return Pool(factors, unit, *parts)
+
+
+def run(
+    tried: ExpressionModel,
+    truth: Callable[[np.ndarray], np.ndarray],
+    *,
+    goal: Goal = GOAL,
+    error_n: float = 1e-9,
+    points: Pool | None = None,
+) -> tuple[Outcome, list[int]]:
+    points, asked = points or pool(), []
+
+    def simulate(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        asked.extend(int(each) for each in which)
+        force = truth(points.factors.take(which).epsilon)
+        return force, np.full(len(which), error_n)
+
+    found = run_loop(tried, points, goal, simulate, separation=0.1, bound=100, seed=1)
+    return found, asked
+
+
+def test_a_model_that_holds_reaches_the_wanted_error() -> None:
+    found, asked = run(model(QUADRATIC), lambda e: 5 * e**2 + 3 * e**4)
+    assert found.verdict == "reached"
+    np.testing.assert_allclose(found.rounds[-1].theta, [5, 3], rtol=1e-6)
+    assert len(asked) == len(set(asked)) == found.rounds[-1].simulations <= 20
+
+
+def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on() -> None:
+    points = pool()
+
+    def truth(e: np.ndarray) -> np.ndarray:
+        return np.asarray(5 * e**2 + 3 * e**4 + 1e-3 * e * np.sin(20 * e))
+
+    found, _ = run(model(QUADRATIC), truth, points=points)
+    last, everywhere = found.rounds[-1], np.arange(len(points.coordinates))
+    unseen = np.setdiff1d(everywhere, found.simulated)
+    force = truth(points.factors.take(unseen).epsilon)
+    misses = model(QUADRATIC).evaluate(last.theta, points.factors.take(unseen)) - force
+    assert found.verdict == "reached"
+    assert last.global_lower < np.linalg.norm(misses) / np.linalg.norm(force) < last.global_upper
+    assert 0.5 < last.worst_error * found.scale_n / np.abs(misses).max() < 3
+
+
+def test_verification_points_are_never_fitted() -> None:
+    found, _ = run(model(QUADRATIC), lambda e: 5 * e**2 + 3 * e**4 + 1e-3 * np.sin(20 * e))
+    for done in found.rounds:
+        assert not set(done.design) & set(pool().verification)
+        assert done.simulations == len(done.design) + CHECKS
+
+
+def test_a_model_that_lacks_a_term_is_found_out() -> None:
+    found, asked = run(model("t0*(hv/h0)**2"), lambda e: 5 * e**2 + 30 * e**4)
+    assert found.verdict == "model"
+    assert len(asked) <= 12
+    assert found.rounds[-1].floor > GOAL.worst_error
+    # It is proved: no other parameter leaves a smaller largest residual than the floor.
+    factors = pool().factors.take(found.simulated)
+    largest = [
+        np.abs(t * factors.epsilon**2 - found.force_n).max() for t in np.linspace(4, 12, 400)
+    ]
+    assert min(largest) >= found.rounds[-1].floor * found.scale_n
+
+
+def test_rough_simulations_are_not_taken_for_a_bad_model() -> None:
+    noise = np.random.default_rng(1).normal(scale=3e-3, size=2000)
+
+    def truth(e: np.ndarray) -> np.ndarray:
+        return np.asarray(5 * e**2 + noise[(e * 1e7).astype(int) % 2000])
+
+    assert run(model("t0*(hv/h0)**2"), truth, error_n=3e-3)[0].verdict == "simulation"
+    assert run(model("t0*(hv/h0)**2"), truth, error_n=1e-6)[0].verdict == "model"
+
+
+def test_the_budget_is_kept() -> None:
+    goal = Goal(global_error=1e-3, worst_error=1e-3, most_simulations=16, batch=3)
+    found, asked = run(
+        model(QUADRATIC), lambda e: 5 * e**2 + 3 * e**4 + 2e-4 * np.sin(20 * e), goal=goal
+    )
+    assert found.verdict == "budget"
+    assert len(asked) == 14
+
+
+def test_a_model_without_parameters_is_judged_by_its_verification_points_alone() -> None:
+    found, asked = run(model("5*(hv/h0)**2"), lambda e: 5 * e**2)
+    assert (found.verdict, len(asked)) == ("reached", CHECKS)
+    assert run(model("5*(hv/h0)**2"), lambda e: 6 * e**2)[0].verdict == "model"
+
+
+def test_what_cannot_be_estimated_is_refused() -> None:
+    with pytest.raises(InputError, match="fewer than 3 verification points"):
+        run(model(QUADRATIC), np.square, points=pool(checks=2))
+    goal = Goal(global_error=1e-3, worst_error=1e-3, most_simulations=10, batch=2)
+    with pytest.raises(InputError, match="more than the 10 allowed"):
+        run(model(QUADRATIC), np.square, goal=goal)

@@ -1,0 +1,76 @@
+"""The space holds what can be simulated, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from squeezefilm.config import load_config
+from squeezefilm.design import Box
+from squeezefilm.errors import InputError
+from squeezefilm.scene import check_scene
+from squeezefilm.space import Space
+
+
+@pytest.fixture(scope="module")
+def space(repository) -> Space:
+    return Space.of(load_config(repository / "config" / "paper.yaml"), centred=False)
+
+
+def wide(space: Space) -> Space:
+    """The same with amplitudes up to the gap and positions off the surface."""
+    limits = {"lower": (2e-6, 0.2e-6, 0.0, 0.0), "upper": (10e-6, 4e-6, 4e-3, 45.0)}
+    return replace(space, box=Box(space.box.names, **limits))
+
+
+def test_the_space_is_the_screens_and_the_positions(space: Space, repository) -> None:
+    assert space.box.lower == (5e-6, 0.2e-6, 0.0, 0.0)
+    assert space.box.upper == (10e-6, 2e-6, 2.9e-3, 45.0)
+    centred = Space.of(load_config(repository / "config" / "paper.yaml"), centred=True)
+    assert centred.box.names == ("h0_m", "hv_m")
+
+
+@pytest.mark.parametrize("kind", ["grid", "sample"])
+def test_points_that_cannot_be_simulated_are_left_out(space: Space, kind: str) -> None:
+    larger = wide(space)
+    points = larger.grid(500, distinct=True) if kind == "grid" else larger.sample(300, seed=1)
+    assert np.all(points[:, 1] < points[:, 0])
+    for row in points:
+        check_scene(replace(larger.scene, **dict(zip(larger.box.names, row, strict=True))))
+    corner = np.array([[9e-6, 2e-6, 3.5e-3, 0.0], [9e-6, 2e-6, 3.5e-3, 45.0]])
+    assert list(larger.allowed(corner)) == [True, False]
+
+
+def test_a_sample_is_fair_and_repeatable(space: Space) -> None:
+    points = space.sample(400, seed=3)
+    unit = space.box.to_unit(points)
+    np.testing.assert_allclose(unit.mean(axis=0), 0.5, atol=0.02)
+    np.testing.assert_allclose(unit.var(axis=0), 1 / 12, atol=0.01)
+    np.testing.assert_array_equal(points, space.sample(400, seed=3))
+    assert not np.array_equal(points, space.sample(400, seed=4))
+
+
+def test_a_grid_has_its_limits_and_each_scene_once(space: Space) -> None:
+    points = space.grid(1500, distinct=True)
+    unit = space.box.to_unit(points)
+    assert unit.min() == 0
+    assert unit.max() == 1
+    places = np.round(space.coordinates(points), 12)
+    assert len(np.unique(places, axis=0)) == len(points)
+    assert len(space.grid(1500, distinct=False)) == 6**4
+
+
+def test_points_go_to_a_table_and_back(space: Space, repository) -> None:
+    points = space.sample(5, seed=1)
+    np.testing.assert_allclose(space.points(space.table(points)), points, rtol=1e-11)
+    centred = Space.of(load_config(repository / "config" / "paper.yaml"), centred=True)
+    with pytest.raises(InputError, match="the finger is moved"):
+        centred.points(space.table(points))
+
+
+def test_a_space_without_a_position_on_the_surface_is_refused(space: Space) -> None:
+    limits = {"lower": (5e-6, 0.2e-6, 5e-3, 0.0), "upper": (10e-6, 2e-6, 6e-3, 45.0)}
+    with pytest.raises(InputError, match="hardly any finger position"):
+        replace(space, box=Box(space.box.names, **limits)).sample(5, seed=1)
