@@ -9,16 +9,18 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper quick test test-browser lint format lock resume clean
+.PHONY: help paper quick test test-faults test-browser lint format lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
 	@echo "make quick    the same rules on a small study, in under a minute"
 	@echo "make test     the tests"
+	@echo "make test-faults    runs that are killed, full disks, damaged results"
 	@echo "make test-browser   the pages, in a browser without a screen"
+	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
-	@echo "make resume   go on after a run was killed"
+	@echo "make resume   go on after a run was killed, or a result was damaged"
 	@echo "make lock     pin the newest versions of all packages"
 	@echo "make clean    remove results, logs and the environment"
 
@@ -31,12 +33,18 @@ quick: $(VENV)/.run
 test: $(VENV)/.dev
 	$(RUN) pytest -n 2
 
+test-faults: $(VENV)/.dev
+	$(RUN) pytest tests/faults
+
 # A root user of Debian gets the browser too; elsewhere the tests say what is missing.
 test-browser: $(VENV)/.dev
 	@{ command -v chromium && command -v chromedriver; } >/dev/null || [ "$$(id -u)" != 0 ] \
 		|| { apt-get -q update && apt-get -qy install --no-install-recommends chromium chromium-driver; } \
 		|| true
 	$(RUN) pytest tests/browser
+
+test-cluster: $(VENV)/.dev
+	$(RUN) pytest -v -s tests/cluster
 
 lint: $(VENV)/.dev
 	$(RUN) ruff check .
@@ -52,7 +60,8 @@ format: $(VENV)/.dev
 
 resume: $(VENV)/.run
 	$(RUN) squeezefilm unlock
-	$(RUN) snakemake $(if $(CONFIG),--configfile $(CONFIG)) --rerun-incomplete
+	damaged=$$($(RUN) squeezefilm repair) && $(RUN) snakemake \
+		$(if $(CONFIG),--configfile $(CONFIG)) --rerun-incomplete $${damaged:+--forcerun $$damaged}
 
 lock: $(VENV)/.dev
 	$(COMPILE) --upgrade --output-file requirements.lock requirements.in

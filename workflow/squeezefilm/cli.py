@@ -17,6 +17,7 @@ COMMANDS = {
     "extrapolate": "write the scenes at which fitted models expect a wanted force",
     "gather": "put the simulated parts of a plan together",
     "limits": "the physics limit of each scene, with nothing fitted",
+    "limit-table": "the physics limit all over a study's space, as polynomials",
     "fit": "fit an empirical model to forces",
     "design": "find the points at which simulations teach most about a fitted model",
     "compare": "fitted models side by side: errors, a table and a map",
@@ -44,7 +45,7 @@ COMMANDS = {
     "reference": "make the reference that a study is checked against",
     "doctor": "check the OpenCL device, caches, lock and versions of this installation",
     "unlock": "remove the lock that a killed run of the workflow left",
-    "repair": "put results aside that are not as they were made",
+    "repair": "find results that are not as they were made",
 }
 
 

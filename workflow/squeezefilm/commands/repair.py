@@ -1,13 +1,17 @@
-"""Put results aside that are not as they were made: truncated, corrupted, or edited by hand.
+"""Find results that are not as they were made: truncated, corrupted, or edited by hand.
 
-Each file is compared with its digest on the run cards. One that differs gets ``.damaged`` added to
-its name, and the next run makes it anew, with what was made from it. Files that no card names, and
-studies that are being made right now, are left alone.
+  snakemake --forcerun $(squeezefilm repair)
+
+makes them anew, and what was made from them; `make resume` does so. Each file is compared with its
+digest on the run cards. The names of those that differ are written out, and what is in them is kept
+under the name with ``.damaged`` added. Files that no card names, and studies that are being made
+right now, are left alone.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from squeezefilm import locks
@@ -27,24 +31,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     for cards in locks.studies(options.folder):
         if locks.is_held(cards):
-            print(f"{cards.parent}: left alone: {locks.held_by(cards)}")
+            _tell(f"left alone: {locks.held_by(cards)}")
             continue
         last = {made.path: made.sha256 for made in made_files(cards)}
         damaged = [
-            path
-            for path, sha256 in last.items()
-            if (options.folder / path).is_file() and digest(options.folder / path) != sha256
+            name
+            for name, sha256 in last.items()
+            if (options.folder / name).is_file() and digest(options.folder / name) != sha256
         ]
-        for path in damaged:
-            put_aside(options.folder / path)
-        print(f"{cards.parent}: {len(last) - len(damaged)} results are as they were made")
+        for name in damaged:
+            aside = keep_aside(options.folder / name)
+            _tell(f"{name} is not as it was made; what is in it is kept as {aside.name}")
+            print(name)
 
 
-def put_aside(path: Path) -> None:
-    """Take a damaged file's name from it."""
+def keep_aside(path: Path) -> Path:
+    """Give a damaged file a second name, under which it stays when it is made anew."""
     aside = path.with_name(f"{path.name}.damaged")
     try:
-        path.replace(aside)
+        aside.unlink(missing_ok=True)
+        aside.hardlink_to(path)
     except OSError as error:
-        raise InputError(f"{path}: cannot be renamed: {error.strerror}") from None
-    print(f"{path} is not as it was made; it is {aside.name} now")
+        raise InputError(f"{aside}: cannot be written: {error.strerror}") from None
+    return aside
+
+
+def _tell(message: str) -> None:
+    print(f"squeezefilm: {message}", file=sys.stderr)

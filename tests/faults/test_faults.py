@@ -1,0 +1,341 @@
+"""Whatever stops a run, going on as `make resume` does ends with the same results.
+
+Each test says a fault, what the user is told, and that the results are the same afterwards. The
+stage is `make test-faults`; kill_many.py kills a run a hundred times.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import psutil
+import pytest
+
+from . import kill_many
+from .kill_many import LIBRARY, SNAKEMAKE, digests, fresh, jobs_of, stage_of
+
+FORCES = "results/quick/simulations/screen/forces.csv"
+FIT = "results/quick/fits/screen.json"
+
+
+@dataclass
+class Checkout:
+    """A copy of the checkout in which a part of the quick study is made."""
+
+    folder: Path
+    wanted: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def environment(self) -> dict[str, str]:
+        return {**os.environ, "PYTHONPATH": str(self.folder / "workflow")}
+
+    def run(self, *command: str) -> subprocess.CompletedProcess[str]:
+        done = subprocess.run(
+            command,
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+        assert "Traceback" not in done.stdout, done.stdout
+        return done
+
+    def snakemake(self) -> subprocess.CompletedProcess[str]:
+        return self.run(*SNAKEMAKE)
+
+    def resume(self) -> str:
+        """Go on as `make resume` does; what was printed."""
+        path = self.folder / "resumed.log"
+        with path.open("w") as log:
+            done = kill_many.resume(self.folder, self.environment, log)
+        told = path.read_text()
+        assert done, told
+        return told
+
+    def start(self) -> psutil.Popen:
+        with (self.folder / "started.log").open("w") as log:
+            return psutil.Popen(
+                SNAKEMAKE,
+                cwd=self.folder,
+                env=self.environment,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+            )
+
+    def same(self) -> bool:
+        left = [path for path in self.folder.glob("results/**/.*") if path.name != ".gitkeep"]
+        damaged = [name for name in digests(self.folder) if name.endswith(".damaged")]
+        found = {name: value for name, value in digests(self.folder).items() if name not in damaged}
+        return found == self.wanted and not left
+
+
+@pytest.fixture(scope="session")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
+    """A finished run."""
+    checkout = Checkout(tmp_path_factory.mktemp("undisturbed"))
+    fresh(checkout.folder)
+    done = checkout.snakemake()
+    assert done.returncode == 0, done.stdout
+    checkout.wanted = digests(checkout.folder)
+    return checkout
+
+
+@pytest.fixture
+def checkout(undisturbed: Checkout, tmp_path: Path) -> Checkout:
+    """A checkout in which nothing has been made yet."""
+    fresh(tmp_path)
+    return Checkout(tmp_path, undisturbed.wanted)
+
+
+@pytest.fixture
+def finished(undisturbed: Checkout, tmp_path: Path) -> Checkout:
+    """A copy of a finished run, its files' times kept."""
+    shutil.copytree(undisturbed.folder, tmp_path, dirs_exist_ok=True)
+    return Checkout(tmp_path, undisturbed.wanted)
+
+
+def wait_for_job(running: psutil.Popen, stage: str) -> psutil.Process:
+    while running.poll() is None:
+        for job in jobs_of(running):
+            if stage_of(job) == stage:
+                return job
+        time.sleep(0.005)
+    pytest.fail(f"ended before anything of {stage}: {running.returncode}")
+
+
+@pytest.mark.parametrize(
+    ("number", "aim"), [(0, "plotting"), (1, "fit"), (2, "simulation")], ids=kill_many.VICTIMS
+)
+def test_a_killed_run_goes_on(checkout: Checkout, number: int, aim: str) -> None:
+    kill = kill_many.one_kill(
+        number,
+        aim,
+        0.1,
+        folder=checkout.folder,
+        environment=checkout.environment,
+        wanted=checkout.wanted,
+    )
+    assert aim in kill.ran
+    assert kill.killed == kill_many.VICTIMS[number]
+    assert (kill.resumed, kill.digests_equal, kill.traced) == (True, True, True), kill
+    assert "Nothing to be done" in checkout.snakemake().stdout
+
+
+def test_a_second_run_is_refused_while_the_first_goes_on(checkout: Checkout) -> None:
+    first = checkout.start()
+    wait_for_job(first, "simulation")
+    for command, status in (
+        (SNAKEMAKE, 1),
+        ((*SNAKEMAKE, "--nolock"), 2),
+        ((*LIBRARY, "unlock"), 1),
+    ):
+        second = checkout.run(*command)
+        assert second.returncode == status
+        assert f"results/quick is being made by process {first.pid} on " in second.stdout
+        assert "wait for it, or end it" in second.stdout
+    assert "left alone" in checkout.run(*LIBRARY, "repair").stdout
+    assert first.wait() == 0
+    assert checkout.same()
+
+
+def test_a_job_that_outlives_its_run_does_not_spoil_the_next_one(checkout: Checkout) -> None:
+    """The study is edited after the kill: what the old job computes is of the old study."""
+    study = checkout.folder / "config/quick.yaml"
+    before = study.read_text()
+    study.write_text(before.replace("bounds: [100]", "bounds: [3]"))
+    assert study.read_text() != before
+    running = checkout.start()
+    old_job = wait_for_job(running, "fit")
+    old_job.suspend()
+    running.kill()
+    running.wait()
+    study.write_text(before)
+    try:
+        checkout.resume()
+        assert checkout.same()
+    finally:
+        old_job.resume()
+    with contextlib.suppress(psutil.NoSuchProcess):
+        psutil.wait_procs([old_job], timeout=60)
+    assert not old_job.is_running() or old_job.status() == psutil.STATUS_ZOMBIE
+    assert checkout.same()
+    log = (checkout.folder / "logs/quick/fit/screen.log").read_text()
+    assert "Traceback" not in log
+
+
+@pytest.fixture
+def mount(tmp_path: Path) -> Iterator[Callable[..., None]]:
+    """Mount a small file system on a folder, or change its options."""
+    mounted: list[Path] = []
+
+    def mount(folder: Path, options: str, *, again: bool = False) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        options = f"remount,{options}" if again else options
+        command = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", str(folder)]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        except FileNotFoundError:
+            pytest.skip("there is no mount command for a small disk to fill")
+        if done.returncode:
+            pytest.skip(f"a small disk to fill cannot be mounted: {done.stderr.strip()}")
+        mounted.append(folder)
+
+    yield mount
+    for folder in dict.fromkeys(mounted):
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_full_disk_is_told_and_then_made_room(
+    checkout: Checkout, mount: Callable[..., None]
+) -> None:
+    results = checkout.folder / "results"
+    mount(results, "size=100k")
+    done = checkout.snakemake()
+    assert done.returncode != 0
+    assert "cannot be written: No space left on device" in done.stdout
+    made = digests(checkout.folder)
+    assert made
+    assert made.items() <= checkout.wanted.items()
+    mount(results, "size=50m", again=True)
+    checkout.resume()
+    assert checkout.same()
+
+
+def test_a_disk_that_was_full_from_the_start_is_told_before_anything_runs(
+    checkout: Checkout, mount: Callable[..., None]
+) -> None:
+    mount(checkout.folder / "results", "size=4k")
+    done = checkout.snakemake()
+    assert done.returncode == 2
+    assert "cannot be written: No space left on device" in done.stdout
+    assert "Compile the kernels" not in done.stdout
+
+
+def test_results_that_may_only_be_read_are_told_before_anything_runs(
+    checkout: Checkout, mount: Callable[..., None]
+) -> None:
+    mount(checkout.folder / "results", "size=50m,ro")
+    done = checkout.snakemake()
+    assert done.returncode == 2
+    assert "cannot be written: Read-only file system" in done.stdout
+    assert "Compile the kernels" not in done.stdout
+    mount(checkout.folder / "results", "size=50m,rw", again=True)
+    checkout.resume()
+    assert checkout.same()
+
+
+def test_a_file_where_the_results_should_be_is_told(checkout: Checkout) -> None:
+    (checkout.folder / "results").mkdir()
+    (checkout.folder / "results/quick").write_text("")
+    done = checkout.snakemake()
+    assert done.returncode == 2
+    assert "cannot be written: Not a directory" in done.stdout
+
+
+def test_a_folder_where_a_result_should_be_is_told(finished: Checkout) -> None:
+    fit = finished.folder / FIT
+    fit.unlink()
+    fit.mkdir()
+    (fit / "something").write_text("")
+    done = finished.snakemake()
+    assert done.returncode != 0
+    assert FIT in done.stdout
+    shutil.rmtree(fit)
+    finished.resume()
+    assert finished.same()
+
+
+def truncate(path: Path, size: int) -> None:
+    os.truncate(path, size)
+
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "a row cut": lambda data: data[:-40],
+    "rows lost": lambda data: b"".join(data.splitlines(keepends=True)[:6]),
+    "empty": lambda data: b"",
+    "zeros": lambda data: bytes(len(data)),
+    "a digit changed": lambda data: data.replace(b"e-06,", b"e-05,", 1),
+}
+TOLD = {
+    "a row cut": f"{FORCES}: line 13: ",
+    "empty": f"{FORCES}: the table is empty",
+    "zeros": f"{FORCES}: ",
+}
+
+
+@pytest.mark.parametrize("damage", TOLD)
+def test_a_damaged_table_is_named(finished: Checkout, damage: str) -> None:
+    path = finished.folder / FORCES
+    path.write_bytes(DAMAGES[damage](path.read_bytes()))
+    output = ["--output", "x.json", "--runs", "x.csv"]
+    told = finished.run(
+        *LIBRARY, "fit", FORCES, "--model", "two-factor", "--config", "config/quick.yaml", *output
+    )
+    assert told.returncode == 2
+    assert f"squeezefilm: error: {TOLD[damage]}" in told.stdout
+
+
+def test_damaged_results_are_found_and_made_anew(finished: Checkout) -> None:
+    """Tables of every damage, and other kinds of files; the files' times say nothing of it."""
+    results = finished.folder / "results/quick"
+    (chunk,) = results.glob("simulations/screen/chunks/*-of-1.csv")
+    files = {
+        results / "simulations/screen/scenes.csv": "a digit changed",
+        results / "simulations/device.json": "zeros",
+        results / "simulations/screen/forces.csv": "rows lost",
+        chunk: "rows lost",
+        results / "fits/screen.json": "a row cut",
+        results / "figures/fig08.csv": "empty",
+        results / "figures/fig07.png": "zeros",
+    }
+    for path, damage in files.items():
+        data, times = path.read_bytes(), path.stat()
+        assert DAMAGES[damage](data) != data
+        path.write_bytes(DAMAGES[damage](data))
+        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+    told = finished.resume()
+    for path in files:
+        assert f"{path.name} is not as it was made" in told
+    assert finished.same()
+    assert "Nothing to be done" in finished.snakemake().stdout
+
+
+def test_a_damaged_record_of_snakemake_does_no_harm(finished: Checkout) -> None:
+    """Snakemake writes its own records in place: a kill can leave half of one."""
+    for path in (finished.folder / ".snakemake/metadata").iterdir():
+        truncate(path, path.stat().st_size // 2)
+    finished.resume()
+    assert finished.same()
+
+
+def test_a_result_is_traced_to_its_run(finished: Checkout) -> None:
+    copy = finished.folder / "from_a_colleague.csv"
+    shutil.copy(finished.folder / FORCES, copy)
+    told = finished.run(*LIBRARY, "trace", FORCES).stdout
+    for word in ("gather", "device", "driver", "(completed)", "config/quick.yaml", "run_cards/"):
+        assert word in told
+    assert finished.run(*LIBRARY, "trace", copy.name).returncode == 0
+    copy.write_text(copy.read_text() + "\n")
+    unknown = finished.run(*LIBRARY, "trace", copy.name)
+    assert unknown.returncode == 1
+    assert "no run in results made this file" in unknown.stdout
+
+
+def test_an_interrupted_run_goes_on(checkout: Checkout) -> None:
+    running = checkout.start()
+    wait_for_job(running, "fit")
+    os.killpg(running.pid, signal.SIGINT)
+    assert running.wait(60) != 0
+    checkout.resume()
+    assert checkout.same()
