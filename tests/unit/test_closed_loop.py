@@ -91,10 +91,12 @@ def test_a_model_that_lacks_a_term_is_found_out() -> None:
     assert found.rounds[-1].floor > GOAL.worst_error
     # It is proved: no other parameter leaves a smaller largest residual than the floor.
     factors = pool().factors.take(found.simulated)
-    largest = [
-        np.abs(t * factors.epsilon**2 - found.force_n).max() for t in np.linspace(4, 12, 400)
-    ]
-    assert min(largest) >= found.rounds[-1].floor * found.scale_n
+    square = factors.epsilon**2
+    left = found.force_n - square * (square @ found.force_n) / (square @ square)
+    floor = found.rounds[-1].floor * found.scale_n
+    assert floor == pytest.approx(np.sqrt(np.mean(left**2)), rel=1e-6)
+    largest = [np.abs(t * square - found.force_n).max() for t in np.linspace(4, 12, 400)]
+    assert min(largest) >= floor
 
 
 def test_rough_simulations_are_not_taken_for_a_bad_model() -> None:
@@ -105,6 +107,18 @@ def test_rough_simulations_are_not_taken_for_a_bad_model() -> None:
 
     assert run(model("t0*(hv/h0)**2"), truth, error_n=3e-3)[0].verdict == "simulation"
     assert run(model("t0*(hv/h0)**2"), truth, error_n=1e-6)[0].verdict == "model"
+
+
+def test_points_keep_their_distance() -> None:
+    goal = Goal(global_error=1e-2, worst_error=1e-6, most_simulations=30, batch=3)
+    found, _ = run(
+        model(QUADRATIC), lambda e: 5 * e**2 + 3 * e**4 + 1e-7 * np.sin(20 * e), goal=goal
+    )
+    assert len(found.rounds) > 3
+    places = pool().coordinates[found.simulated]
+    gaps = np.linalg.norm(places[CHECKS:, None] - places[None], axis=-1)
+    assert gaps[gaps > 0].min() >= 0.1 - 1e-9
+    assert np.count_nonzero(gaps == 0) == len(places) - CHECKS
 
 
 def test_the_budget_is_kept() -> None:
