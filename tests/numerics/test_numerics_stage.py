@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from squeezefilm.numerics import analytic, fixed_grid, stability
+from squeezefilm.numerics import analytic, stability
 from squeezefilm.numerics.explicit_march import step_limit
 from squeezefilm.numerics.films import PISTON, Film, Mirrored
 from squeezefilm.numerics.numpy_periodic import periodic_state
@@ -164,8 +164,8 @@ def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.Mo
 
     def spoilt(grid: periodic.Grid, *, aspect: float, bearing: bool) -> Field:
         matrices = sound(grid, aspect=aspect, bearing=bearing).copy()
-        cosine = slice(-grid.nt - bearing * grid.nx**2, len(matrices) - bearing * grid.nx**2)
-        matrices[cosine] *= -1
+        behind = grid.nt + bearing * grid.nx**2  # harmonics and the derivative along x
+        matrices[-behind - grid.nt : -behind] *= -1
         return matrices
 
     monkeypatch.setattr(periodic, "grid_matrices", spoilt)
@@ -175,16 +175,21 @@ def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.Mo
 def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
     """The state kept in float32, as a kernel with `float` for `double` would."""
 
-    def spoilt(**options: Any) -> States:
-        states = periodic.solve_batch(**options)
-        grid = options["grid"]
-        rounded = (1 + states.overpressure).astype(np.float32).astype(float) - 1
-        weights = np.outer(grid.x.weights, grid.y.weights)
-        mean = np.einsum("bxyt,xy->b", rounded, weights) / grid.nt
-        return replace(states, overpressure=rounded, mean=mean)
+    sound = periodic.solve_batches
 
-    for module in (refinement, fixed_grid):
-        monkeypatch.setattr(module, "solve_batch", spoilt)
+    def rounded(states: States, grid: periodic.Grid) -> States:
+        pressure = (1 + states.overpressure).astype(np.float32).astype(float) - 1
+        weights = np.outer(grid.x.weights, grid.y.weights)
+        mean = np.einsum("bxyt,xy->b", pressure, weights) / grid.nt
+        return replace(states, overpressure=pressure, mean=mean)
+
+    def spoilt(batches: Sequence[periodic.Batch], **options: Any) -> list[States]:
+        solved = sound(batches, **options)
+        pairs = zip(solved, batches, strict=True)
+        return [rounded(states, batch.grid) for states, batch in pairs]
+
+    for module in (refinement, periodic):
+        monkeypatch.setattr(module, "solve_batches", spoilt)
     assert red() == {"small"}
 
 

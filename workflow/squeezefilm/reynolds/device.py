@@ -9,9 +9,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from squeezefilm.errors import InputError
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
+ALIGNMENT_BYTES = 64
 BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable")
 
 
@@ -38,6 +41,54 @@ class Device:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
         room = self.memory_bytes // 2 // workspace_bytes
         return max(1, min(self.groups, scenes, room))
+
+    def sent(self, values: np.ndarray) -> Any:
+        """A read-only buffer that holds ``values``."""
+        import pyopencl as cl
+
+        flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
+        return cl.Buffer(self.context, flags, hostbuf=values)
+
+    def shared(self, values: np.ndarray) -> Any:
+        """A buffer that starts as ``values``; ``fetch`` brings back what kernels make of it.
+
+        A device that works in the host's memory, like a processor, gets the array itself, which
+        must then come from ``aligned`` if kernels read it in vectors.
+        """
+        import pyopencl as cl
+
+        kind = cl.mem_flags.USE_HOST_PTR if self._in_host_memory else cl.mem_flags.COPY_HOST_PTR
+        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | kind, hostbuf=values)
+
+    def fetch(self, values: np.ndarray, buffer: Any) -> None:
+        """Wait for the queue and bring a shared buffer's contents into its array."""
+        import pyopencl as cl
+
+        if not self._in_host_memory:
+            cl.enqueue_copy(self.queue, values, buffer)
+            return
+        read = cl.map_flags.READ
+        mapped, _ = cl.enqueue_map_buffer(
+            self.queue, buffer, read, 0, values.shape, values.dtype, is_blocking=True
+        )
+        mapped.base.release(self.queue)
+
+    def room(self, numbers: int) -> Any:
+        """A buffer of doubles for the kernels alone."""
+        import pyopencl as cl
+
+        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 8 * numbers)
+
+    @property
+    def _in_host_memory(self) -> bool:
+        return bool(self.context.devices[0].host_unified_memory)
+
+
+def aligned(count: int) -> np.ndarray:
+    """Room for doubles that kernels can read as vectors, shape (count,)."""
+    room = np.empty(count + ALIGNMENT_BYTES // 8)
+    start = -room.ctypes.data % ALIGNMENT_BYTES // 8
+    return room[start : start + count]
 
 
 def choose_device(wanted: str = "auto", *, work_items: int | None = None) -> Device:

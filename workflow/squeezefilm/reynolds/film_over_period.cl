@@ -18,11 +18,15 @@
  * diagonal too, so that its residual norm estimates the error in w itself.
  */
 
+typedef __global double2 *pair;
+typedef __global const double2 *pairs;
+
 /* Sizes and the matrices that all scenes of a batch share. */
 typedef struct {
     int nx, ny, nt, rows, count, nt4, row4, count4;
     matrix laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
-    matrix eigenvalues_x, eigenvalues_y, weights_x, weights_y;
+    matrix eigenvalues, eigenvalues_y, weights;
+    pairs harmonics;
     matrix fourier, fourier_transposed, time_derivative;
     matrix4 sine, cosine;
 #ifdef BEARING
@@ -55,10 +59,10 @@ static Grid make_grid(int nx, int ny, int nt, matrix m)
     g.fourier = m; m += nt * nt;
     g.fourier_transposed = m; m += nt * nt;
     g.time_derivative = m; m += nt * nt;
-    g.eigenvalues_x = m; m += nx;
+    g.eigenvalues = m; m += nx * ny;
     g.eigenvalues_y = m; m += ny;
-    g.weights_x = m; m += nx;
-    g.weights_y = m; m += ny;
+    g.weights = m; m += nx * ny;
+    g.harmonics = (pairs)m; m += nt;
     g.sine = (matrix4)m; m += nt;
     g.cosine = (matrix4)m; m += nt;
 #ifdef BEARING
@@ -220,15 +224,8 @@ static void residual(const Grid *g, Film *film, field modal, __local double *scr
 /* Harmonic k has a cosine coefficient c, at k in a row's first half, and a sine coefficient s in
  * its second half: d/dT (c cos kT + s sin kT) = k s cos kT − k c sin kT. The places for k = 0 hold
  * the mean and the last cosine, which both have no rate. Two harmonics are treated at a time. */
-typedef __global double2 *pair;
-typedef __global const double2 *pairs;
-
-static double2 speeds(const Film *film, int j)
-{
-    return film->sigma * (double2)(2 * j, 2 * j + 1);
-}
-
-/* Add the time term −σ dw/dT. */
+#ifdef BEARING
+/* modal −= σ dw/dT. */
 static void add_time_term(const Grid *g, const Film *film, matrix w, field modal)
 {
     const int half_row = g->nt / 4;
@@ -237,14 +234,14 @@ static void add_time_term(const Grid *g, const Film *film, matrix w, field modal
         pair m = (pair)(modal + row * g->nt);
         pairs from = (pairs)(w + row * g->nt);
         for (int j = 0; j < half_row; j++) {
-            m[j] -= speeds(film, j) * from[half_row + j];
-            m[half_row + j] += speeds(film, j) * from[j];
+            const double2 speed = film->sigma * g->harmonics[j];
+            m[j] -= speed * from[half_row + j];
+            m[half_row + j] += speed * from[j];
         }
     }
     SYNC;
 }
 
-#ifdef BEARING
 /* Solve (D Δ − Λ d/dX − σ d/dT) w = modal in place, in the real Schur basis of the operator along
  * x: back-substitution through the quasi-triangular matrix g->schur, for every mode along y and
  * every harmonic, which is the complex number c − i s here and has the rate i k. */
@@ -274,7 +271,7 @@ static void precondition(const Grid *g, const Film *film, field modal)
             const double d = film->diffusivity * triangle[bottom * nx + bottom] + shift;
             pair u = (pair)(m + top * stride), v = (pair)(m + bottom * stride);
             for (int j = 0; j < half_row; j++) {
-                const double2 speed = speeds(film, j);
+                const double2 speed = film->sigma * g->harmonics[j];
                 const double2 u_re = u[j], u_im = -u[half_row + j];
                 if (!coupled) {
                     const double2 scale = 1.0 / (a * a + speed * speed);
@@ -300,22 +297,49 @@ static void precondition(const Grid *g, const Film *film, field modal)
     }
     SYNC;
 }
+
+static void precondition_with_time_term(const Grid *g, const Film *film, matrix w, field modal)
+{
+    add_time_term(g, film, w, modal);
+    precondition(g, film, modal);
+}
 #else
-/* Solve (D Δ − σ d/dT) w = modal in place: two unknowns by two for each harmonic. */
+/* Solve (D Δ − σ d/dT) u = (c, s) for two harmonics of a row: two unknowns by two for each. */
+static void solve_harmonics(double diffusion, double2 speed, double2 c, double2 s, pair cosine,
+                            pair sine)
+{
+    const double2 scale = 1.0 / (diffusion * diffusion + speed * speed);
+    *cosine = scale * (diffusion * c + speed * s);
+    *sine = scale * (diffusion * s - speed * c);
+}
+
+/* Solve (D Δ − σ d/dT) u = modal in place. */
 static void precondition(const Grid *g, const Film *film, field modal)
 {
     const int half_row = g->nt / 4;
     FOR_EACH(row, g->rows)
     {
-        const double diffusion =
-            film->diffusivity * (g->eigenvalues_x[row / g->ny] + g->eigenvalues_y[row % g->ny]);
-        pair m = (pair)(modal + row * g->nt);
+        const double diffusion = film->diffusivity * g->eigenvalues[row];
+        pair m = (pair)(modal + row * g->nt), n = m + half_row;
+        for (int j = 0; j < half_row; j++)
+            solve_harmonics(diffusion, film->sigma * g->harmonics[j], m[j], n[j], m + j, n + j);
+    }
+    SYNC;
+}
+
+/* Solve (D Δ − σ d/dT) u = modal − σ dw/dT in place, in one pass. */
+static void precondition_with_time_term(const Grid *g, const Film *film, matrix w, field modal)
+{
+    const int half_row = g->nt / 4;
+    FOR_EACH(row, g->rows)
+    {
+        const double diffusion = film->diffusivity * g->eigenvalues[row];
+        pair m = (pair)(modal + row * g->nt), n = m + half_row;
+        pairs w_cosine = (pairs)(w + row * g->nt), w_sine = w_cosine + half_row;
         for (int j = 0; j < half_row; j++) {
-            const double2 speed = speeds(film, j);
-            const double2 scale = 1.0 / (diffusion * diffusion + speed * speed);
-            const double2 cosine = m[j], sine = m[half_row + j];
-            m[j] = scale * (diffusion * cosine + speed * sine);
-            m[half_row + j] = scale * (diffusion * sine - speed * cosine);
+            const double2 speed = film->sigma * g->harmonics[j];
+            solve_harmonics(diffusion, speed, m[j] - speed * w_sine[j], n[j] + speed * w_cosine[j],
+                            m + j, n + j);
         }
     }
     SYNC;
@@ -341,6 +365,5 @@ static void apply_jacobian(const Grid *g, const Film *film, field w, field out)
     subtract(r, film->bearing, v, g->count4);
 #endif
     to_modal(g, r, out);
-    add_time_term(g, film, w, out);
-    precondition(g, film, out);
+    precondition_with_time_term(g, film, w, out);
 }

@@ -21,15 +21,14 @@ static int gmres(const Grid *g, const Film *film, field basis, field small, doub
         field next = basis + (steps + 1) * g->count;
         apply_jacobian(g, film, basis + steps * g->count, next);
         field column = hessenberg + steps * lead;
+        double overlap = dot_product((matrix4)basis, (matrix4)next, g->count4, scratch) / weight;
         for (int j = 0; j <= steps; j++) {
-            field old = basis + j * g->count;
-            const double overlap =
-                dot_product((matrix4)old, (matrix4)next, g->count4, scratch) / weight;
             if (get_local_id(0) == 0)
                 column[j] = overlap;
-            subtract(next, overlap, old, g->count4);
+            field old = basis + j * g->count, other = j < steps ? old + g->count : next;
+            overlap = subtract_and_project(next, overlap, old, other, g->count4, scratch) / weight;
         }
-        const double length = norm(next, g->count4, weight, scratch);
+        const double length = sqrt(overlap);
         if (length > 0.0)
             scale_field(next, 1.0 / length, g->count4);
         if (get_local_id(0) == 0) {

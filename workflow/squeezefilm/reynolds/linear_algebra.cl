@@ -26,7 +26,7 @@ typedef __global const double *matrix;
 typedef __global double4 *field4;
 typedef __global const double4 *matrix4;
 
-/* Four rows of c = a b (+ c) over a width of 1, 2 or 4 double4. `a*b + c` is contracted to a
+/* Four rows of c = a b (+ c) over a width of 1 to 4 double4. `a*b + c` is contracted to a
  * fused multiply-add; an explicit fma() is slow on PoCL. */
 #define ROW(i, w) c##i##w += a##i * b##w
 #define LOAD(i, w) double4 c##i##w = add ? c[i * ldc + w] : (double4)(0.0)
@@ -34,10 +34,12 @@ typedef __global const double4 *matrix4;
 #define EACH_ROW(STEP, w) STEP(0, w); STEP(1, w); STEP(2, w); STEP(3, w)
 #define WIDTH_1(STEP) EACH_ROW(STEP, 0)
 #define WIDTH_2(STEP) WIDTH_1(STEP); EACH_ROW(STEP, 1)
-#define WIDTH_4(STEP) WIDTH_2(STEP); EACH_ROW(STEP, 2); EACH_ROW(STEP, 3)
+#define WIDTH_3(STEP) WIDTH_2(STEP); EACH_ROW(STEP, 2)
+#define WIDTH_4(STEP) WIDTH_3(STEP); EACH_ROW(STEP, 3)
 #define READ_1 const double4 b0 = row[0]
 #define READ_2 READ_1; const double4 b1 = row[1]
-#define READ_4 READ_2; const double4 b2 = row[2], b3 = row[3]
+#define READ_3 READ_2; const double4 b2 = row[2]
+#define READ_4 READ_3; const double4 b3 = row[3]
 
 #define BLOCK(WIDTH)                                                                        \
     static inline void block_##WIDTH(matrix a, int lda, matrix4 b, int ldb, field4 c,       \
@@ -55,21 +57,23 @@ typedef __global const double4 *matrix4;
 
 BLOCK(1)
 BLOCK(2)
+BLOCK(3)
 BLOCK(4)
 
-/* Four rows and up to four double4 columns of a panel. */
+/* Four rows and `width` double4 columns of a panel. */
 static inline void multiply_block(matrix a, matrix4 b, field4 c, int stride, int inner, int width,
                                   int add)
 {
-    if (width >= 4) {
-        block_4(a, inner, b, stride, c, stride, inner, add);
-    } else {
-        if (width & 2)
-            block_2(a, inner, b, stride, c, stride, inner, add);
-        if (width & 1)
-            block_1(a, inner, b + (width & 2), stride, c + (width & 2), stride, inner, add);
+    switch (width) {
+    case 4: block_4(a, inner, b, stride, c, stride, inner, add); break;
+    case 3: block_3(a, inner, b, stride, c, stride, inner, add); break;
+    case 2: block_2(a, inner, b, stride, c, stride, inner, add); break;
+    default: block_1(a, inner, b, stride, c, stride, inner, add);
     }
 }
+
+/* Columns of the next block when `left` are left: never one alone beside others, which is slow. */
+static inline int block_width(int left) { return left == 5 ? 3 : min(left, 4); }
 
 /* c = a b (+ c) for `panels` panels of b and c, `panel` double4 apart: a is (rows, inner), and a
  * row of b and c has `columns` double4. */
@@ -79,10 +83,12 @@ static void multiply(matrix a, int rows, int inner, matrix4 b, field4 c, int pan
 #if WORK_ITEMS == 1
     for (int p = 0; p < panels; p++)
         for (int row = 0; row < rows; row += 4)
-            for (int column = 0; column < columns; column += 4)
+            for (int column = 0; column < columns;) {
+                const int width = block_width(columns - column);
                 multiply_block(a + row * inner, b + p * panel + column,
-                               c + p * panel + row * columns + column, columns, inner,
-                               columns - column, add);
+                               c + p * panel + row * columns + column, columns, inner, width, add);
+                column += width;
+            }
 #else
     const int row_blocks = rows / 4, column_blocks = (columns + 3) / 4;
     FOR_EACH(task, panels * row_blocks * column_blocks)
@@ -91,8 +97,8 @@ static void multiply(matrix a, int rows, int inner, matrix4 b, field4 c, int pan
         const int row = 4 * (task / column_blocks % row_blocks);
         const int column = 4 * (task % column_blocks);
         multiply_block(a + row * inner, b + p * panel + column,
-                       c + p * panel + row * columns + column, columns, inner, columns - column,
-                       add);
+                       c + p * panel + row * columns + column, columns, inner,
+                       min(columns - column, 4), add);
     }
 #endif
     SYNC;
@@ -157,6 +163,25 @@ static double dot_product(matrix4 a, matrix4 b, int count4, __local double *scra
 static double norm(field a, int count4, double weight, __local double *scratch)
 {
     return sqrt(dot_product((matrix4)a, (matrix4)a, count4, scratch) / weight);
+}
+
+/* a −= scale b, and the dot product of the new a with c: one pass over a instead of two. */
+static double subtract_and_project(field a, double scale, matrix b, matrix c, int count4,
+                                   __local double *scratch)
+{
+    field4 a4 = (field4)a;
+    matrix4 b4 = (matrix4)b, c4 = (matrix4)c;
+    double4 even = (double4)(0.0), odd = (double4)(0.0);
+    FOR_EACH(i, count4 / 2)
+    {
+        const double4 first = a4[2 * i] - scale * b4[2 * i];
+        const double4 second = a4[2 * i + 1] - scale * b4[2 * i + 1];
+        a4[2 * i] = first;
+        a4[2 * i + 1] = second;
+        even += first * c4[2 * i];
+        odd += second * c4[2 * i + 1];
+    }
+    return sum_over_group(sum_of(even + odd), scratch);
 }
 
 static void scale_field(field a, double factor, int count4)

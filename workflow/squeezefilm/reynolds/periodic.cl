@@ -10,7 +10,7 @@ static double mean_overpressure(const Grid *g, const Film *film, __local double 
         double4 over_period = (double4)(0.0);
         for (int t = 0; t < g->nt4; t++)
             over_period += film->p[row * g->nt4 + t];
-        sum += g->weights_x[row / g->ny] * g->weights_y[row % g->ny] * over_period;
+        sum += g->weights[row] * over_period;
     }
     return sum_over_group(sum_of(sum), scratch) / g->nt;
 }
@@ -26,39 +26,29 @@ static double safe_share(const Grid *g, const Film *film, matrix4 step, __local 
 
 enum { CONVERGED = 0, STALLED = 1, NOT_FINITE = 2 };
 
+/* Where a scene's parts lie in the arrays of its launch, in numbers from their starts. */
+enum { NX, NY, NT, MOST_KRYLOV, MATRICES, PROFILE, SCHUR, STATE, LAYOUT };
+
 /* Work-groups take scenes from a queue until none is left; each has a workspace of its own, and a
  * scene's result does not depend on which group takes it.
  *
- * numbers: per scene epsilon, sigma, bearing, tolerance (of the force, relative), 1/exponent of the
- *          gas, and the flow coefficients c_0 …
- * profile: per scene amplitude, |grad|², Laplacian and (BEARING) x-slope, each (nx, ny).
- * schur:   BEARING, per scene the Schur vectors along x, their inverse and the triangle (nx, nx).
- * state:   per scene p (nx, ny, nt); the first guess on entry.
- * results: per scene mean overpressure, norm of the last residual, largest |p|, smallest P and
- *          smallest P H.
- * counts:  per scene status, Newton steps, Krylov iterations. */
-__kernel void periodic_state(const int scenes, const int nx, const int ny, const int nt,
-                             const int most_newton, const int most_krylov,
+ * layout:   per scene its grid, the most Krylov iterations of a Newton step, and its offsets.
+ * matrices: per grid and aspect what make_grid reads.
+ * numbers:  per scene epsilon, sigma, bearing, tolerance (of the force, relative), 1/exponent of
+ *           the gas, and the flow coefficients c_0 …
+ * profile:  per place amplitude, |grad|², Laplacian and (BEARING) x-slope, each (nx, ny).
+ * schur:    BEARING, per scene the Schur vectors along x, their inverse and the triangle (nx, nx).
+ * state:    per scene p (nx, ny, nt); the first guess on entry.
+ * results:  per scene mean overpressure, norm of the last residual, largest |p|, smallest P and
+ *           smallest P H.
+ * counts:   per scene status, Newton steps, Krylov iterations. */
+__kernel void periodic_state(const int scenes, const int most_newton, __global const long *layout,
                              matrix matrices, matrix numbers, matrix profile, matrix schur,
                              field state, field results, __global int *counts, field workspace,
                              const ulong workspace_size, __global int *queue,
                              __local double *scratch)
 {
-    Grid g = make_grid(nx, ny, nt, matrices);
     __local int taken;
-    field space = workspace + get_group_id(0) * workspace_size;
-    Film film;
-    for (int k = 0; k < FLOW_TERMS; k++) {
-        film.gap_power[k] = (field4)space;
-        film.potential[k] = (field4)(space + g.count);
-        film.response[k] = (field4)(space + 2 * g.count);
-        space += 3 * g.count;
-    }
-    film.work_a = space;
-    film.work_b = space + g.count;
-    film.work_c = space + 2 * g.count;
-    field basis = space + 3 * g.count;
-    field small = basis + (most_krylov + 1) * g.count;
 
     while (true) {
         if (get_local_id(0) == 0)
@@ -68,6 +58,22 @@ __kernel void periodic_state(const int scenes, const int nx, const int ny, const
         SYNC;
         if (scene >= scenes)
             break;
+        __global const long *lies = layout + scene * LAYOUT;
+        const int nx = lies[NX], most_krylov = lies[MOST_KRYLOV];
+        Grid g = make_grid(nx, lies[NY], lies[NT], matrices + lies[MATRICES]);
+        Film film;
+        field space = workspace + get_group_id(0) * workspace_size;
+        for (int k = 0; k < FLOW_TERMS; k++) {
+            film.gap_power[k] = (field4)space;
+            film.potential[k] = (field4)(space + g.count);
+            film.response[k] = (field4)(space + 2 * g.count);
+            space += 3 * g.count;
+        }
+        film.work_a = space;
+        film.work_b = space + g.count;
+        film.work_c = space + 2 * g.count;
+        field basis = space + 3 * g.count;
+        field small = basis + (most_krylov + 1) * g.count;
         matrix number = numbers + scene * (5 + FLOW_TERMS);
         film.epsilon = number[0];
         film.sigma = number[1];
@@ -76,14 +82,13 @@ __kernel void periodic_state(const int scenes, const int nx, const int ny, const
         film.inverse_exponent = number[4];
         for (int k = 0; k < FLOW_TERMS; k++)
             film.flow[k] = number[5 + k];
-        matrix s = profile + (ulong)scene * PROFILE_FIELDS * g.rows;
-        film.amplitude = s;
-        film.gradient_squared = s + g.rows;
-        film.laplacian = s + 2 * g.rows;
-        film.slope_x = s + (PROFILE_FIELDS - 1) * g.rows;
-        film.p = (field4)(state + (ulong)scene * g.count);
+        film.amplitude = profile + lies[PROFILE];
+        film.gradient_squared = film.amplitude + g.rows;
+        film.laplacian = film.amplitude + 2 * g.rows;
+        film.slope_x = film.amplitude + (PROFILE_FIELDS - 1) * g.rows;
+        film.p = (field4)(state + lies[STATE]);
 #ifdef BEARING
-        g.modes_x = schur + (ulong)scene * 3 * nx * nx;
+        g.modes_x = schur + lies[SCHUR];
         g.to_modes_x = g.modes_x + nx * nx;
         g.schur = g.to_modes_x + nx * nx;
 #endif

@@ -1,20 +1,24 @@
-"""The periodic state on the device: one batch of scenes on one grid (see periodic.cl)."""
+"""The periodic state on the device: scenes of like terms on grids of their own (periodic.cl)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.device import Device, kernel
+from squeezefilm.reynolds.device import Device, aligned, kernel
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 
 SOURCES = ("linear_algebra.cl", "film_over_period.cl", "krylov.cl", "periodic.cl")
 STATUS = ("ok", "Newton's method did not converge", "the pressure became infinite")
 MOST_NEWTON = 40
+LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
+# States of one launch; more are solved in several.
+LARGEST_LAUNCH_BYTES = 512 * 2**20
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,11 @@ class Grid:
     def shape(self) -> tuple[int, int, int]:
         return self.nx, self.ny, self.nt
 
+    @property
+    def count(self) -> int:
+        """Number of unknowns."""
+        return self.nx * self.ny * self.nt
+
 
 @dataclass(frozen=True)
 class Problems:
@@ -58,8 +67,9 @@ class Problems:
             the viscous flow alone.
         aspect: finger's length along y over that along x, one for the batch.
         amplitude: profile s on all nodes of the grid's axes, ends and mirror images included,
-            shape (scenes, full nx + 2, full ny + 2).
+            shape (places, full nx + 2, full ny + 2).
         tolerance: relative error of the force that the iteration may leave, one for the batch.
+        place: which profile each scene has; one of its own, in order, if left out.
     """
 
     epsilon: np.ndarray
@@ -70,6 +80,41 @@ class Problems:
     aspect: float
     amplitude: np.ndarray
     tolerance: float
+    place: np.ndarray | None = None
+
+    @property
+    def places(self) -> np.ndarray:
+        """Row of ``amplitude`` that each scene has."""
+        return np.arange(len(self.epsilon)) if self.place is None else self.place
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Scenes on one grid.
+
+    guess: first guess of the overpressure, shape (scenes, nx, ny, nt); the film at rest if left
+    out.
+    """
+
+    problems: Problems
+    grid: Grid
+    guess: np.ndarray | None = None
+
+    @property
+    def scenes(self) -> int:
+        return len(self.problems.epsilon)
+
+    @property
+    def most_krylov(self) -> int:
+        """Krylov iterations that a Newton step may take: as many as there is room for."""
+        room = LARGEST_WORKSPACE_BYTES // (8 * self.grid.count) - 8
+        return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
+
+    @property
+    def workspace_size(self) -> int:
+        """Numbers that a work-group needs beside the state: fields, Krylov basis, Hessenberg."""
+        fields = 3 * self.problems.flow.shape[1] + 4 + self.most_krylov
+        return self.grid.count * fields + (self.most_krylov + 4) * (self.most_krylov + 1)
 
 
 @dataclass(frozen=True)
@@ -101,25 +146,130 @@ class States:
 def solve_batch(
     *, problems: Problems, grid: Grid, device: Device, guess: np.ndarray | None = None
 ) -> States:
-    """Solve a batch of scenes on one grid; each scene is solved on its own.
+    """The periodic states of one batch; see ``solve_batches``."""
+    return solve_batches([Batch(problems, grid, guess)], device=device)[0]
 
-    Args:
-        guess: first guess of the overpressure, shape (scenes, nx, ny, nt); the film at rest if
-            left out.
+
+def solve_batches(batches: Sequence[Batch], *, device: Device) -> list[States]:
+    """Solve batches of like terms, in few launches; each scene is solved on its own.
+
+    The device takes scenes in the given order: put the dearest first.
     """
+    states: list[States] = []
+    launch: list[Batch] = []
+    size = 0
+    for batch in batches:
+        states_bytes = 8 * batch.scenes * batch.grid.count
+        if launch and size + states_bytes > LARGEST_LAUNCH_BYTES:
+            states += _launch(launch, device=device)
+            launch, size = [], 0
+        launch.append(batch)
+        size += states_bytes
+    return states + (_launch(launch, device=device) if launch else [])
+
+
+def _launch(batches: Sequence[Batch], *, device: Device) -> list[States]:
     import pyopencl as cl
 
-    scenes = len(problems.epsilon)
-    terms = problems.flow.shape[1]
-    moving = bool(np.any(problems.bearing))
-    periodic_state = kernel(device, "periodic_state", sources=SOURCES, defines=_defines(problems))
-    count = grid.nx * grid.ny * grid.nt
-    most_krylov = int(np.clip(LARGEST_WORKSPACE_BYTES // (8 * count) - 8, 20, 80))
-    workspace_size = count * (3 * terms + 4 + most_krylov) + (most_krylov + 4) * (most_krylov + 1)
-    workspace_size = -(-workspace_size // 8) * 8
+    moving = any(np.any(batch.problems.bearing) for batch in batches)
+    defines = _defines(batches, moving=moving)
+    periodic_state = kernel(device, "periodic_state", sources=SOURCES, defines=defines)
+    inputs = _inputs(batches, moving=moving)
+    state = inputs.state
+    scenes = sum(batch.scenes for batch in batches)
+    results = np.empty((scenes, 5))
+    counts = np.empty((scenes, 3), dtype=np.int32)
+    workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
 
-    numbers = np.column_stack(
+    taken = np.zeros(1, dtype=np.int32)
+    shared = [device.shared(values) for values in (state, results, counts)]
+    periodic_state(
+        device.queue,
+        (groups * device.work_items,),
+        (device.work_items,),
+        np.int32(scenes),
+        np.int32(MOST_NEWTON),
+        *(device.sent(values) for values in inputs.read_only),
+        *shared,
+        device.room(workspace_size * groups),
+        np.uint64(workspace_size),
+        device.shared(taken),
+        cl.LocalMemory(8 * device.work_items),
+    )
+    for values, buffer in zip((state, results, counts), shared, strict=True):
+        device.fetch(values, buffer)
+
+    states = []
+    first = start = 0
+    for batch in batches:
+        last, stop = first + batch.scenes, start + batch.scenes * batch.grid.count
+        states.append(
+            States(
+                overpressure=state[start:stop].reshape(-1, *batch.grid.shape),
+                mean=results[first:last, 0],
+                residual=results[first:last, 1],
+                largest=results[first:last, 2],
+                lowest=results[first:last, 3],
+                thinnest=results[first:last, 4],
+                status=counts[first:last, 0],
+                newton_steps=counts[first:last, 1],
+                krylov_iterations=counts[first:last, 2],
+            )
+        )
+        first, start = last, stop
+    return states
+
+
+@dataclass(frozen=True)
+class _Inputs:
+    """A launch's arrays, as periodic.cl describes them.
+
+    read_only: layout, matrices, numbers, profile and schur.
+    """
+
+    read_only: tuple[np.ndarray, ...]
+    state: np.ndarray
+
+
+def _inputs(batches: Sequence[Batch], *, moving: bool) -> _Inputs:
+    """The batches' arrays behind each other, and where each scene's parts lie in them."""
+    layout: list[tuple[int, ...]] = []
+    matrices, numbers, profile, schur = [], [], [], []
+    at_matrices = at_profile = at_schur = at_state = 0
+    state = aligned(sum(batch.scenes * batch.grid.count for batch in batches))
+    for batch in batches:
+        problems, grid = batch.problems, batch.grid
+        matrices.append(grid_matrices(grid, aspect=problems.aspect, bearing=moving))
+        numbers.append(_numbers(problems))
+        fields = profile_fields(problems, grid, slope=moving)
+        profile.append(fields.ravel())
+        form_size = 0
+        if moving:
+            schur.append(_schur_forms(problems, grid).ravel())
+            form_size = 3 * grid.nx**2
+        end = at_state + batch.scenes * grid.count
+        state[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
+        for place in problems.places:
+            at_place = at_profile + int(place) * fields[0].size
+            offsets = at_matrices, at_place, at_schur, at_state
+            layout.append((*grid.shape, batch.most_krylov, *offsets))
+            at_schur += form_size
+            at_state += grid.count
+        at_matrices += matrices[-1].size
+        at_profile += fields.size
+    read_only = (
+        np.array(layout, dtype=np.int64),
+        np.concatenate(matrices),
+        np.concatenate(numbers),
+        np.concatenate(profile),
+        np.concatenate(schur) if moving else np.zeros(1),
+    )
+    return _Inputs(read_only=read_only, state=state)
+
+
+def _numbers(problems: Problems) -> np.ndarray:
+    return np.column_stack(
         [
             problems.epsilon,
             problems.sigma,
@@ -130,63 +280,14 @@ def solve_batch(
             problems.flow,
         ]
     )
-    state = np.zeros((scenes, *grid.shape)) if guess is None else np.ascontiguousarray(guess)
-    results = np.empty((scenes, 5))
-    counts = np.empty((scenes, 3), dtype=np.int32)
-
-    flags = cl.mem_flags
-    context, queue = device.context, device.queue
-
-    def sent(values: np.ndarray) -> cl.Buffer:
-        return cl.Buffer(context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=values)
-
-    state_buffer = cl.Buffer(context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=state)
-    results_buffer = cl.Buffer(context, flags.WRITE_ONLY, results.nbytes)
-    counts_buffer = cl.Buffer(context, flags.WRITE_ONLY, counts.nbytes)
-    workspace = cl.Buffer(context, flags.READ_WRITE, 8 * workspace_size * groups)
-    taken = np.zeros(1, dtype=np.int32)
-    periodic_state(
-        queue,
-        (groups * device.work_items,),
-        (device.work_items,),
-        np.int32(scenes),
-        *(np.int32(n) for n in grid.shape),
-        np.int32(MOST_NEWTON),
-        np.int32(most_krylov),
-        sent(grid_matrices(grid, aspect=problems.aspect, bearing=moving)),
-        sent(numbers),
-        sent(profile_fields(problems, grid, slope=moving)),
-        sent(_schur_forms(problems, grid) if moving else np.zeros(1)),
-        state_buffer,
-        results_buffer,
-        counts_buffer,
-        workspace,
-        np.uint64(workspace_size),
-        cl.Buffer(context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=taken),
-        cl.LocalMemory(8 * device.work_items),
-    )
-    cl.enqueue_copy(queue, state, state_buffer)
-    cl.enqueue_copy(queue, results, results_buffer)
-    cl.enqueue_copy(queue, counts, counts_buffer)
-    return States(
-        overpressure=state,
-        mean=results[:, 0],
-        residual=results[:, 1],
-        largest=results[:, 2],
-        lowest=results[:, 3],
-        thinnest=results[:, 4],
-        status=counts[:, 0],
-        newton_steps=counts[:, 1],
-        krylov_iterations=counts[:, 2],
-    )
 
 
-def _defines(problems: Problems) -> tuple[str, ...]:
-    """The terms that the batch needs; the others are not compiled."""
-    defines = [f"FLOW_TERMS={problems.flow.shape[1]}", "PROFILE_FIELDS=3"]
-    if np.any(problems.bearing):
+def _defines(batches: Sequence[Batch], *, moving: bool) -> tuple[str, ...]:
+    """The terms that the batches need; the others are not compiled."""
+    defines = [f"FLOW_TERMS={batches[0].problems.flow.shape[1]}", "PROFILE_FIELDS=3"]
+    if moving:
         defines[1:] = ["PROFILE_FIELDS=4", "BEARING"]
-    if np.any(problems.inverse_exponent != 1):
+    if any(np.any(batch.problems.inverse_exponent != 1) for batch in batches):
         defines.append("POLYTROPIC")
     return tuple(defines)
 
@@ -240,10 +341,10 @@ def grid_matrices(grid: Grid, *, aspect: float, bearing: bool) -> np.ndarray:
         grid.t.fourier,
         grid.t.fourier.T,
         grid.t.derivative.T,
-        values_x,
+        np.add.outer(values_x, values_y / aspect**2),
         values_y / aspect**2,
-        grid.x.weights,
-        grid.y.weights,
+        np.outer(grid.x.weights, grid.y.weights),
+        np.tile(np.arange(grid.nt // 2), 2),
         np.sin(grid.t.nodes),
         np.cos(grid.t.nodes),
     ]
@@ -253,7 +354,7 @@ def grid_matrices(grid: Grid, *, aspect: float, bearing: bool) -> np.ndarray:
 
 
 def profile_fields(problems: Problems, grid: Grid, *, slope: bool) -> np.ndarray:
-    """s, |∇s|², Δs and, if asked for, ∂s/∂X where the unknowns lie; (scenes, 3 or 4, nx, ny).
+    """s, |∇s|², Δs and, if asked for, ∂s/∂X where the unknowns lie; (places, 3 or 4, nx, ny).
 
     Derivatives are those of the interpolating polynomial, lengths in units of the finger's x side.
     """

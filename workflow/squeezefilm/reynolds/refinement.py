@@ -10,30 +10,37 @@ import numpy as np
 
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic import STATUS, Grid, Problems, States, solve_batch
+from squeezefilm.reynolds.periodic import STATUS, Batch, Grid, Problems, States, solve_batches
 from squeezefilm.reynolds.resolution import (
     MOMENT_FACTOR,
     MOMENTS,
     ROUND_OFF,
     finer_grid,
     first_grid,
+    start_grid,
 )
 from squeezefilm.reynolds.solution import Solution, left_out_text
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
 # Share of the tolerance that Newton's iteration may leave; the grids get the rest.
-ITERATION_SHARE = 0.03
+ITERATION_SHARE = 0.2
+# Relative error of the force that the iteration may leave on a grid that only starts the next.
+START_TOLERANCE = 1e-3
 BATCH = 256
 
 
 @dataclass
 class _Progress:
-    """A scene on its way through the grids."""
+    """A scene on its way through the grids.
+
+    first: the grid to go to from a start grid; None once it has been reached.
+    """
 
     index: int
     scene: Scene
     needs: Needs
     grid: Grid
+    first: Grid | None = None
     grid_before: Grid | None = None
     overpressure: np.ndarray | None = None
     mean_before: np.ndarray | None = None
@@ -54,27 +61,34 @@ def solve_periodic(
     solutions: dict[int, Solution] = {}
     for start in range(0, len(scenes), BATCH):
         waiting = [
-            _Progress(
-                index=index,
-                scene=scenes[index],
-                needs=needs[index],
-                grid=grid_for(scenes[index], needs[index], tolerance=tolerance),
-            )
+            _begun(index, scenes[index], needs[index], tolerance=tolerance)
             for index in range(start, min(start + BATCH, len(scenes)))
         ]
         while waiting:
             unfinished = []
-            for group in _grouped(waiting):
-                states = _solve_group(group, tolerance=tolerance, device=device)
-                for position, progress in enumerate(group):
-                    solution = _judge(progress, states, position, tolerance=tolerance)
-                    if solution is None:
-                        unfinished.append(progress)
-                    else:
-                        solutions[progress.index] = solution
-                        report(1)
+            for groups in _launches(waiting):
+                batches = [_batch_of(group, tolerance=tolerance) for group in groups]
+                for group, states in zip(
+                    groups, solve_batches(batches, device=device), strict=True
+                ):
+                    for progress, solution in zip(
+                        group, _judge(group, states, tolerance=tolerance), strict=True
+                    ):
+                        if solution is None:
+                            unfinished.append(progress)
+                        else:
+                            solutions[progress.index] = solution
+                            report(1)
             waiting = unfinished
     return [solutions[index] for index in range(len(scenes))]
+
+
+def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float) -> _Progress:
+    first = grid_for(scene, needs, tolerance=tolerance)
+    start = start_grid(first)
+    if start is None:
+        return _Progress(index=index, scene=scene, needs=needs, grid=first)
+    return _Progress(index=index, scene=scene, needs=needs, grid=start, first=first)
 
 
 def grid_for(scene: Scene, needs: Needs, *, tolerance: float) -> Grid:
@@ -88,28 +102,33 @@ def grid_for(scene: Scene, needs: Needs, *, tolerance: float) -> Grid:
     )
 
 
-def _grouped(waiting: Iterable[_Progress]) -> Iterable[list[_Progress]]:
-    """Scenes that can be solved in one launch: same grid, finger shape and terms."""
-    groups: dict[object, list[_Progress]] = defaultdict(list)
-    for progress in waiting:
+def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
+    """Scenes in groups of one grid and finger shape; groups of like terms are launched together.
+
+    The dearest grids come first, so that no long solve is left over at the end.
+    """
+    launches: dict[object, dict[object, list[_Progress]]] = defaultdict(lambda: defaultdict(list))
+    for progress in sorted(waiting, key=lambda progress: -iteration_flops(progress.grid)):
         needs = progress.needs
         terms = (needs.bearing, needs.flow_terms, needs.polytropic)
-        groups[progress.grid, progress.scene.aspect, terms].append(progress)
-    return groups.values()
+        starts = progress.first is not None
+        grids = (progress.grid, progress.grid_before, starts, progress.scene.aspect)
+        launches[terms][grids].append(progress)
+    return [list(groups.values()) for groups in launches.values()]
 
 
-def _solve_group(group: list[_Progress], *, tolerance: float, device: Device) -> States:
+def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     grid = group[0].grid
-    scenes = [progress.scene for progress in group]
-    guess = None
-    if any(progress.grid_before is not None for progress in group):
-        guess = np.stack([_first_guess(progress) for progress in group])
-    problems = problems_of(scenes, grid, tolerance=ITERATION_SHARE * tolerance)
-    return solve_batch(problems=problems, grid=grid, device=device, guess=guess)
+    left = ITERATION_SHARE * tolerance
+    if group[0].first is not None:
+        left = max(left, START_TOLERANCE)
+    problems = problems_of([progress.scene for progress in group], grid, tolerance=left)
+    return Batch(problems=problems, grid=grid, guess=_first_guess(group))
 
 
 def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
     """Scenes of one finger shape and like terms, in the dimensionless form of a batch."""
+    amplitude, place = _amplitudes(scenes, grid)
     return Problems(
         epsilon=np.array([scene.epsilon for scene in scenes]),
         sigma=np.array([scene.sigma for scene in scenes]),
@@ -117,47 +136,81 @@ def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Pro
         inverse_exponent=np.array([1 / scene.gas.polytropic_exponent for scene in scenes]),
         flow=np.array([scene.flow_coefficients for scene in scenes]),
         aspect=scenes[0].aspect,
-        amplitude=_amplitudes(scenes, grid),
+        amplitude=amplitude,
+        place=place,
         tolerance=tolerance,
     )
 
 
-def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> np.ndarray:
-    """The profile under each finger on all nodes; scenes at one position share the evaluation."""
+def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """The profile on all nodes at each place of the finger, and each scene's place."""
     x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
-    known: dict[object, np.ndarray] = {}
+    profiles: list[np.ndarray] = []
+    known: dict[object, int] = {}
     for scene in scenes:
         key = (scene.x_m, scene.y_m)
         if key not in known:
-            known[key] = scene.amplitude(x, y)
-    return np.stack([known[scene.x_m, scene.y_m] for scene in scenes])
+            known[key] = len(profiles)
+            profiles.append(scene.amplitude(x, y))
+    return np.stack(profiles), np.array([known[scene.x_m, scene.y_m] for scene in scenes])
 
 
-def _first_guess(progress: _Progress) -> np.ndarray:
-    """The state on the coarser grid, interpolated; the film at rest on the first grid."""
-    if progress.overpressure is None or progress.grid_before is None:
-        return np.zeros(progress.grid.shape)
-    coarse, fine = progress.grid_before, progress.grid
-    along_x = coarse.x.interpolation_to(fine.x) @ progress.overpressure.reshape(coarse.nx, -1)
-    along_y = coarse.y.interpolation_to(fine.y) @ along_x.reshape(fine.nx, coarse.ny, coarse.nt)
-    return along_y @ coarse.t.interpolation_to(fine.t).T
+def _first_guess(group: Sequence[_Progress]) -> np.ndarray | None:
+    """The states on the coarser grid, interpolated; the film at rest on the first grid."""
+    coarse, fine = group[0].grid_before, group[0].grid
+    if coarse is None:
+        return None
+    states = np.stack([p.overpressure for p in group if p.overpressure is not None])
+    along_t = states.reshape(-1, coarse.nt) @ coarse.t.interpolation_to(fine.t).T
+    along_x = coarse.x.interpolation_to(fine.x) @ along_t.reshape(len(group), coarse.nx, -1)
+    panels = along_x.reshape(-1, coarse.ny, fine.nt)
+    return (coarse.y.interpolation_to(fine.y) @ panels).reshape(len(group), *fine.shape)
 
 
 def _judge(
-    progress: _Progress, states: States, position: int, *, tolerance: float
+    group: Sequence[_Progress], states: States, *, tolerance: float
+) -> list[Solution | None]:
+    """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
+    coarse, grid = group[0].grid_before, group[0].grid
+    mean_pressure = states.overpressure @ np.full(grid.nt, 1 / grid.nt)
+    floor = ROUND_OFF * states.largest
+    error = np.full(len(group), np.inf)
+    if coarse is not None:
+        epsilon = np.array([progress.scene.epsilon for progress in group])
+        before = np.stack([p.mean_before for p in group if p.mean_before is not None])
+        change = _change(before, coarse, mean_pressure, grid)
+        error = MOMENT_FACTOR * change + states.residual / (1 - epsilon) + floor
+    enough = error <= tolerance * np.abs(states.mean) + floor
+    return [
+        _judge_scene(
+            progress,
+            states,
+            position,
+            error=float(error[position]),
+            enough=bool(enough[position]),
+            mean_pressure=mean_pressure[position],
+        )
+        for position, progress in enumerate(group)
+    ]
+
+
+def _judge_scene(
+    progress: _Progress,
+    states: States,
+    position: int,
+    *,
+    error: float,
+    enough: bool,
+    mean_pressure: np.ndarray,
 ) -> Solution | None:
-    """The scene's solution if its error is known to be small enough, else None and a finer grid."""
     scene, grid = progress.scene, progress.grid
-    mean = float(states.mean[position])
-    overpressure = states.overpressure[position]
-    residual = float(states.residual[position])
     krylov = int(states.krylov_iterations[position])
     newton = int(states.newton_steps[position])
     progress.newton_steps += newton
     progress.krylov_iterations += krylov
     progress.work += (krylov + newton) * iteration_flops(grid)
 
-    def finished(*, status: str, force: float, error: float) -> Solution:
+    def finished(*, status: str, force: float = np.nan, error: float = np.nan) -> Solution:
         return Solution(
             force_n=force * scene.force_scale_n,
             force_error_n=error * scene.force_scale_n,
@@ -169,31 +222,29 @@ def _judge(
             nt=grid.nt,
             newton_steps=progress.newton_steps,
             krylov_iterations=progress.krylov_iterations,
-            residual=residual,
+            residual=float(states.residual[position]),
             work=progress.work,
         )
 
+    if states.status[position] != 0 and progress.first is not None:
+        progress.grid, progress.first = progress.first, None
+        return None
     if states.status[position] != 0:
-        reason = STATUS[states.status[position]]
-        return finished(status=f"{reason} ({_size(grid)})", force=np.nan, error=np.nan)
+        return finished(status=f"{STATUS[states.status[position]]} ({_size(grid)})")
     thinnest = scene.inverse_knudsen * float(states.thinnest[position])
     if scene.gas.rarefaction == "fukui-kaneko" and thinnest < FUKUI_KANEKO_LEAST_D:
-        status = f"gas too rarefied: D falls to {thinnest:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
-        return finished(status=status, force=np.nan, error=np.nan)
-    mean_pressure = overpressure.mean(axis=-1)
-    error = np.inf
-    if progress.grid_before is not None and progress.mean_before is not None:
-        floor = ROUND_OFF * float(states.largest[position])
-        change = _change(progress.mean_before, progress.grid_before, mean_pressure, grid)
-        error = MOMENT_FACTOR * change + residual / (1 - scene.epsilon) + floor
-        if error <= tolerance * abs(mean) + floor:
-            return finished(status="ok", force=mean, error=error)
-    finer = finer_grid(grid)
+        return finished(
+            status=f"gas too rarefied: D falls to {thinnest:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
+        )
+    if enough:
+        return finished(status="ok", force=float(states.mean[position]), error=error)
+    finer = progress.first or finer_grid(grid)
     if finer is None:
-        status = f"tolerance not reached on the finest grid ({_size(grid)}): error {error:.1e}"
-        return finished(status=status, force=np.nan, error=np.nan)
-    progress.overpressure, progress.mean_before = overpressure, mean_pressure
-    progress.grid_before, progress.grid = grid, finer
+        return finished(
+            status=f"tolerance not reached on the finest grid ({_size(grid)}): error {error:.1e}"
+        )
+    progress.overpressure, progress.mean_before = states.overpressure[position], mean_pressure
+    progress.grid_before, progress.grid, progress.first = grid, finer, None
     return None
 
 
@@ -203,14 +254,15 @@ def iteration_flops(grid: Grid) -> float:
     return 2.0 * nx * ny * nt * (3 * nx + 3 * ny + 2 * nt)
 
 
-def _change(before: np.ndarray, coarse: Grid, after: np.ndarray, fine: Grid) -> float:
-    """Largest change, from grid to grid, of the mean pressure's lowest cosine moments.
+def _change(before: np.ndarray, coarse: Grid, after: np.ndarray, fine: Grid) -> np.ndarray:
+    """Largest change, from grid to grid, of the mean pressure's lowest cosine moments, per scene.
 
-    The first of them is the force.
+    before, after: mean overpressure, shape (scenes, nx, ny) of the coarse and the fine grid. The
+    first of the moments is the force.
     """
     carried = coarse.x.interpolation_to(fine.x) @ before @ coarse.y.interpolation_to(fine.y).T
     moments = fine.x.moments(MOMENTS) @ (after - carried) @ fine.y.moments(MOMENTS).T
-    return float(np.abs(moments).max())
+    return np.abs(moments).max(axis=(1, 2))
 
 
 def _size(grid: Grid) -> str:

@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 
 from squeezefilm.errors import InputError
-from squeezefilm.reynolds.device import Device, kernel
+from squeezefilm.reynolds.device import Device, aligned, kernel
 from squeezefilm.reynolds.periodic import Grid, Problems, profile_fields
 from squeezefilm.reynolds.schemes import SCHEMES, Scheme, steps_for_stability
 
@@ -152,23 +152,12 @@ def march(
         size += (MOST_KRYLOV + 1) * (count + MOST_KRYLOV + 4)
     size = -(-size // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * size)
-    state = np.zeros((scenes, grid.nx, grid.ny))
-    if overpressure is not None:
-        state[:] = overpressure
-    mean = np.empty_like(state)
+    shape = (scenes, grid.nx, grid.ny)
+    state, mean = (aligned(scenes * count).reshape(shape) for _ in range(2))
+    state[:] = 0.0 if overpressure is None else overpressure
     results = np.empty((scenes, periods, 3))
     counts = np.empty((scenes, 3), dtype=np.int32)
 
-    flags = cl.mem_flags
-    context, queue = device.context, device.queue
-
-    def sent(values: np.ndarray) -> cl.Buffer:
-        return cl.Buffer(context, flags.READ_ONLY | flags.COPY_HOST_PTR, hostbuf=values)
-
-    state_buffer = cl.Buffer(context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=state)
-    mean_buffer = cl.Buffer(context, flags.READ_WRITE, state.nbytes)
-    results_buffer = cl.Buffer(context, flags.WRITE_ONLY, results.nbytes)
-    counts_buffer = cl.Buffer(context, flags.WRITE_ONLY, counts.nbytes)
     taken = np.zeros(1, dtype=np.int32)
     march_films = kernel(
         device,
@@ -176,30 +165,27 @@ def march(
         sources=IMPLICIT_SOURCES if method.implicit else EXPLICIT_SOURCES,
         defines=_defines(method, moving),
     )
+    shared = [device.shared(values) for values in (state, mean, results, counts)]
+    matrices = _matrices(grid, aspect=problems.aspect, bearing=moving, implicit=method.implicit)
     march_films(
-        queue,
+        device.queue,
         (groups * device.work_items,),
         (device.work_items,),
         *(np.int32(n) for n in (scenes, grid.nx, grid.ny, periods, first_period)),
         np.float64(ramp_periods),
         np.int32(method.stages),
-        sent(method.table),
-        sent(_matrices(grid, aspect=problems.aspect, bearing=moving, implicit=method.implicit)),
-        sent(numbers),
-        sent(profile_fields(problems, grid, slope=moving)),
-        state_buffer,
-        mean_buffer,
-        results_buffer,
-        counts_buffer,
-        cl.Buffer(context, flags.READ_WRITE, 8 * size * groups),
+        device.sent(method.table),
+        device.sent(matrices),
+        device.sent(numbers),
+        device.sent(profile_fields(problems, grid, slope=moving)[problems.places]),
+        *shared,
+        device.room(size * groups),
         np.uint64(size),
-        cl.Buffer(context, flags.READ_WRITE | flags.COPY_HOST_PTR, hostbuf=taken),
+        device.shared(taken),
         cl.LocalMemory(8 * device.work_items),
     )
-    cl.enqueue_copy(queue, state, state_buffer)
-    cl.enqueue_copy(queue, mean, mean_buffer)
-    cl.enqueue_copy(queue, results, results_buffer)
-    cl.enqueue_copy(queue, counts, counts_buffer)
+    for values, buffer in zip((state, mean, results, counts), shared, strict=True):
+        device.fetch(values, buffer)
     return March(
         mean_by_period=results[..., 0],
         lowest_by_period=results[..., 1],
