@@ -50,6 +50,19 @@ FIGURE_INPUTS = {
         "design_forces": DESIGN_FORCES,
         "device": DEVICE,
     },
+    "uncertainty": {
+        "table": "<results>/tables/uncertainty.csv",
+        "curves": "<results>/tables/uncertainty_curves.csv",
+    },
+    "overview": {
+        "film": "<results>/simulations/extrapolation/film.csv",
+        "film_forces": "<results>/simulations/extrapolation/forces.csv",
+        "forces": SCREEN,
+        "fit": "<results>/fits/screen.json",
+        "design_forces": DESIGN_FORCES,
+        "errors": "<results>/validation/two_factor_design_on_error_map.csv",
+        "validation": "<results>/validation/two_factor_design_on_error_map.json",
+    },
 }
 TABLE_INPUTS = {
     "1": {
@@ -93,8 +106,27 @@ CLAIM_INPUTS = {
 }
 
 
+FIGURE_SHOWS = {
+    "fig05": "the model of the vibration over the surface",
+    "fig06": "the same as a mesh",
+    "fig07": "the screen: the simulations of the first plan",
+    "fig08": "the model fitted to the screen",
+    "fig09": "where the searches for an optimal design end",
+    "fig10": "the first pattern of optimal points",
+    "fig11": "the second pattern of optimal points",
+    "fig12": "the optimal design in the space of the experiment",
+    "fig13": "the model fitted to the optimal design",
+    "fig14": "relative error of that model on the screen",
+    "fig15": "the positions of the finger with four factors",
+    "fig16": "the optimal design with four factors",
+    "error_map": "relative error over the whole space: not in the paper",
+    "uncertainty": "what would explain the difference from the paper's force",
+    "overview": "what the whole study does",
+}
+
+
 wildcard_constraints:
-    figure="fig[0-9]+|error_map",
+    figure="|".join(FIGURE_INPUTS),
     number="[1-3]",
 
 
@@ -132,7 +164,15 @@ rule plot:
         data="<results>/figures/{figure}.csv",
     output:
         png="<results>/figures/{figure}.png",
-        svg="<results>/figures/{figure}.svg",
+        svg=report(
+            "<results>/figures/{figure}.svg",
+            category="3 Figures",
+            labels=lambda wildcards: {
+                "figure": wildcards.figure,
+                "shows": FIGURE_SHOWS[wildcards.figure],
+            },
+            caption="../report/figure.rst",
+        ),
     log:
         "<logs>/plot/{figure}.log",
     localrule: True
@@ -217,7 +257,7 @@ rule figures:
     input:
         expand("<results>/figures/{figure}.{format}", figure=FIGURE_INPUTS, format=["png", "svg"]),
     message:
-        "The paper's figures and the error map are drawn"
+        "The paper's figures and ours are drawn"
 
 
 rule tables:

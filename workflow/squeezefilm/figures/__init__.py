@@ -30,6 +30,8 @@ FIGURES = (
     "fig15",
     "fig16",
     "error_map",
+    "uncertainty",
+    "overview",
 )
 # Those of the numerics stage, drawn from the tables that it makes.
 NUMERICS = (

@@ -1,0 +1,54 @@
+# What the differences from the paper may rest on, and a film to look at.
+
+
+rule uncertainty_table:
+    input:
+        code=code("uncertainty"),
+        config=ancient(CONFIG_FILE),
+        kernels="<results>/simulations/device.json",
+    output:
+        csv="<results>/tables/uncertainty.csv",
+        markdown="<results>/tables/uncertainty.md",
+        curves="<results>/tables/uncertainty_curves.csv",
+    log:
+        "<logs>/table/uncertainty.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        settings=settings("commands.uncertainty"),
+    message:
+        "What would explain the differences from the paper"
+    shell:
+        "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm uncertainty "
+        "--config {input.config} --output {output.csv} --markdown {output.markdown} "
+        "--curves {output.curves} >{log} 2>&1"
+
+
+rule cross_section:
+    input:
+        code=code("cross-section"),
+        config=ancient(CONFIG_FILE),
+        scenes="<results>/simulations/extrapolation/scenes.csv",
+    output:
+        "<results>/simulations/extrapolation/film.csv",
+    log:
+        "<logs>/cross_section.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    params:
+        settings=settings("commands.cross_section"),
+    message:
+        "Gap and pressure under the finger over a period"
+    shell:
+        "OPENBLAS_NUM_THREADS=1 python -m squeezefilm cross-section {input.scenes} "
+        "--config {input.config} --output {output} >{log} 2>&1"
