@@ -100,7 +100,10 @@ class AtMost(_ShowsCells):
     def worst(self, expected: Cells, got: Cells) -> Worst:
         """The cell with the largest number."""
         cells = list(expected)
-        distance = np.nan_to_num(_numbers(got, cells) / self.limit, nan=np.inf)
+        numbers = _numbers(got, cells)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            distance = np.where(numbers == 0, 0.0, numbers / self.limit)
+        distance = np.where(np.isnan(distance), np.inf, distance)
         index = int(np.argmax(distance))
         return Worst(cells[index], float(distance[index]))
 

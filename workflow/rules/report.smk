@@ -1,0 +1,89 @@
+# Pages for `snakemake --report`, which puts them into one file with the figures.
+#
+# Its categories stand in the order of their names, hence the numbers.
+
+TABLE_SHOWS = {
+    "1": "parameters of the two-factor model",
+    "2": "the space of the experiment with four factors",
+    "3": "parameters of the four-factor model",
+}
+
+
+rule summary:
+    input:
+        expand(
+            "<results>/validation/{pair}.json",
+            pair=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
+        ),
+        expand("<results>/simulations/{plan}/forces.csv", plan=PLANS),
+        expand("<results>/fits/{fit}.json", fit=FITS),
+        "<results>/claims.csv",
+        "<results>/simulations/device.json",
+        code=code("summary"),
+        config=ancient(CONFIG_FILE),
+    output:
+        "<results>/summary.md",
+    log:
+        "<logs>/report/summary.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    params:
+        settings=settings("commands.summary"),
+        results=f"results/{STUDY}",
+        plans=PLANS,
+        fits=FITS,
+        pairs=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
+    message:
+        "The study on one page"
+    shell:
+        "python -m squeezefilm summary {params.results} --config {input.config} --forces {params.plans} "
+        "--fits {params.fits} --validations {params.pairs} --output {output} >{log} 2>&1"
+
+
+rule pages:
+    input:
+        code=code("pages"),
+        summary="<results>/summary.md",
+        claims="<results>/claims.md",
+        tables=expand("<results>/tables/table{number}.md", number=TABLE_INPUTS),
+    output:
+        summary=report(
+            "<results>/report/a_summary.html",
+            category="1 Summary and claims",
+            labels={"page": "Summary: what was simulated, how accurate, where it differs"},
+            caption="../report/summary.rst",
+        ),
+        claims=report(
+            "<results>/report/b_claims.html",
+            category="1 Summary and claims",
+            labels={"page": "Claims: the paper beside ours, each with a verdict"},
+            caption="../report/claims.rst",
+        ),
+        tables=[
+            report(
+                f"<results>/report/table{number}.html",
+                category="2 Tables",
+                labels={"table": number, "shows": shows},
+                caption="../report/table.rst",
+            )
+            for number, shows in TABLE_SHOWS.items()
+        ],
+    log:
+        "<logs>/report/pages.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    message:
+        "Pages of the report"
+    shell:
+        "python -m squeezefilm pages {input.summary} {input.claims} {input.tables} "
+        "--output {output} >{log} 2>&1"
