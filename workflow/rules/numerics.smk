@@ -210,7 +210,12 @@ rule plot_numerics:
         data="<results>/numerics/{numerics_figure}.csv",
     output:
         png="<results>/numerics/{numerics_figure}.png",
-        svg="<results>/numerics/{numerics_figure}.svg",
+        svg=report(
+            "<results>/numerics/{numerics_figure}.svg",
+            category="4 Numerics",
+            labels=lambda wildcards: {"shows": wildcards.numerics_figure.replace("_", " ")},
+            caption="../report/numerics.rst",
+        ),
     log:
         "<logs>/numerics/plot_{numerics_figure}.log",
     wildcard_constraints:
