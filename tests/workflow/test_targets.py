@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -74,4 +75,4 @@ def test_the_paper_is_the_default_study(fresh: Planner) -> None:
 
 def test_a_sweep_is_simulated_in_chunks(fresh: Planner) -> None:
     done = snakemake(fresh.folder, "sweep", "--summary", "--configfile", "config/sweep.yaml")
-    assert "sweep/chunks/4-of-4.parquet" in done.stdout
+    assert re.search(r"sweep/chunks/2-of-[2-9]\.parquet", done.stdout)

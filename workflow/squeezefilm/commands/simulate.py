@@ -136,45 +136,44 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Setti
     if options.scenes is None or options.output is None:
         raise InputError("give a table of scenes and --output, or one scene by --h0 and --hv")
     table = read_scenes(options.scenes)
-    points = scene_points(table)
     if options.chunk is not None:
-        rows = chunk_rows(options.chunk, count=len(points))
-        points, table = points[rows], table.iloc[rows]
-    scenes = _scenes(points, config, path=options.scenes)
+        table = table.iloc[chunk_rows(options.chunk, count=len(table))]
+    pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]
+    for piece in pieces:
+        _scenes(piece, config, path=options.scenes)  # refused before anything is solved
     with node_cache.one_build_at_a_time():
         device = choose_device(settings.device)
         provenance.note(device=describe(settings.device))
-        warm(device, needs_of(scenes[0]))
+        warm(device, needs_of(_scenes(pieces[0], config, path=options.scenes)[0]))
     failures: list[str] = []
-    total = 0.0
+    seconds = 0.0
     with (
-        tqdm(total=len(scenes), unit="scene", desc=str(options.scenes), disable=None) as bar,
+        tqdm(total=len(table), unit="scene", desc=str(options.scenes), disable=None) as bar,
         table_writer(options.output) as write,
         _optional_writer(options.timings) as write_timings,
     ):
-        for first in range(0, len(scenes), PIECE):
-            piece = slice(first, first + PIECE)
+        for piece in pieces:
+            scenes = _scenes(piece, config, path=options.scenes)
             start = time.perf_counter()
             solutions = solve(
-                scenes[piece],
+                scenes,
                 tolerance=settings.tolerance,
                 method=settings.method,
                 device=device,
                 report=bar.update,
             )
-            seconds = time.perf_counter() - start
-            solved = table.iloc[piece].reset_index(drop=True)
-            write(_forces(solved, solutions))
-            shares = [seconds * share for share in _work_shares(solutions)]
-            write_timings(solved[["point_id"]].assign(solve_seconds=shares))
+            wall = time.perf_counter() - start
+            seconds += wall
+            write(_forces(piece, solutions))
+            shares = [wall * share for share in _work_shares(solutions)]
+            write_timings(piece[["point_id"]].assign(solve_seconds=shares))
             failures += [
                 f"point {scene.point_id}: {solution.status}"
-                for scene, solution in zip(scenes[piece], solutions, strict=True)
+                for scene, solution in zip(scenes, solutions, strict=True)
                 if solution.status != "ok"
             ]
-            total += seconds
     print(
-        f"{len(scenes) - len(failures)} of {len(scenes)} scenes solved in {total:.3f} s",
+        f"{len(table) - len(failures)} of {len(table)} scenes solved in {seconds:.3f} s",
         file=sys.stderr,
     )
     if failures and options.keep_going:
@@ -183,9 +182,9 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Setti
         raise RunError("no force for " + "; ".join(failures))
 
 
-def _scenes(points: Sequence[ScenePoint], config: Config, *, path: str) -> list[Scene]:
+def _scenes(rows: pd.DataFrame, config: Config, *, path: str) -> list[Scene]:
     try:
-        return [scene_of(point, config) for point in points]
+        return [scene_of(point, config) for point in scene_points(rows)]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 

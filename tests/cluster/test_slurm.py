@@ -1,0 +1,97 @@
+"""Jobs run on a real Slurm, give the tables that they give here, and survive being ended."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+
+from .conftest import (
+    LONG,
+    LONG_FORCES,
+    QUICK,
+    QUICK_TABLES,
+    Checkout,
+    Run,
+    say,
+    wait_until,
+)
+from .slurm import PARTITION, Job, Slurm
+
+Made = Callable[[str], bytes]
+LONG_LOG = "logs/long/simulate/sweep/1-of-1.parquet.log"
+
+
+def jobs_of(run: Run, slurm: Slurm) -> list[Job]:
+    """Slurm's record of the jobs of a run, into the log too."""
+    numbers = run.submitted()
+    wait_until(lambda: {*numbers} <= {job.number for job in slurm.ended()})
+    jobs = [job for job in slurm.ended() if job.number in numbers]
+    for job in jobs:
+        say(f"job {job.number}: {job.state} in partition {job.partition} on {job.nodes}")
+    return jobs
+
+
+def test_the_quick_study_is_simulated_on_slurm(
+    slurm: Slurm, checkout: Checkout, made_locally: Made
+) -> None:
+    run = checkout.on_slurm(QUICK, QUICK_TABLES)
+    run.succeeds()
+    jobs = jobs_of(run, slurm)
+    # Four plans, one of them in two parts, and a fit; plans and gathering stay where snakemake is.
+    assert len(jobs) == 6
+    assert {(job.state, job.partition) for job in jobs} == {("COMPLETED", PARTITION)}
+    for name in QUICK_TABLES:
+        assert (checkout.folder / name).read_bytes() == made_locally(name), name
+    (cache,) = (slurm.folder / "scratch").glob("squeezefilm-*/*/pocl")
+    assert any(cache.iterdir()), "kernels were not kept on the node"
+
+
+def test_a_cancelled_job_is_tried_again(
+    slurm: Slurm, checkout: Checkout, made_locally: Made
+) -> None:
+    run = checkout.on_slurm(LONG, [LONG_FORCES])
+    wait_until(lambda: (checkout.folder / LONG_LOG).exists(), of=run)
+    (number,) = slurm.running()
+    slurm.run("scancel", number)
+    say(f"job {number}: cancelled while it ran")
+    run.succeeds()
+    jobs = jobs_of(run, slurm)
+    assert [job.state for job in jobs] == ["CANCELLED", "COMPLETED"]
+    assert jobs[0].number == number
+    assert (checkout.folder / LONG_FORCES).read_bytes() == made_locally(LONG_FORCES)
+
+
+def test_a_run_goes_on_after_snakemake_was_killed_though_its_job_still_runs(
+    slurm: Slurm, checkout: Checkout, made_locally: Made
+) -> None:
+    first = checkout.on_slurm(LONG, [LONG_FORCES])
+    wait_until(lambda: (checkout.folder / LONG_LOG).exists(), of=first)
+    first.process.kill()
+    first.process.wait()
+    (old,) = slurm.running()
+    say(f"snakemake killed while job {old} ran")
+    unlock = [sys.executable, "-m", "squeezefilm", "unlock"]
+    environment = {**checkout.environment, "PYTHONPATH": "workflow"}
+    subprocess.run(unlock, cwd=checkout.folder, env=environment, check=True)
+    second = checkout.on_slurm(LONG, [LONG_FORCES])
+    wait_until(lambda: len(slurm.running()) == 2, of=second)
+    say(f"jobs {' and '.join(slurm.running())} run at the same time")
+    second.succeeds()
+    assert [job.state for job in jobs_of(second, slurm)] == ["COMPLETED"]
+    jobs_of(first, slurm)
+    assert (checkout.folder / LONG_FORCES).read_bytes() == made_locally(LONG_FORCES)
+    assert not list((checkout.folder / "results").rglob(".*.parquet*"))
+
+
+def test_another_scheduler_is_reached_by_its_own_commands(
+    slurm: Slurm, checkout: Checkout, made_locally: Made
+) -> None:
+    table = QUICK_TABLES[0]
+    profile = ("--workflow-profile", "profiles/generic", "--latency-wait", "5")
+    run = checkout.start(table, "--configfile", QUICK, *profile)
+    run.succeeds()
+    (job,) = jobs_of(run, slurm)
+    assert job.state == "COMPLETED"
+    assert job.name == "squeezefilm-simulate"
+    assert (checkout.folder / table).read_bytes() == made_locally(table)
