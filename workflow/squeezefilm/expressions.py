@@ -125,6 +125,8 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
     text = " ".join(text.split())
     if not text:
         raise InputError(f"{place}: the formula is empty")
+    if "#" in text or "\\" in text:
+        raise InputError(f"{place}: {_shown(text)}: # and \\ have no meaning in a formula")
     if len(text) > LONGEST:
         raise InputError(
             f"{place}: the formula has {len(text)} characters; at most {LONGEST} are allowed"

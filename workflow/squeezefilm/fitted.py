@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from squeezefilm.errors import InputError
-from squeezefilm.force_model import ExpressionModel, get_model, make_model
+from squeezefilm.force_model import COLUMNS, ExpressionModel, Factors, get_model, make_model
+from squeezefilm.limit_table import LimitTable
 from squeezefilm.tables import read_json
+
+RANGE_SLACK = 1e-9
 
 
 @dataclass(frozen=True)
@@ -31,7 +37,7 @@ class FittedModel:
     values: Mapping[str, Any] = field(default_factory=dict, repr=False)
     place: str = "fit"
 
-    @property
+    @cached_property
     def force_model(self) -> ExpressionModel:
         """The model with the formula that the file carries; the library's, if it carries none.
 
@@ -54,6 +60,49 @@ class FittedModel:
                 f"{', '.join(model.parameter_names)}"
             )
         return model
+
+    def complete(self, factors: Factors) -> Factors:
+        """The factors with the physics limits that the model needs, from the file's own table.
+
+        Raises:
+            InputError: naming the file, where it has no such table.
+        """
+        model = self.force_model
+        if all(name in factors.columns for name in model.column_names):
+            return factors
+        if "limit_table" not in self.values:
+            raise InputError(
+                f"{self.place}: the model {self.model} needs {', '.join(model.column_names)} and "
+                "its file has no table of them; fit it with --limit-table, or give points with "
+                "these columns (`squeezefilm limits`)"
+            )
+        return self.limit_table.complete(factors)
+
+    @cached_property
+    def limit_table(self) -> LimitTable:
+        """The limits that the file carries."""
+        return LimitTable.from_dict(self.values["limit_table"], place=f"{self.place}: limit_table")
+
+    def outside(self, factors: Factors) -> list[str]:
+        """For each point, the factors that lie outside the ranges the model was fitted on."""
+        notes: list[list[str]] = [[] for _ in range(len(factors))]
+        for name, (low, high) in self.ranges.items():
+            if name in COLUMNS.values():
+                continue
+            values = factors.column(name)
+            slack = RANGE_SLACK * max(abs(low), abs(high))
+            for index in np.flatnonzero((values < low - slack) | (values > high + slack)):
+                notes[index].append(f"{name} outside {low:g} … {high:g}")
+        return ["; ".join(each) for each in notes]
+
+    @property
+    def error_n(self) -> float:
+        """The force's error to expect, in newtons: root mean square at points left out of the fit.
+
+        NaN where the file tells none: as many points as parameters leave none to judge by.
+        """
+        crossed = self.cross_validation or {}
+        return float(crossed.get("root_mean_square_n", np.nan))
 
 
 def read_fit(path: Path | str) -> FittedModel:

@@ -8,7 +8,7 @@ the library's.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -248,26 +248,28 @@ class ExpressionModel:
         h0_m: float,
         phi_r_m: float = 0.0,
         phi_deg: float = 0.0,
+        complete: Callable[[Factors], Factors] | None = None,
     ) -> float:
         """Smallest amplitude hv in metres that gives the wanted force at a gap and position.
 
-        Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives it, and
-        for a model of results of physics, which are not known at every amplitude.
+        A model of results of physics needs ``complete``, which adds their columns to factors.
+        Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives the
+        force.
         """
         theta = self._checked(theta)
         if theta.ndim != 1:
             raise InputError(f"amplitude_for_force takes one theta, not {len(theta)} of them")
         if not np.isfinite(force_n):
             raise InputError(f"force_n: {force_n} is not a finite number")
-        if self.column_names:
+        if self.column_names and complete is None:
             raise InputError(
-                f"the model {self.name} needs {', '.join(self.column_names)} at each amplitude; "
-                "look for the force in a table of them"
+                f"the model {self.name} needs {', '.join(self.column_names)} at each amplitude"
             )
 
         def excess(epsilon: ArrayLike) -> Array:
             hv_m = np.asarray(epsilon) * h0_m
             at = Factors.of(h0_m=h0_m, hv_m=hv_m, phi_r_m=phi_r_m, phi_deg=phi_deg)
+            at = complete(at) if complete else at
             return self.evaluate(theta, at) - force_n
 
         for low, high in _brackets(excess):
@@ -276,9 +278,10 @@ class ExpressionModel:
             if abs(excess(found)[0]) <= 1e-9 * (1 + abs(force_n)):
                 return found * h0_m
         at_rest = excess(0.0)[0] + force_n
+        rest = "" if np.isnan(at_rest) else f"; at rest it gives {at_rest:.3g} N"
         raise InputError(
             f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
-            f"below contact (hv_m < h0_m); at rest it gives {at_rest:.3g} N"
+            f"below contact (hv_m < h0_m){rest}"
         )
 
     def _checked(self, theta: ArrayLike) -> Array:

@@ -3,7 +3,8 @@
   squeezefilm fit FORCES.csv --model two-factor --config C.yaml --output FIT.json --runs RUNS.csv
 
 The model is one of the library's or of the study's own (its section `models`). A model that uses
-the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv.
+the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv; with
+what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone.
 
 Each of the study's bounds and seeds gives one run of the paper's method, a genetic algorithm
 followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. A model
@@ -29,11 +30,11 @@ from squeezefilm.cross_validation import left_out_predictions
 from squeezefilm.errors import InputError
 from squeezefilm.experiments import check_columns, factors_of
 from squeezefilm.fit import Fit, fit_by_differential_evolution, fit_model
-from squeezefilm.force_model import ExpressionModel, Factors
+from squeezefilm.force_model import POLAR, POSITION, ExpressionModel, Factors
 from squeezefilm.identifiability import check_identifiable
 from squeezefilm.models import model_named
 from squeezefilm.parallel import spread
-from squeezefilm.tables import read_ok_forces, write_json, write_table
+from squeezefilm.tables import read_json, read_ok_forces, write_json, write_table
 from squeezefilm.validation import error_sizes
 
 SECTIONS = ("fit", "models")
@@ -45,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("forces", metavar="FORCES.csv", help="simulated forces")
     parser.add_argument("--model", required=True, metavar="NAME", help="such as two-factor")
     parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
+    parser.add_argument("--limit-table", metavar="TABLE.json", help="to put into FIT.json")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="FIT.json", help="the best run")
     parser.add_argument("--processes", type=int, default=1, help="to spread the runs over")
@@ -84,6 +86,10 @@ def run(options: argparse.Namespace) -> None:
     source = {"squeezefilm": __version__, "forces_sha256": digest(Path(options.forces))}
     if options.limits:
         source["limits_sha256"] = digest(Path(options.limits))
+    if options.limit_table and model.column_names:
+        table = read_json(options.limit_table)
+        if "refused" not in table:
+            about["limit_table"] = table
     write_json({**best.to_dict(), **about, "source": source}, options.output)
 
 
@@ -125,6 +131,8 @@ def describe(
     fit: Fit,
 ) -> dict[str, Any]:
     """What a file must tell of a fit, so that the model can be used from the file alone."""
+    # A model that knows no position was fitted at some all the same.
+    position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
     return {
         "about": model.about,
         "expression": model.expression,
@@ -133,7 +141,7 @@ def describe(
         "force_unit": "N",
         "ranges": {
             name: [float(np.min(values)), float(np.max(values))]
-            for name in (*model.factor_names, *model.column_names)
+            for name in (*model.factor_names, *position, *model.column_names)
             for values in [factors.column(name)]
         },
         "residual": error_sizes(model_n=model.evaluate(fit.theta, factors), simulation_n=force_n),
