@@ -18,7 +18,6 @@ from squeezefilm.checking.tolerances import (
     AtMost,
     Close,
     Closeness,
-    LastDigit,
     Tolerance,
 )
 from squeezefilm.config import Config
@@ -71,12 +70,12 @@ def _leaves(place: str, value: Any) -> Iterator[tuple[str, str]]:
         yield place, text_of(value)
 
 
-def claim_quantities(results: Path) -> Iterator[Quantity]:
+def claim_quantities(results: Path, closeness: Closeness) -> Iterator[Quantity]:
     """Every claim's verdict and our value; of the run time, the verdict alone."""
-    yield from guarded(CLAIMS, "claims.csv", partial(_claims, results / "claims.csv"))
+    yield from guarded(CLAIMS, "claims.csv", partial(_claims, results / "claims.csv", closeness))
 
 
-def _claims(path: Path) -> Iterator[Quantity]:
+def _claims(path: Path, closeness: Closeness) -> Iterator[Quantity]:
     columns = ("claim_id", "claim", "paper", "ours", "unit", "verdict")
     table = read_columns(path, columns=columns)
     for claim in table.fillna("").astype(str).to_dict("records"):
@@ -84,7 +83,7 @@ def _claims(path: Path) -> Iterator[Quantity]:
         yield Quantity(CLAIMS, claim["claim_id"], "verdict", {claim["claim"]: agrees}, SAME)
         if claim["claim_id"] != "seconds":
             cells = {f"ours, in {claim['unit']}; paper: {claim['paper']}": claim["ours"]}
-            yield Quantity(CLAIMS, claim["claim_id"], "ours", cells, LastDigit())
+            yield Quantity(CLAIMS, claim["claim_id"], "ours", cells, closeness.shown)
 
 
 def simulation_quantities(results: Path, closeness: Closeness) -> Iterator[Quantity]:

@@ -27,7 +27,7 @@ def study_quantities(results: Path, config: Config) -> list[Quantity]:
         *setting_quantities(config),
         *figure_quantities(results, closeness),
         *table_quantities(results, closeness),
-        *claim_quantities(results),
+        *claim_quantities(results, closeness),
         *simulation_quantities(results, closeness),
         *fit_quantities(results, config, closeness),
         *design_quantities(results, config, closeness),
