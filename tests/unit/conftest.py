@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
+from squeezefilm import cli, uncertainty
+from squeezefilm.config import load_config
 from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
 from squeezefilm.tables import (
     DESIGN_COLUMNS,
@@ -65,6 +66,7 @@ def study(tmp_path_factory: pytest.TempPathFactory, repository: Path) -> Study:
     _write_fits(root)
     _write_designs(root)
     _write_validations(root, config)
+    _write_extras(root, config)
     rules = _rules_inputs(repository, root)
     return Study(root, config, rules["FIGURE_INPUTS"], rules["TABLE_INPUTS"], rules["CLAIM_INPUTS"])
 
@@ -174,6 +176,19 @@ def _write_designs(root: Path) -> None:
     four_factor = [(*point, "paper") for point in FOUR_FACTOR_POINTS]
     _write_design(folder / "four_factor.csv", four_factor)
     _write_design(folder / "four_factor_distinct.csv", four_factor)
+
+
+def _write_extras(root: Path, config: Path) -> None:
+    """A film over a period, and what a force rests on."""
+    scenes = root / "simulations/extrapolation/scenes.csv"
+    film = f"--output={scenes.parent}/film.csv"
+    assert cli.main(["cross-section", str(scenes), f"--config={config}", film]) == 0
+    table, curves = uncertainty.compare(
+        load_config(config),
+        force=lambda scene: 4.97 * scene.epsilon**2 * scene.gas.ambient_pressure_pa / 101_325,
+    )
+    write_table(table, root / "tables/uncertainty.csv")
+    write_table(curves, root / "tables/uncertainty_curves.csv")
 
 
 def _write_design(path: Path, points: list[tuple[Any, ...]]) -> None:

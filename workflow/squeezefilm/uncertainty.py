@@ -161,7 +161,7 @@ def differences(config: Config) -> tuple[Difference, ...]:
     smallest = (screen["h0_m"]["stop"], screen["hv_m"]["start"])
     return (
         Difference(
-            "simulation_extrapolated",
+            "simulation_at_2.2",
             "force at {}",
             0.99,
             0.985,

@@ -11,7 +11,7 @@ from squeezefilm.sources import read_columns
 INPUTS = ("table", "curves")
 SECTIONS: tuple[str, ...] = ()
 
-SHOWN = "simulation_extrapolated"
+SHOWN = "simulation_at_2.2"
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

@@ -1,0 +1,97 @@
+"""The explorer's page holds what it was given, whole, and names nothing outside of itself."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.errors import InputError
+from squeezefilm.explorer import Study, explorer_page
+from squeezefilm.fitted import read_fit
+
+LIBRARY = "/* the drawing library */"
+
+
+@pytest.fixture(scope="module")
+def page(study) -> str:
+    return explorer_page(_study(study), drawing_library=LIBRARY)
+
+
+def _study(study, **changes) -> Study:
+    names = ("two_factor_design", "four_factor")
+    values = {
+        "name": "test",
+        "fits": {name: read_fit(study.root / f"fits/{name}.json") for name in names},
+        "forces": {
+            name: pd.read_csv(study.root / f"simulations/{name}/forces.csv")
+            for name in ("screen", "four_factor")
+        },
+        "force_n": 1.0,
+        "h0_m": 5e-6,
+        "hv_m": 2.2e-6,
+        "band": 0.15,
+    }
+    return Study(**(values | changes))
+
+
+def _data(page: str):
+    return json.loads(re.search(r'id="data">(.*?)</script>', page)[1])
+
+
+def test_models_and_forces_are_on_the_page_to_the_last_digit(page: str, study) -> None:
+    data = _data(page)
+    two, four = data["fits"]
+    assert two["theta"] == [7.8081, 1.83310, -1.000213, 0.0, 0.0]
+    assert not two["moves"]
+    assert four["theta"] == [7.3609, 2.07664, -1.000252, 0.016642, -81.115]
+    assert four["moves"]
+    screen = pd.read_csv(study.root / "simulations/screen/forces.csv")
+    plan = [row for row in data["simulations"] if data["plans"][row[0]] == "screen"]
+    assert [row[5] for row in plan] == list(screen["force_n"])
+    assert [row[1:3] for row in plan] == screen[["h0_m", "hv_m"]].to_numpy().tolist()
+
+
+def test_nothing_is_left_to_fill_in_and_nothing_comes_from_elsewhere(page: str) -> None:
+    assert LIBRARY in page
+    assert not re.search(r"\{\{\w+\}\}", page)
+    assert not re.search(r"<(script|img|iframe|link)\b[^>]*(src|href)=\"(?!data:)", page)
+    assert not re.search(r"\b(fetch|XMLHttpRequest|import)\s*\(|url\(|@import", page)
+    assert "default-src 'none'" in page
+
+
+def test_a_text_cannot_end_the_data(study) -> None:
+    forces = pd.read_csv(study.root / "simulations/screen/forces.csv")
+    page = explorer_page(_study(study, forces={"</script>": forces}), drawing_library="")
+    assert _data(page)["plans"] == ["</script>"]
+
+
+def test_a_model_that_the_page_does_not_know_is_refused(study) -> None:
+    fit = read_fit(study.root / "fits/four_factor.json")
+    strange = type(fit)(**(vars(fit) | {"model": "cubic"}))
+    with pytest.raises(InputError, match="knows the models two_factor, four_factor, not 'cubic'"):
+        explorer_page(_study(study, fits={"mine": strange}), drawing_library="")
+    short = type(fit)(**(vars(fit) | {"theta": (1.0, 2.0)}))
+    with pytest.raises(InputError, match="has 5 parameters, not 2"):
+        explorer_page(_study(study, fits={"mine": short}), drawing_library="")
+    with pytest.raises(InputError, match="at least one fit"):
+        explorer_page(_study(study, fits={}), drawing_library="")
+
+
+def test_the_command_writes_the_page(study, tmp_path: Path, capsys) -> None:
+    fit = f"{study.root}/fits/screen.json"
+    forces = f"screen={study.root}/simulations/screen/forces.csv"
+    target = tmp_path / "explorer.html"
+    words = ["--config", str(study.config), "--output", str(target)]
+    assert cli.main(["explorer", fit, "--forces", forces, *words]) == 0
+    text = target.read_text(encoding="utf-8")
+    assert "two factors, 60 simulations (screen)" in text
+    assert "Plotly" in text
+    assert cli.main(["explorer", fit, fit, "--forces", forces, *words]) == 2
+    assert "two fits bear the same name" in capsys.readouterr().err
+    assert cli.main(["explorer", fit, "--forces", forces.partition("=")[2], *words]) == 2
+    assert "is not NAME=PATH" in capsys.readouterr().err
