@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
+import psutil
 import pytest
 
-from squeezefilm.errors import InputError
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.parallel import spread
 
 
@@ -27,3 +33,35 @@ def test_a_refusal_in_a_process_reaches_the_caller() -> None:
 
     with pytest.raises(InputError, match=r"no \d"):
         spread(refuse, range(3), processes=2)
+
+
+def test_a_process_that_is_killed_is_told_and_not_waited_for() -> None:
+    def end(item: int) -> int:
+        if item == 2:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return item
+
+    with pytest.raises(RunError, match="was killed"):
+        spread(end, range(4), processes=2)
+
+
+def test_processes_end_with_the_one_that_started_them(repository: Path) -> None:
+    code = (
+        "import os, time; from squeezefilm.parallel import spread\n"
+        "task = lambda _: (os.write(1, b'%d\\n' % os.getpid()), time.sleep(60))\n"
+        "spread(task, [1, 2], processes=2)"
+    )
+    parent = subprocess.Popen(
+        [sys.executable, "-c", code],
+        cwd=repository / "workflow",
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert parent.stdout
+    children = [int(parent.stdout.readline()) for _ in range(2)]
+    parent.kill()
+    parent.communicate()
+    until = time.monotonic() + 5
+    while time.monotonic() < until and any(map(psutil.pid_exists, children)):
+        time.sleep(0.01)
+    assert not any(map(psutil.pid_exists, children))

@@ -96,6 +96,7 @@ def finish(command: Sequence[str]) -> None:
     name = f"{platform.node()}-{os.getpid()}-{time.time_ns()}.json"
     with whole_file(jobs_folder(run) / name) as part:
         part.write_text(json.dumps(record, sort_keys=True), encoding="utf-8")
+    _written.clear()
 
 
 def jobs_folder(run: Path) -> Path:
