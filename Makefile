@@ -9,7 +9,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper quick test test-faults test-browser lint format lock resume clean test-cluster test-cluster
+.PHONY: help paper quick test test-faults test-browser lint format lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -17,7 +17,6 @@ help:
 	@echo "make test     the tests"
 	@echo "make test-faults    runs that are killed, full disks, damaged results"
 	@echo "make test-browser   the pages, in a browser without a screen"
-	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
@@ -43,9 +42,6 @@ test-browser: $(VENV)/.dev
 		|| { apt-get -q update && apt-get -qy install --no-install-recommends chromium chromium-driver; } \
 		|| true
 	$(RUN) pytest tests/browser
-
-test-cluster: $(VENV)/.dev
-	$(RUN) pytest -v -s tests/cluster
 
 test-cluster: $(VENV)/.dev
 	$(RUN) pytest -v -s tests/cluster
