@@ -2,6 +2,16 @@
 #
 # Its categories stand in the order of their names, hence the numbers.
 
+SUMMARY_PLANS = [
+    "screen",
+    "two_factor_design",
+    "error_map",
+    "extrapolation",
+    "four_factor",
+    "four_factor_control",
+    "four_factor_design",
+    "four_factor_design_distinct",
+]
 TABLE_SHOWS = {
     "1": "parameters of the two-factor model",
     "2": "the space of the experiment with four factors",
@@ -15,7 +25,7 @@ rule summary:
             "<results>/validation/{pair}.json",
             pair=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
         ),
-        expand("<results>/simulations/{plan}/forces.csv", plan=PLANS),
+        expand("<results>/simulations/{plan}/forces.csv", plan=SUMMARY_PLANS),
         expand("<results>/fits/{fit}.json", fit=FITS),
         "<results>/claims.csv",
         "<results>/simulations/device.json",
@@ -35,7 +45,7 @@ rule summary:
     params:
         settings=settings("commands.summary"),
         results=f"results/{STUDY}",
-        plans=PLANS,
+        plans=SUMMARY_PLANS,
         fits=FITS,
         pairs=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
     message:
