@@ -36,7 +36,7 @@ def load(path: Path) -> Config:
     return check_study(load_config(path))
 
 
-@pytest.mark.parametrize("name", ["paper", "quick", "sweep"])
+@pytest.mark.parametrize("name", ["paper", "quick", "sweep", "vibrometer"])
 def test_the_studies_that_come_with_the_workflow_are_valid(repository: Path, name: str) -> None:
     config = load(repository / "config" / f"{name}.yaml")
     assert config["study"] == name

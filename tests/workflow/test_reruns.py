@@ -167,7 +167,7 @@ def others(value: Any) -> Iterator[Any]:
         yield [*value, 7]
     elif isinstance(value, int | float) or value[:1].isdigit():
         number = float(value) if isinstance(value, str) else value
-        yield from (number * 1.001, number * 0.999, number + 1, number - 1, 1e-3)
+        yield from (number * 1.001, number * 0.999, number + 1, number - 1, 1e-3, 1e-7)
     else:
         yield from (*WORDS, "pocl")
 

@@ -13,7 +13,7 @@ from squeezefilm.chunks import chunk_counts
 from squeezefilm.config import load_config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models import check_models
-from squeezefilm.study import check_study
+from squeezefilm.study import check_study, scan_path
 
 
 def refuse(message):
@@ -55,6 +55,7 @@ def load():
 CONFIG_FILE = config_path()
 CONFIG, CHUNKS = load()
 STUDY = CONFIG["study"]
+SCAN = scan_path(CONFIG)
 
 
 pathvars:
@@ -64,8 +65,14 @@ pathvars:
 
 
 def code(command, *modules):
-    """The files of the library that decide what a command does, to name as a rule's input."""
-    return [relative(path) for path in imports.code_of(command, *modules)]
+    """The files that decide what a command does, to name as a rule's input.
+
+    They are the library's, and a measured profile where the command reads the actuator.
+    """
+    files = imports.code_of(command, *modules)
+    if SCAN and imports.may_read("actuator", f"commands.{command.replace('-', '_')}", *modules):
+        files = [*files, SCAN]
+    return [relative(path) for path in files]
 
 
 def settings(module, key=None):

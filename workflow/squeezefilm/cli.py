@@ -11,6 +11,9 @@ from squeezefilm import __version__, provenance
 from squeezefilm.errors import InputError, RunError
 
 COMMANDS = {
+    "new": "begin a study of your own actuator: a commented configuration and an example scan",
+    "example-scan": "write a vibrometer's table as the paper's actuator would give it, with noise",
+    "profile": "smooth a measured vibration profile and weigh its noise",
     "simulate": "forces of a table of scenes, or of one scene given by --h0 and --hv",
     "explain": "say what each scene of a table needs and what is left out, without solving",
     "plan": "write the scenes of a plan",

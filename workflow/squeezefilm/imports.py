@@ -57,6 +57,24 @@ def sections_of(module: str, key: str | None = None) -> tuple[str, ...]:
     raise InputError(f"{path}: SECTIONS must be a literal tuple of names, or one for {key!r}")
 
 
+def may_read(section: str, *modules: str) -> bool:
+    """Whether any of some modules, relative to the package, names a section in its ``SECTIONS``.
+
+    Where SECTIONS is a mapping, for one of its keys at least.
+    """
+    texts: set[str] = set()
+    for module in modules:
+        for node in _parse(_existing(f"{PACKAGE}.{module}")).body:
+            targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", 0)]
+            if any(isinstance(name, ast.Name) and name.id == "SECTIONS" for name in targets):
+                texts.update(
+                    part.value
+                    for part in ast.walk(node)
+                    if isinstance(part, ast.Constant) and isinstance(part.value, str)
+                )
+    return section in texts
+
+
 @cache
 def _reached_from(roots: tuple[Path, ...]) -> frozenset[Path]:
     reached: set[Path] = set()

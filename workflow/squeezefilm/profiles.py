@@ -159,7 +159,7 @@ def largest_magnitude(
     from scipy.optimize import minimize
 
     radius, angle = np.meshgrid(
-        np.linspace(0, radius_m, 201), np.linspace(0, 2 * pi, 180, endpoint=False), indexing="ij"
+        np.linspace(0, radius_m, 101), np.linspace(0, 2 * pi, 192, endpoint=False), indexing="ij"
     )
     with np.errstate(all="ignore"):
         sizes = np.abs(shape(radius * np.cos(angle), radius * np.sin(angle)))

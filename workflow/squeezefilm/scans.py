@@ -53,6 +53,8 @@ POINTS_PER_MODE = 3
 AS_GOOD = 1.001
 # A profile that is less sure than this share of its maximum somewhere is not known there.
 LARGEST_ERROR = 0.25
+# Nor is one that has no measured point within this share of the disc's radius.
+LARGEST_HOLE = 0.35
 # Share of the motion, in rms, out of phase with the rest: more is a travelling wave.
 LARGEST_QUADRATURE = 0.3
 OUTLIER = 4.5
@@ -174,7 +176,7 @@ def smoothed_scan(path: Path, *, surface_radius_m: float, axisymmetric: bool) ->
         outliers=np.abs(fit.residual) > OUTLIER * spread,
         root=fit.root,
     )
-    _refuse_unknown(smoothed)
+    _refuse_unknown(smoothed, axisymmetric=axisymmetric)
     return smoothed
 
 
@@ -369,19 +371,35 @@ def _normalised(
     return Modes(orders, tuple(float(c) for c in coefficients / peak), radius_m), peak
 
 
-def _refuse_unknown(smoothed: SmoothedScan) -> None:
+def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     """Refuse a profile that the scan leaves open somewhere on the disc."""
+    from scipy.spatial import cKDTree
+
+    path, disc_m = smoothed.scan.path, smoothed.profile.surface_radius_m
     radius_m, angle = np.meshgrid(
-        np.linspace(0, smoothed.profile.surface_radius_m, 41),
-        np.linspace(0, 2 * np.pi, 72, endpoint=False),
-        indexing="ij",
+        np.linspace(0, disc_m, 41), np.linspace(0, 2 * np.pi, 72, endpoint=False), indexing="ij"
     )
     x_m, y_m = radius_m * np.cos(angle), radius_m * np.sin(angle)
+    if axisymmetric:  # a point stands for the circle through it
+        measured, places = np.hypot(smoothed.x_m, smoothed.y_m)[:, None], radius_m[..., None]
+    else:
+        measured = np.column_stack([smoothed.x_m, smoothed.y_m])
+        places = np.stack([x_m, y_m], axis=-1)
+    distance, _ = cKDTree(measured).query(places)
     error = smoothed.standard_error(x_m=x_m, y_m=y_m)
+    hole = np.unravel_index(np.argmax(distance), distance.shape)
     worst = np.unravel_index(np.argmax(error), error.shape)
+    if distance[hole] > LARGEST_HOLE * disc_m:
+        where = f"r = {radius_m[hole] * 1e3:.2f} mm"
+        if not axisymmetric:
+            where = f"x = {x_m[hole] * 1e3:.2f} mm, y = {y_m[hole] * 1e3:.2f} mm"
+        raise InputError(
+            f"{path}: no point was measured within {distance[hole] * 1e3:.1f} mm of {where}; the "
+            "scan needs points there, or actuator.surface_radius_m is too large"
+        )
     if error[worst] > LARGEST_ERROR:
         raise InputError(
-            f"{smoothed.scan.path}: the profile is known to ±{error[worst]:.0%} of its maximum "
-            f"only at x = {x_m[worst] * 1e3:.2f} mm, y = {y_m[worst] * 1e3:.2f} mm; the scan needs "
+            f"{path}: the profile is known to ±{error[worst]:.0%} of its maximum only at "
+            f"x = {x_m[worst] * 1e3:.2f} mm, y = {y_m[worst] * 1e3:.2f} mm; the scan needs more "
             "points there, or less noise"
         )

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 from squeezefilm.config import Config
 from squeezefilm.errors import InputError
 from squeezefilm.profiles import Profile, make_profile
 from squeezefilm.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.tables import ScenePoint
+
+if TYPE_CHECKING:
+    from squeezefilm.scans import SmoothedScan
 
 SECTIONS = ("gas", "actuator", "finger")
 
@@ -22,6 +28,27 @@ def profile_of(config: Config) -> Profile:
         surface_radius_m=actuator["surface_radius_m"],
         folder=config.path.parent,
         **actuator["profile"],
+    )
+
+
+def scan_path(config: Config) -> Path | None:
+    """The file that the vibration shape was measured in; None if it is not a measured one."""
+    profile = config["actuator"]["profile"]
+    return config.path.parent / profile["file"] if profile["kind"] == "measured" else None
+
+
+def smoothed_scan_of(config: Config) -> SmoothedScan | None:
+    """The measured vibration shape with all that is known of it; None if it is not measured."""
+    from squeezefilm.scans import smoothed_scan
+
+    path = scan_path(config)
+    if path is None:
+        return None
+    actuator = config["actuator"]
+    return smoothed_scan(
+        path,
+        surface_radius_m=actuator["surface_radius_m"],
+        axisymmetric=actuator["profile"]["axisymmetric"],
     )
 
 

@@ -42,6 +42,10 @@ def profile_note(config: Config) -> str:
     if profile["kind"] == "sinc":
         shape = f"ha/hv = sinc({profile['wave_number_per_m']:g} r) (eq. 2), r in m"
         shape += ", sinc x = sin(πx)/(πx)"
+    elif profile["kind"] == "measured":
+        return f"Profile measured ({profile['file']}), smoothed, {frequency:g} kHz."
+    elif profile["kind"] == "formula":
+        return f"ha/hv ~ {profile['expression']}, {frequency:g} kHz."
     else:
-        shape = f"profile {profile['kind']}"
+        return f"Profile {profile['kind']}, {frequency:g} kHz."
     return f"{shape}, {frequency:g} kHz. {MEASUREMENT_NOTE}"

@@ -43,6 +43,8 @@ NUMERICS = (
     "left_out",
 )
 MODELS = ("model_errors",)
+# Drawn by studies with a measured profile.
+PROFILES = ("profile",)
 
 
 def figure_module(name: str) -> ModuleType:
@@ -51,7 +53,7 @@ def figure_module(name: str) -> ModuleType:
     Raises:
         InputError: for a name that is no figure.
     """
-    known = (*FIGURES, *NUMERICS, *MODELS)
+    known = (*FIGURES, *NUMERICS, *PROFILES, *MODELS)
     if name not in known:
         raise InputError(f"there is no figure {name!r}; the figures are {', '.join(known)}")
     return importlib.import_module(f"squeezefilm.figures.{name}")

@@ -1,0 +1,302 @@
+"""Vibration shapes: analytic ones, and measured ones made smooth with a known error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import jv
+
+from squeezefilm.commands.example_scan import scan_text
+from squeezefilm.config import load_config
+from squeezefilm.errors import InputError
+from squeezefilm.profiles import Modes, Profile, Sinc, make_profile
+from squeezefilm.reynolds import solve
+from squeezefilm.scan_tables import points_table, summary_of
+from squeezefilm.scans import SmoothedScan, read_scan, smoothed_scan
+from squeezefilm.study import profile_of, scene_of, smoothed_scan_of
+from squeezefilm.tables import ScenePoint
+from squeezefilm.zernike import modes_at, orders_up_to
+
+RADIUS_M = 0.01
+Smooth = Callable[..., SmoothedScan]
+
+
+def polar_grid() -> tuple[np.ndarray, np.ndarray]:
+    r, phi = np.meshgrid(np.linspace(0, RADIUS_M, 41), np.linspace(0, 6.2, 41))
+    return r * np.cos(phi), r * np.sin(phi)
+
+
+def profile(**settings: Any) -> Profile:
+    return make_profile(surface_radius_m=RADIUS_M, folder=Path(), **settings)
+
+
+@pytest.fixture
+def smooth(tmp_path: Path) -> Smooth:
+    def write(text: str, *, axisymmetric: bool = True) -> SmoothedScan:
+        path = tmp_path / "scan.csv"
+        path.write_text(text, encoding="utf-8")
+        smoothed_scan.cache_clear()
+        return smoothed_scan(path, surface_radius_m=RADIUS_M, axisymmetric=axisymmetric)
+
+    return write
+
+
+def table(*columns: np.ndarray, header: str) -> str:
+    rows = zip(*columns, strict=True)
+    return "\n".join([header, *(",".join(f"{value:.9g}" for value in row) for row in rows)]) + "\n"
+
+
+def raster(points: int = 25) -> tuple[np.ndarray, np.ndarray]:
+    line = np.linspace(-RADIUS_M, RADIUS_M, points) * 0.99
+    x, y = (values.ravel() for values in np.meshgrid(line, line))
+    inside = np.hypot(x, y) < RADIUS_M * 0.99
+    return x[inside], y[inside]
+
+
+ANALYTIC = [
+    {"kind": "standing-wave", "wavelength_m": 0.012, "direction_deg": 30, "crest_m": 0.002},
+    {"kind": "formula", "expression": "3 * cos(500*x) * exp(-(r/0.01)**2)"},
+    *(
+        {
+            "kind": "bessel",
+            "nodal_diameters": n,
+            "wave_number_rad_per_m": 700.0,
+            "edge_share": share,
+            "direction_deg": 20.0,
+        }
+        for n, share in [(0, 0.0), (0, 0.02), (2, 0.0), (3, -0.01)]
+    ),
+]
+
+
+@pytest.mark.parametrize("settings", ANALYTIC, ids=lambda s: f"{s['kind']} {len(str(s))}")
+def test_the_largest_amplitude_on_the_disc_is_one(settings: dict[str, Any]) -> None:
+    r, phi = np.meshgrid(np.linspace(0, RADIUS_M, 401), np.linspace(0, 2 * np.pi, 721))
+    values = profile(**settings).amplitude(x_m=r * np.cos(phi), y_m=r * np.sin(phi))
+    assert np.abs(values).max() == pytest.approx(1, abs=1e-4)
+    assert np.abs(values).max() <= 1 + 1e-9
+
+
+def test_a_mode_with_nodal_diameters_turns_its_sign_across_them() -> None:
+    shape = profile(
+        kind="bessel",
+        nodal_diameters=2,
+        wave_number_rad_per_m=600.0,
+        edge_share=0.0,
+        direction_deg=10.0,
+    )
+    angle = np.radians(10 + np.array([0, 45, 90, 180]))
+    values = shape.amplitude(x_m=0.004 * np.cos(angle), y_m=0.004 * np.sin(angle))
+    largest = jv(2, np.linspace(0, 6, 100_001)).max()
+    assert values == pytest.approx(jv(2, 2.4) / largest * np.array([1, 0, -1, 1]), abs=1e-9)
+
+
+def test_a_standing_wave_has_its_length() -> None:
+    wave = profile(kind="standing-wave", wavelength_m=0.012, direction_deg=90.0, crest_m=0.001)
+    y_m = np.array([0.001, 0.004, 0.007])
+    assert wave.amplitude(x_m=np.full(3, 0.003), y_m=y_m) == pytest.approx([1, 0, -1], abs=1e-12)
+
+
+def test_zernike_modes_are_orthogonal_on_the_disc() -> None:
+    orders = orders_up_to(6, axisymmetric=False)
+    assert len(orders) == 28
+    nodes, weights = np.polynomial.legendre.leggauss(10)
+    r, phi = np.meshgrid(np.sqrt((1 + nodes) / 2), 2 * np.pi * np.arange(16) / 16, indexing="ij")
+    modes = modes_at(orders, x=(r * np.cos(phi)).ravel(), y=(r * np.sin(phi)).ravel())
+    products = modes.T @ (np.repeat(weights / 32, 16)[:, None] * modes)
+    norms = [(1 if m == 0 else 0.5) / (n + 1) for n, m in orders]
+    assert products == pytest.approx(np.diag(norms), abs=1e-12)
+    rim = modes_at([(4, 0), (5, 3)], x=np.array([1.0]), y=np.array([0.0]))
+    assert rim == pytest.approx(np.ones((1, 2)))
+
+
+def test_without_noise_the_profile_comes_back(smooth: Smooth) -> None:
+    x, y = raster()
+    shape = profile(**ANALYTIC[0])
+    amplitude = 2e-6 * shape.amplitude(x_m=x, y_m=y)
+    text = table(x * 1e3, y * 1e6, amplitude * 1e9, header="x_mm,y_um,amplitude_nm")
+    smoothed = smooth(text, axisymmetric=False)
+    places = dict(zip(("x_m", "y_m"), polar_grid(), strict=True))
+    found, sought = smoothed.profile.amplitude(**places), shape.amplitude(**places)
+    # The sign of the whole is a matter of half a period.
+    assert found * np.sign(found[0, 0] * sought[0, 0]) == pytest.approx(sought, abs=2e-3)
+    assert smoothed.peak_m == pytest.approx(2e-6, rel=2e-3)
+
+
+def test_a_scan_along_a_radius_gives_an_axisymmetric_profile(smooth: Smooth) -> None:
+    r = np.linspace(0, RADIUS_M, 60)
+    noise = 0.01 * np.random.default_rng(3).standard_normal(60)
+    signed = np.sinc(109.8 * r) + noise
+    text = table(r * 1e3, np.abs(signed), np.sign(signed), header="r_mm,amplitude_um,sign")
+    x_m, y_m = polar_grid()
+    found = smooth(text).profile.amplitude(x_m=x_m, y_m=y_m)
+    assert found == pytest.approx(np.sinc(109.8 * np.hypot(x_m, y_m)), abs=0.02)
+    assert np.ptp(found, axis=0) == pytest.approx(np.zeros(41), abs=1e-12)
+    with pytest.raises(InputError, match=r"axisymmetric: true"):
+        smooth(text, axisymmetric=False)
+
+
+def test_phase_and_sign_and_polar_places_say_the_same(smooth: Smooth) -> None:
+    x, y = raster()
+    s = np.sinc(109.8 * np.hypot(x, y))
+    by_sign = table(x, y, np.abs(s), np.sign(s), header="x_m,y_m,amplitude_m,sign")
+    angle, phase = np.arctan2(y, x), np.where(s < 0, 200.0, 20.0)
+    by_phase = table(
+        np.hypot(x, y),
+        np.degrees(angle),
+        np.abs(s),
+        phase,
+        header="r_m,phi_deg,amplitude_m,phase_deg",
+    )
+    x_m, y_m = polar_grid()
+    first, second = (smooth(t).profile.amplitude(x_m=x_m, y_m=y_m) for t in (by_sign, by_phase))
+    assert first == pytest.approx(second, abs=1e-6)
+
+
+@pytest.mark.parametrize("axisymmetric", [True, False])
+def test_the_stated_error_covers_the_true_one(smooth: Smooth, axisymmetric: bool) -> None:
+    """Two standard errors hold at about 95 % of the places, over scans with other noise."""
+    x_m, y_m = polar_grid()
+    exact = np.sinc(109.8 * np.hypot(x_m, y_m))
+    held = []
+    for seed in range(8):
+        text = scan_text(noise=0.02, missing=0.03, seed=seed)
+        smoothed = smooth(text, axisymmetric=axisymmetric)
+        assert smoothed.noise_m / smoothed.peak_m == pytest.approx(0.02, rel=0.15)
+        difference = smoothed.profile.amplitude(x_m=x_m, y_m=y_m) * smoothed.peak_m / 1.2e-6 - exact
+        held.append(np.abs(difference) <= 2 * smoothed.standard_error(x_m=x_m, y_m=y_m))
+    assert 0.85 < np.mean(held) <= 1
+
+
+def test_noise_drawn_anew_spreads_as_the_standard_error_says(smooth: Smooth) -> None:
+    smoothed = smooth(scan_text(noise=0.02, missing=0.03, seed=5), axisymmetric=False)
+    place = {"x_m": np.array([0.0075]), "y_m": np.array([0.003])}
+    drawn = smoothed.again(count=40, seed=1)
+    # Normalised profiles: the peak's own error is taken out of the standard error.
+    spread = np.std([shape.amplitude(**place) for shape in drawn])
+    assert spread == pytest.approx(smoothed.standard_error(**place)[0], rel=0.4)
+    again = smoothed.again(count=2, seed=1)
+    assert again == drawn[:2]
+
+
+def test_a_stray_point_is_named(smooth: Smooth) -> None:
+    lines = scan_text(noise=0.01, missing=0, seed=1).splitlines()
+    cells = lines[200].split(",")
+    lines[200] = ",".join([*cells[:2], f"{float(cells[2]) + 0.3:.4f}", cells[3]])
+    smoothed = smooth("\n".join(lines), axisymmetric=False)
+    summary = summary_of(smoothed, spread=0.0)
+    assert summary["outlier_lines"] == [201]
+    rows = points_table(smoothed)
+    assert list(rows.loc[rows["outlier"], "line"]) == [201]
+
+
+def test_forces_of_the_worked_example_are_within_two_percent(repository: Path) -> None:
+    """The example in config/ is the sinc with 2 % noise: exact forces are known."""
+    config = load_config(repository / "config" / "vibrometer.yaml")
+    points = [
+        ScenePoint(f"{h0} {hv} {r} {a}", h0, hv, r, a)
+        for h0, hv, r, a in [
+            (5e-6, 2e-6, 0.0, 0.0),
+            (10e-6, 0.2e-6, 0.0, 0.0),
+            (5e-6, 2e-6, 0.0029, 45.0),
+            (10e-6, 2e-6, 0.0029, 0.0),
+        ]
+    ]
+    measured = [scene_of(point, config) for point in points]
+    exact = [
+        replace(scene, actuator=replace(scene.actuator, profile=Sinc(109.8))) for scene in measured
+    ]
+    ours, true = (
+        np.array([s.force_n for s in solve(scenes, tolerance=1e-4)]) for scenes in (measured, exact)
+    )
+    assert ours == pytest.approx(true, rel=0.02)
+    smoothed = smoothed_scan_of(config)
+    assert smoothed is not None
+    assert isinstance(profile_of(config), Modes)
+    assert profile_of(config) == smoothed.profile
+
+
+def test_the_worked_example_is_made_by_its_command(repository: Path) -> None:
+    text = (repository / "config" / "vibrometer.csv").read_text(encoding="utf-8")
+    assert text == scan_text(noise=0.02, missing=0.03, seed=1)
+
+
+GOOD = scan_text(noise=0.02, missing=0.03, seed=1)
+HEADER, ROWS = GOOD.split("\n", 1)
+WRONG = {
+    "an unknown column": (
+        GOOD.replace("amplitude_um", "height_um"),
+        "line 1: unknown column 'height",
+    ),
+    "no unit": (GOOD.replace("x_mm", "x"), "line 1: column 'x' needs a unit, one of x_m, x_mm"),
+    "another unit": (GOOD.replace("x_mm", "x_inch"), "line 1: column 'x_inch' needs a unit"),
+    "a column twice": (GOOD.replace("y_mm", "x_m"), "line 1: the column 'x' stands twice"),
+    "no amplitude": (GOOD.replace("amplitude_um", "sign"), "'amplitude_um' is missing"),
+    "no y": (GOOD.replace("y_mm", "phi_deg"), "line 1: the place of a point is x and y"),
+    "phase and sign": ("x_m,y_m,amplitude_m,sign,phase_deg\n1,1,1,1,1\n", "not both"),
+    "a word": (GOOD.replace("-1.50,-9.75", "left,-9.75"), "line 2: x is 'left', not a finite"),
+    "an infinity": (GOOD.replace("-1.50,-9.75", "inf,-9.75"), "line 2: x is 'inf'"),
+    "an underscore": (GOOD.replace("-1.50,-9.75", "1_0,-9.75"), "line 2: x is '1_0'"),
+    "a cell too many": (GOOD.replace("-1.50,-9.75", "-1.50,-9.75,1"), "line 2: 5 cells where"),
+    "a point off the disc": (GOOD.replace("-1.50,-9.75", "-1.50,-10.75"), "line 2: the point lies"),
+    "a negative amplitude with a phase": (
+        GOOD.replace("9.75,0.0828", "9.75,-0.0828"),
+        "line 2: amplitude must not be negative",
+    ),
+    "a sign that is none": ("r_mm,amplitude_um,sign\n" + "1,1,2\n" * 9, "line 2: sign must be"),
+    "a negative radius": ("r_mm,amplitude_um\n" + "-1,1\n" * 9, "line 2: r must not be negative"),
+    "few points": ("r_mm,amplitude_um\n1,1\n2,1\n", "2 measured points (0 missing)"),
+    "only missing points": ("r_mm,amplitude_um\n" + "1,\n" * 30, "0 measured points (30 missing)"),
+    "one place": ("r_mm,amplitude_um\n" + "5,1\n5,1.1\n" * 9, "measured within 5.0 mm of r ="),
+    "noise alone": (
+        "r_mm,amplitude_um\n" + "".join(f"{i % 10},{(-1) ** (i * i // 3)}\n" for i in range(20)),
+        "known to ±",
+    ),
+    "no motion": ("r_mm,amplitude_um\n" + "".join(f"{i},0\n" for i in range(9)), "is zero"),
+    "half of the disc": (
+        HEADER + "\n" + "\n".join(r for r in ROWS.split("\n") if r.startswith("-")),
+        "the scan needs points there",
+    ),
+    "a travelling wave": (
+        "x_mm,y_mm,amplitude_um,phase_deg\n"
+        + "".join(f"{i % 9 - 4},{i // 9 - 4},1,{40 * i}\n" for i in range(81)),
+        "out of phase with the rest",
+    ),
+    "nothing": ("", "the scan is empty"),
+    "only comments": ("# a\n# b\n", "the scan is empty"),
+    "a quote left open": ('x_mm,"y_mm\n', "cannot be read"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_scan_is_refused(case: str, smooth: Smooth) -> None:
+    text, message = WRONG[case]
+    with pytest.raises(InputError) as refusal:
+        smooth(text, axisymmetric="x_" not in text.split("\n")[0])
+    assert "scan.csv" in str(refusal.value)
+    assert message in str(refusal.value)
+
+
+def test_a_scan_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such scan"):
+        read_scan(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_scan(tmp_path)
+    (tmp_path / "latin.csv").write_bytes("x_µm,y_µm,amplitude_µm\n".encode("latin-1"))
+    with pytest.raises(InputError, match="cannot be read"):
+        read_scan(tmp_path / "latin.csv")
+
+
+def test_comments_blank_lines_and_byte_order_mark_do_not_matter(tmp_path: Path) -> None:
+    path = tmp_path / "scan.csv"
+    path.write_text(f"\ufeff# a laser scan\n\n{GOOD}\n", encoding="utf-8")
+    plain = tmp_path / "plain.csv"
+    plain.write_text(GOOD, encoding="utf-8")
+    first, second = read_scan(path), read_scan(plain)
+    assert np.array_equal(first.amplitude_m, second.amplitude_m)
+    assert list(first.lines - second.lines) == [2] * len(first.lines)

@@ -1,0 +1,64 @@
+# A measured vibration profile, smoothed, and what its noise does: `snakemake profile`.
+
+if SCAN:
+
+    rule smooth_profile:
+        input:
+            code=code("profile"),
+            config=ancient(CONFIG_FILE),
+            kernels="<results>/simulations/device.json",
+        output:
+            points="<results>/profile/points.csv",
+            summary="<results>/profile/summary.json",
+            forces="<results>/profile/forces.csv",
+            figure="<results>/figures/profile.csv",
+        log:
+            "<logs>/profile.log",
+        conda:
+            "../../envs/simulate.yaml"
+        threads: 1
+        resources:
+            mem_mb=2000,
+            runtime=30,
+        params:
+            settings=settings("commands.profile"),
+        message:
+            "Smooth the measured profile; simulate it with other noise"
+        shell:
+            "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm profile "
+            "--config {input.config} --points {output.points} --summary {output.summary} "
+            "--forces {output.forces} --figure {output.figure} >{log} 2>&1"
+
+    rule draw_profile:
+        input:
+            code=code("plot", "figures.profile"),
+            data="<results>/figures/profile.csv",
+        output:
+            png="<results>/figures/profile.png",
+            svg=report(
+                "<results>/figures/profile.svg",
+                category="3 Figures",
+                labels={"figure": "profile", "shows": "the measured profile and its residuals"},
+                caption="../report/profile.rst",
+            ),
+        log:
+            "<logs>/plot/profile.log",
+        localrule: True
+        conda:
+            "../../envs/figures.yaml"
+        threads: 1
+        resources:
+            mem_mb=1000,
+            runtime=5,
+        message:
+            "Draw the measured profile"
+        shell:
+            "python -m squeezefilm plot profile {input.data} "
+            "--output {output.png} {output.svg} >{log} 2>&1"
+
+    rule profile:
+        input:
+            rules.smooth_profile.output,
+            rules.draw_profile.output,
+        message:
+            "The measured profile is smooth, and its noise is weighed"
