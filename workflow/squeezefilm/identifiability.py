@@ -68,7 +68,8 @@ def check_identifiable(model: ExpressionModel, factors: Factors, *, seed: int = 
 
 def _weakest(gradient: Array) -> tuple[float, Array]:
     """The least singular value of a gradient with columns of length one, and its direction."""
-    length = np.linalg.norm(gradient, axis=0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        length = np.linalg.norm(gradient, axis=0)
     if np.any(length == 0):
         return 0.0, (length == 0).astype(float)
     if not np.all(np.isfinite(length)):

@@ -1,0 +1,191 @@
+"""Formulas of users: what is read, what is refused, and that derivatives are right."""
+
+import time
+
+import numpy as np
+import pytest
+
+from squeezefilm.errors import InputError
+from squeezefilm.expressions import FUNCTIONS, Program, derivative, parse
+
+NAMES = ("a", "b", "x", "h0")
+
+
+def read(text: str):
+    return parse(text, names=NAMES, place="model")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1 + 2*3 - 4/8", 6.5),
+        ("-a**2", -9.0),
+        ("2**-a", 0.125),
+        ("a**b", 9.0),
+        ("sqrt(a)*sqrt(a)", 3.0),
+        ("sin(pi/2) + cos(0) + tanh(0)", 2.0),
+        ("sinc(0.5*b)", 0.0),  # sin(πx)/(πx), not sin(x)/x
+        ("exp(log(a)) + abs(-a) + atan(0)", 6.0),
+        ("(a\n + b)", 5.0),
+    ],
+)
+def test_arithmetic_means_what_it_means_in_python(text, value) -> None:
+    assert float(read(text).evaluate(a=3.0, b=2.0)) == pytest.approx(value, abs=1e-15)
+
+
+def test_a_formula_of_arrays_is_broadcast_and_never_warns() -> None:
+    found = read("sqrt(a)/b").evaluate(a=np.array([[4.0], [-1.0]]), b=np.array([2.0, 0.0]))
+    np.testing.assert_array_equal(found, [[1.0, np.inf], [np.nan, np.nan]])
+
+
+HOSTILE = {
+    "__import__('os').system('true')": "no known function",
+    "().__class__.__bases__": "no arithmetic",
+    "a.real": "no arithmetic",
+    "a[0]": "no arithmetic",
+    "open('x')": "no known function",
+    "eval('1')": "no known function",
+    "(lambda: 1)()": "no known function",
+    "[a for a in (1,)]": "no arithmetic",
+    "f'{a}'": "no arithmetic",
+    "'text'": "not a number",
+    "True": "not a number",
+    "1j": "not a number",
+    "a if b else x": "no arithmetic",
+    "a < b": "no arithmetic",
+    "a and b": "no arithmetic",
+    "a^2": r"\*\*",
+    "a//b": "written /",
+    "a % b": "no arithmetic",
+    "9**9**9": "exceeds",
+    "a**(9**9)": "exponent",
+    "1e400": "within",
+    "9" * 3000: "within",
+    "1/0": "undefined",
+    "sqrt(-1)": "undefined",
+    "sqrt": "argument",
+    "sqrt(a, b)": "one argument",
+    "sqrt(x=a)": "one argument",
+    "sqrt(*[a])": "no arithmetic",
+    "unknown + 1": "unknown",
+    "a b": "invalid syntax",
+    "a;b": "invalid syntax",
+    "a = 1": "invalid syntax",
+    "(a := 1)": "no arithmetic",
+    "a # b": "no meaning",
+    "a \\": "no meaning",
+    "": "empty",
+    "a\x00": "null",
+    "a + " * 1500 + "a": "characters",
+    "(" * 400 + "a" + ")" * 400: "parentheses",
+    "-" * 3000 + "a": "",
+    "sqrt(" * 180 + "a" + ")" * 180: "deep",
+    "a+" * 1100 + "a": "",
+}
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:20])
+def test_a_hostile_formula_is_refused_at_once_with_its_place(text) -> None:
+    started = time.perf_counter()
+    with pytest.raises(InputError, match=f"^model: .*{HOSTILE[text]}"):
+        read(text)
+    assert time.perf_counter() - started < 0.5
+
+
+def test_a_refusal_names_the_column_and_the_part() -> None:
+    with pytest.raises(InputError, match=r"column 9, 'b\.real'"):
+        read("h0 + a*(b.real)")
+    with pytest.raises(InputError, match=r"column 5, 'β'"):
+        parse("α*α+β", names=("α",), place="model")
+
+
+FORMULAS = [
+    "sqrt(1 + a*(x/h0)**2)/sqrt(1 - b*(x/h0)**2) + a",
+    "a*x**b",
+    "(x/h0)**(a + b)",
+    "a/(b + x) - b*a",
+    "-(a - x)*(b - a*b)**3",
+    "a**0.5 * x**-2 + 2**a",
+    *(f"{name}(0.3*a*b + 0.1*x) * b" for name in FUNCTIONS),
+]
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_derivatives_agree_with_differences(text) -> None:
+    rng = np.random.default_rng(1)
+    values = {name: rng.uniform(0.3, 0.9, 7) for name in NAMES}
+    root = read(text).root
+    for name in ("a", "b"):
+        (slope,) = Program([derivative(root, name)]).run(values)
+        step = 1e-4
+        at = [
+            Program([root]).run(values | {name: values[name] + k * step})[0] for k in (-2, -1, 1, 2)
+        ]
+        difference = (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * step)
+        np.testing.assert_allclose(slope, difference, rtol=1e-8, atol=1e-9)
+
+
+def test_what_a_formula_lacks_has_no_derivative() -> None:
+    assert Program([derivative(read("a*x + sqrt(x)").root, "b")]).run({}) == [0.0]
+
+
+def test_derivatives_of_long_products_stay_short() -> None:
+    # Without sharing of parts the derivative of a nested product would double at every level.
+    text = "(a+x)"
+    for _ in range(30):
+        text = f"({text}*(a+b))"
+    program = Program([derivative(read(text).root, "a")])
+    assert len(program.steps) < 200
+
+
+def random_formula(rng: np.random.Generator, depth: int) -> str:
+    if depth == 0 or rng.random() < 0.15:
+        return str(rng.choice([*NAMES, "1", "2.5", "pi", "0", "1e30", "1e-30"]))
+    kind = rng.integers(4)
+    inner = random_formula(rng, depth - 1)
+    if kind == 0:
+        return f"{rng.choice(list(FUNCTIONS))}({inner})"
+    if kind == 1:
+        return f"(-{inner})"
+    operator = rng.choice(["+", "-", "*", "/", "**"])
+    return f"({inner} {operator} {random_formula(rng, depth - 1)})"
+
+
+def root_or_none(text: str):
+    """The formula, or none where it is refused; a refusal must name its place."""
+    message = ""
+    try:
+        return read(text).root
+    except InputError as error:
+        message = str(error)
+    assert message.startswith("model: ")
+    return None
+
+
+def test_random_formulas_run_or_are_refused_with_their_place() -> None:
+    rng = np.random.default_rng(7)
+    values = {name: np.array([-1.5, 0.0, 0.7]) for name in NAMES}
+    read_count = 0
+    for _ in range(400):
+        text = random_formula(rng, 5)
+        root = root_or_none(text)
+        if root is None:
+            continue
+        read_count += 1
+        found = Program([root, derivative(root, "a")]).run(values)
+        assert all(np.shape(np.asarray(each, dtype=float)) in ((), (3,)) for each in found)
+    assert read_count > 100
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_damaged_formulas_run_or_are_refused_with_their_place(seed) -> None:
+    rng = np.random.default_rng(seed)
+    letters = list("aβbx0123456789.+-*/()[]{}_,;:'\"\\ \n\x00eEjπ#@!%^&|~<>=`$?")
+    for _ in range(400):
+        text = list(FORMULAS[rng.integers(len(FORMULAS))])
+        for _ in range(rng.integers(1, 6)):
+            place = rng.integers(len(text))
+            text[place : place + rng.integers(2)] = rng.choice(letters)
+        root = root_or_none("".join(text))
+        if root is not None:
+            Program([root]).run({"a": 1.0, "b": 2.0, "x": 0.5, "h0": 1.0})

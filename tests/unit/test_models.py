@@ -1,0 +1,214 @@
+"""Candidates for the force model: fitting any formula, and judging it at points left out."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.cross_validation import fold_numbers, left_out_predictions
+from squeezefilm.errors import InputError
+from squeezefilm.fit import fit_model, refit
+from squeezefilm.force_model import TWO_FACTOR, Factors, get_model, library, make_model
+from squeezefilm.identifiability import check_identifiable
+from squeezefilm.models import check_models
+
+REFERENCE = Path(__file__).parents[1] / "reference"
+
+
+def reference(name: str) -> tuple[Factors, np.ndarray]:
+    with (REFERENCE / f"{name}_forces.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    names = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
+    columns = {key: [float(row[key]) for row in rows] for key in (*names, "force_n")}
+    force = np.array(columns.pop("force_n"))
+    return Factors.of(**columns), force
+
+
+def own(expression: str):
+    return make_model("own", {"expression": expression}, place="models.own")
+
+
+@pytest.mark.parametrize(
+    ("expression", "message"),
+    [
+        ("t0*t1*(hv/h0)**2", "t0, t1 cannot be told apart"),
+        ("t0*(hv/h0)**2 + t1*x", "t1 has no effect"),
+        ("sqrt(1 + t0*(hv/h0)**2)/sqrt(1 - t1*(hv/h0)**2) + t2 + t3", "t2, t3 cannot be told"),
+        ("t0*exp(t1 + t2*hv)", "t0, t1 cannot be told apart"),
+        ("t0*log(-1 - t1**2)", "undefined at 400 random"),
+    ],
+)
+def test_parameters_that_the_points_cannot_tell_apart_are_refused(expression, message) -> None:
+    factors, _ = reference("screen")
+    with pytest.raises(InputError, match=f"models.own.expression: .*{message}"):
+        check_identifiable(own(expression), factors)
+
+
+def test_the_papers_position_terms_need_points_off_the_centre() -> None:
+    model = get_model("four_factor")
+    check_identifiable(model, reference("four_factor")[0])
+    with pytest.raises(InputError, match="theta3, theta4"):
+        check_identifiable(model, reference("screen")[0])
+
+
+def test_a_linear_model_is_solved_at_once() -> None:
+    factors, force = reference("screen")
+    model = get_model("polynomial_3")
+    fit = fit_model(model, factors, force)
+    assert fit.method == "linear least squares"
+    # At the minimum the residual is at right angles to every column.
+    residual = model.evaluate(fit.theta, factors) - force
+    columns = model.gradient(fit.theta, factors)
+    slopes = columns.T @ residual / np.linalg.norm(columns, axis=0) / np.linalg.norm(force)
+    assert np.abs(slopes).max() < 1e-10
+    assert not TWO_FACTOR.is_linear
+
+
+def test_a_model_without_parameters_is_only_judged() -> None:
+    factors, force = reference("screen")
+    known = Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, limit_n=force * 1.01)
+    fit = fit_model(get_model("limit"), known, force)
+    assert fit.theta == ()
+    assert fit.global_error == pytest.approx(0.01)
+
+
+def test_a_refit_arrives_where_the_search_does() -> None:
+    factors, force = reference("screen")
+    theta = refit(TWO_FACTOR, factors, force, start=(7.0, 1.8, -0.99))
+    assert theta == pytest.approx((7.6240, 1.9166, -1.0013), abs=1e-3)
+
+
+def test_folds_are_even_and_depend_on_the_seed_alone() -> None:
+    numbers = fold_numbers(points=13, folds=4, seed=3)
+    assert sorted(np.bincount(numbers)) == [3, 3, 3, 4]
+    np.testing.assert_array_equal(numbers, fold_numbers(points=13, folds=4, seed=3))
+    with pytest.raises(InputError, match="folds: 5 for 4 points"):
+        fold_numbers(points=4, folds=5, seed=1)
+
+
+def test_a_point_left_out_does_not_know_its_own_force() -> None:
+    factors, force = reference("screen")
+    model = get_model("polynomial_3")
+    changed = force.copy()
+    changed[7] += 1.0
+    kept, moved = (
+        left_out_predictions(model, factors, y, theta=np.zeros(3), folds=5, seed=1)
+        for y in (force, changed)
+    )
+    fold = fold_numbers(points=60, folds=5, seed=1)
+    np.testing.assert_array_equal(kept[fold == fold[7]], moved[fold == fold[7]])
+    assert np.all(kept[fold != fold[7]] != moved[fold != fold[7]])
+
+
+def test_left_out_points_are_predicted_worse_than_fitted_ones() -> None:
+    factors, force = reference("screen")
+    fit = fit_model(TWO_FACTOR, factors, force, bound=100.0)
+    left_out = left_out_predictions(TWO_FACTOR, factors, force, theta=fit.theta, folds=5, seed=1)
+    error = np.linalg.norm(left_out - force) / np.linalg.norm(force)
+    assert 1.2 * fit.global_error < error < 3 * fit.global_error
+
+
+def test_every_model_of_the_library_says_what_it_is() -> None:
+    for model in library().values():
+        assert model.about
+        assert model.parsed.names
+
+
+@pytest.mark.parametrize(
+    ("models", "candidates", "message"),
+    [
+        ({"mine": {"expression": "h0 + phi"}}, [], "models.mine.expression: 'h0 . phi' adds"),
+        ({"limit": {"expression": "limit"}}, [], "models.limit: the library has a model"),
+        ({}, ["none_such"], "comparison.two_factor: model 'none_such' is unknown"),
+    ],
+)
+def test_a_studys_models_are_checked_before_anything_runs(models, candidates, message) -> None:
+    comparison = {"two_factor": candidates, "four_factor": []}
+    with pytest.raises(InputError, match=f"study.yaml: {message}"):
+        check_models(models, comparison, place="study.yaml")
+
+
+@pytest.fixture
+def tables(study, tmp_path):
+    """Forces of the screen, and made-up limits 1 % above them."""
+    forces = study.root / "simulations" / "screen" / "forces.csv"
+    with forces.open() as file:
+        rows = list(csv.DictReader(file))
+    limits = tmp_path / "limits.csv"
+    names = ["point_id", "h0_m", "hv_m", "phi_r_m", "phi_deg"]
+    added = ["limit_n", "fast_limit_n", "sigma", "limit_error_n", "status"]
+    with limits.open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow([*names, *added])
+        for row in rows:
+            force = float(row["force_n"])
+            limit = [1.01 * force, 1.02 * force, 5.8e-8 / float(row["h0_m"]) ** 2, 1e-3, "ok"]
+            table.writerow([*(row[name] for name in names), *limit])
+    return forces, limits
+
+
+def fitted(study, tables, tmp_path, name: str, *more: str) -> dict:
+    forces, limits = tables
+    path = tmp_path / f"{name}.json"
+    arguments = ["fit", str(forces), "--limits", str(limits), "--model", name, "--seeds", "1"]
+    assert cli.main([*arguments, f"--config={study.config}", f"--output={path}", *more]) == 0
+    return json.loads(path.read_text())
+
+
+def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path) -> None:
+    fit = fitted(study, tables, tmp_path, "limit_1")
+    assert fit["expression"] == "limit + t0*(hv/h0)**2/sigma**1.5"
+    assert (fit["parameters"], fit["parameter_units"]) == (["t0"], ["N"])
+    assert fit["ranges"]["h0_m"] == [5e-6, 10e-6]
+    assert fit["cross_validation"]["folds"] == 5
+    assert fit["cross_validation"]["global_error"] >= fit["residual"]["global_error"]
+    assert len(fit["source"]["forces_sha256"]) == 64
+
+
+def test_models_are_compared_at_points_they_were_not_fitted_to(
+    study, tables, tmp_path, capsys
+) -> None:
+    names = ("polynomial_3", "limit", "polynomial_5")
+    for name in names:
+        fitted(study, tables, tmp_path, name, "--keep-going")
+    paths = [str(tmp_path / f"{name}.json") for name in names]
+    forces, limits = tables
+    output = [f"--{kind}={tmp_path / kind}.csv" for kind in ("output", "errors", "report")]
+    arguments = ["compare", *paths, f"--forces={forces}", f"--limits={limits}", *output]
+    assert cli.main(arguments) == 0
+    rows = pd.read_csv(tmp_path / "output.csv").set_index("model")
+    assert rows.loc["limit", "control_error"] == pytest.approx(0.01)
+    assert "t3, t4 cannot be told apart" in rows.loc["polynomial_5", "note"]
+    assert len(pd.read_csv(tmp_path / "errors.csv")) == 2 * 60
+    text = capsys.readouterr().out
+    assert text.index("| polynomial_3 |") < text.index("| limit |") < text.index("Not judged")
+    picture = tmp_path / "errors.png"
+    plot = ["plot", "model_errors", str(tmp_path / "errors.csv"), "--output", str(picture)]
+    assert cli.main(plot) == 0
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda text: text.replace("5e-06", "5.1e-06", 1), "not the scenes"),
+        (lambda text: text.replace("sigma", "stigma"), "'sigma' is missing"),
+        (lambda text: "\n".join(text.splitlines()[:-1]), "not the scenes"),
+    ],
+)
+def test_limits_of_other_scenes_are_refused(study, tables, tmp_path, capsys, damage, message):
+    forces, limits = tables
+    limits.write_text(damage(limits.read_text()))
+    arguments = ["fit", str(forces), f"--limits={limits}", "--model=limit"]
+    assert cli.main([*arguments, f"--config={study.config}", f"--output={tmp_path}/f.json"]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_model_of_the_limit_needs_the_limits(study, tables, tmp_path, capsys) -> None:
+    arguments = ["fit", str(tables[0]), "--model=limit", f"--config={study.config}"]
+    assert cli.main([*arguments, f"--output={tmp_path}/f.json"]) == 2
+    assert "limit_n: the points lack this column" in capsys.readouterr().err

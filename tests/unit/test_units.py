@@ -1,0 +1,92 @@
+"""Units of formulas: what does not fit is refused, what is not said is inferred."""
+
+import pytest
+
+from squeezefilm.errors import InputError
+from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, make_model
+
+
+def model(expression: str, **settings) -> ExpressionModel:
+    return make_model("own", {"expression": expression, **settings}, place="models.own")
+
+
+@pytest.mark.parametrize(
+    ("expression", "units"),
+    [
+        ("t0*(hv/h0)**2", ("N",)),
+        ("t0*hv + t1*hv**2", ("N/m", "N/m**2")),
+        ("t0*(1 + t1*x + t2*y**2)", ("N", "1/m", "1/m**2")),
+        ("t0*exp(-t1*h0)*(hv/h0)**t2", ("N", "1/m", "1")),
+        ("limit*(1 + t0*phi)", ("1/deg",)),
+        ("t0*cos(angle)", ("N",)),
+        ("sqrt(t0*h0)", ("N**2/m",)),
+        ("limit + t0*sigma**1.5", ("N",)),
+    ],
+)
+def test_the_units_of_parameters_follow_from_the_formula(expression, units) -> None:
+    assert model(expression).parameter_units == units
+
+
+def test_the_papers_parameters_have_the_units_that_the_paper_uses() -> None:
+    assert TWO_FACTOR.parameter_units == ("1", "1", "1")
+    assert FOUR_FACTOR.parameter_units == ("1", "1", "1", "1/deg", "1/m")
+
+
+@pytest.mark.parametrize(
+    ("expression", "message"),
+    [
+        ("h0 + phi", "'h0 . phi' adds quantities in m and in deg"),
+        ("1 + h0", "'1 . h0' adds quantities without unit and in m"),
+        ("limit - h0", "'limit - h0' subtracts quantities in N and in m"),
+        ("cos(phi)", "radians is called `angle`"),
+        ("exp(h0)", "'exp.h0.' needs a number without unit, not m"),
+        ("limit*hv**t0", "'hv..t0' needs a number without unit, not m"),
+        ("hv", "the result is in m; a force in N"),
+        ("t0*h0 + t0", "adds"),
+        ("limit*limit", "the result is in N..2"),
+    ],
+)
+def test_units_that_do_not_fit_are_refused_with_the_part(expression, message) -> None:
+    with pytest.raises(InputError, match=rf"models\.own\.expression: .*{message}"):
+        model(expression)
+
+
+def test_a_declared_unit_is_held_against_the_formula() -> None:
+    fits = model("t0*hv", parameters={"t0": "Pa*m"})
+    assert fits.parameter_units == ("N/m",)
+    with pytest.raises(InputError, match="result is in m"):
+        model("t0*hv", parameters={"t0": 1})
+    with pytest.raises(InputError, match=r"t0, unit: .*'furlong'"):
+        model("t0*hv", parameters={"t0": "furlong"})
+    with pytest.raises(InputError, match="is no unit"):
+        model("t0*hv", parameters={"t0": "N+N"})
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"parameters": ["h0"]}, "'h0' cannot name a parameter"),
+        ({"parameters": ["a b"]}, "'a b' cannot name a parameter"),
+        ({"parameters": ["spare"]}, "'spare' does not occur"),
+        ({"expression": "slope*hv"}, "'slope': this name is unknown"),
+        ({"expression": " + ".join(f"t{i}*hv" for i in range(31))}, "'t30'"),
+    ],
+)
+def test_names_are_checked(settings, message) -> None:
+    with pytest.raises(InputError, match=message):
+        model(**({"expression": "t0*hv"} | settings))
+
+
+def test_parameters_are_those_that_were_declared_and_then_t0_t1() -> None:
+    assert model("t10*hv + t2*h0 + rise*hv", parameters=["rise"]).parameter_names == (
+        "rise",
+        "t2",
+        "t10",
+    )
+
+
+def test_a_position_is_cartesian_unless_the_formula_is_polar() -> None:
+    assert model("t0*x").factor_names == ("h0_m", "hv_m", "x_m", "y_m")
+    assert model("t0*r*cos(angle)").factor_names == ("h0_m", "hv_m", "phi_r_m", "phi_deg")
+    assert model("t0*hv").factor_names == ("h0_m", "hv_m")
+    assert model("limit").factor_names == ("h0_m", "hv_m", "x_m", "y_m")
