@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from squeezefilm import plans
 from squeezefilm.config import Config, load_config, plan_sizes
 from squeezefilm.plans import (
     centred_grid,
@@ -15,7 +17,7 @@ from squeezefilm.plans import (
     four_factor_plan,
     level_values,
     random_plan,
-    sweep_plan,
+    sweep_pieces,
 )
 
 
@@ -77,6 +79,10 @@ def test_random_points_fill_their_box_and_repeat() -> None:
 BOX = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
 
 
+def sweep_plan(**arguments: Any) -> pd.DataFrame:
+    return pd.concat(sweep_pieces(**arguments), ignore_index=True)
+
+
 def test_a_sweep_fills_its_box_more_evenly_than_chance() -> None:
     """Mean of a product of the factors: a smooth function, integrated."""
 
@@ -96,3 +102,10 @@ def test_sweeps_one_after_another_are_one_sweep() -> None:
     assert whole.equals(pd.concat(parts, ignore_index=True))
     assert not whole.equals(sweep_plan(points=100, first=0, seed=4, **BOX))
     assert whole["point_id"].is_unique
+
+
+def test_a_sweep_is_the_same_in_pieces_of_any_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = sweep_plan(points=100, first=5, seed=3, **BOX)
+    monkeypatch.setattr(plans, "PIECE", 7)
+    assert len(list(sweep_pieces(points=100, first=5, seed=3, **BOX))) == 15
+    assert whole.equals(sweep_plan(points=100, first=5, seed=3, **BOX))

@@ -198,6 +198,19 @@ def test_a_table_that_breaks_off_leaves_nothing(tmp_path: Path, suffix: str) -> 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_some_rows_of_a_plan_are_read_alone(tmp_path: Path, suffix: str) -> None:
+    ids = [str(number) for number in range(10)]
+    table = pd.concat([forces().iloc[:1]] * 10).assign(point_id=ids)[list(SCENE_COLUMNS)]
+    path = tmp_path / f"scenes.{suffix}"
+    with table_writer(path) as write:
+        for first in range(0, 10, 3):
+            write(table.iloc[first : first + 3])
+    for rows in (slice(0, 10), slice(0, 1), slice(2, 4), slice(3, 6), slice(9, 10), slice(4, 10)):
+        read = read_scenes(path, rows=lambda count, rows=rows: rows if count == 10 else slice(0))
+        assert list(read["point_id"]) == ids[rows]
+
+
 WRONG_PARQUET: dict[str, tuple[dict[str, object], str]] = {
     "a missing column": ({"h0_m": None}, "column 'h0_m' is missing"),
     "a strange column": ({"colour": ["red", "red"]}, "unknown column 'colour'"),

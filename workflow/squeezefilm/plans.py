@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from squeezefilm.tables import SCENE_COLUMNS
+
+# Points of a sweep that are held at a time, and that a Parquet file keeps together.
+PIECE = 2**17
 
 
 def level_values(levels: dict[str, Any]) -> np.ndarray:
@@ -77,7 +80,7 @@ def factor_ranges(
     }
 
 
-def sweep_plan(
+def sweep_pieces(
     *,
     points: int,
     first: int,
@@ -86,8 +89,8 @@ def sweep_plan(
     hv_m: tuple[float, float],
     phi_r_m: tuple[float, float],
     phi_deg: tuple[float, float],
-) -> pd.DataFrame:
-    """Points of a Sobol' sequence, which fills a box of the four factors evenly.
+) -> Iterator[pd.DataFrame]:
+    """Points of a Sobol' sequence, which fills a box of the four factors evenly; in pieces.
 
     Scrambled by the seed. The sequence is one: sweeps from ``first`` 0 and 1000, of 1000 points
     each, are the sweep of 2000 points in two parts. Points are numbered by their place in it.
@@ -97,15 +100,15 @@ def sweep_plan(
     sequence = qmc.Sobol(4, rng=seed)
     if first:
         sequence.fast_forward(first)
-    with warnings.catch_warnings():
-        # Of numbers of points that are no power of two: they fill the box a little less evenly.
-        warnings.filterwarnings("ignore", message="The balance properties", category=UserWarning)
-        units = sequence.random(points)
     lower, upper = np.transpose([h0_m, hv_m, phi_r_m, phi_deg])
-    drawn = lower + (upper - lower) * units
-    table = plan(h0_m=drawn[:, 0], hv_m=drawn[:, 1], phi_r_m=drawn[:, 2], phi_deg=drawn[:, 3])
-    table["point_id"] = np.arange(first + 1, first + points + 1).astype(str)
-    return table
+    for begin in range(first, first + points, PIECE):
+        end = min(begin + PIECE, first + points)
+        with warnings.catch_warnings():
+            # Of numbers of points that are no power of two: they fill the box less evenly.
+            warnings.filterwarnings("ignore", message="The balance", category=UserWarning)
+            drawn = lower + (upper - lower) * sequence.random(end - begin)
+        table = plan(h0_m=drawn[:, 0], hv_m=drawn[:, 1], phi_r_m=drawn[:, 2], phi_deg=drawn[:, 3])
+        yield table.assign(point_id=np.arange(begin + 1, end + 1).astype(str))
 
 
 def random_plan(

@@ -43,6 +43,14 @@ FORCE_COLUMNS = (
 )
 
 
+Rows = Callable[[int], slice]
+
+
+def all_rows(count: int) -> slice:
+    """Every row of a table."""
+    return slice(count)
+
+
 @dataclass(frozen=True)
 class ScenePoint:
     """One row of a plan: gap, amplitude and finger position."""
@@ -54,13 +62,16 @@ class ScenePoint:
     phi_deg: float
 
 
-def read_scenes(path: Path | str) -> pd.DataFrame:
+def read_scenes(path: Path | str, *, rows: Rows = all_rows) -> pd.DataFrame:
     """Read a plan: ``point_id`` as text, the four factors as finite numbers, order kept.
+
+    Args:
+        rows: which of them, given how many there are; of Parquet no others are held.
 
     Raises:
         InputError: naming the file, the row or the column that is wrong.
     """
-    return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS)
+    return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, rows=rows)
 
 
 def read_design(path: Path | str) -> pd.DataFrame:
@@ -121,30 +132,45 @@ def scene_points(table: pd.DataFrame) -> list[ScenePoint]:
     ]
 
 
-def _read(path: Path | str, *, columns: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+def _read(
+    path: Path | str,
+    *,
+    columns: Sequence[str],
+    numbers: Sequence[str],
+    rows: Rows = all_rows,
+) -> pd.DataFrame:
     path = Path(path)
     if path.suffix == PARQUET:
-        return _read_parquet(path, columns=columns, numbers=numbers)
-    header, rows = _cells(path, columns=columns)
+        return _read_parquet(path, columns=columns, numbers=numbers, rows=rows)
+    header, found = _cells(path, columns=columns)
     _check_header(header, columns=columns, path=path)
-    if not rows:
+    if not found:
         raise InputError(f"{path}: the table has a header and no rows")
-    lines = [line for line, _ in rows]
-    table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
+    lines = [line for line, _ in found]
+    table = pd.DataFrame([cells for _, cells in found], columns=header, dtype="str")
     for name in numbers:
         table[name] = _finite(table[name], lines=lines, path=path)
     _check_ids(table["point_id"], lines=lines, path=path)
-    return table[list(columns)]
+    return table[list(columns)].iloc[rows(len(table))]
 
 
-def _read_parquet(path: Path, *, columns: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:
+def _read_parquet(
+    path: Path, *, columns: Sequence[str], numbers: Sequence[str], rows: Rows
+) -> pd.DataFrame:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     try:
         with pq.ParquetFile(path) as file:
             _check_header(file.schema_arrow.names, columns=columns, path=path)
-            found = file.read(columns=list(columns))
+            metadata = file.metadata
+            sizes = [metadata.row_group(group).num_rows for group in range(metadata.num_row_groups)]
+            start, stop, _ = rows(metadata.num_rows).indices(metadata.num_rows)
+            ends = np.cumsum(sizes, dtype=int)
+            groups = np.flatnonzero((ends > start) & (ends - sizes < stop))
+            first = int(ends[groups[0]] - sizes[groups[0]]) if len(groups) else 0
+            found = file.read_row_groups(groups.tolist(), columns=list(columns))
+            found = found.slice(start - first, stop - start)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such table") from None
     except (OSError, pa.ArrowException) as error:

@@ -12,6 +12,7 @@ four_factor_design, four_factor_design_distinct (its points as they are).
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 
 import pandas as pd
 
@@ -24,9 +25,9 @@ from squeezefilm.plans import (
     four_factor_plan,
     level_values,
     random_plan,
-    sweep_plan,
+    sweep_pieces,
 )
-from squeezefilm.tables import SCENE_COLUMNS, read_design, write_table
+from squeezefilm.tables import SCENE_COLUMNS, read_design, table_writer
 
 SECTIONS = {
     "screen": ("screen",),
@@ -60,11 +61,22 @@ def run(options: argparse.Namespace) -> None:
         takes = "needs a --design" if options.kind in OF_A_DESIGN else "takes no --design"
         raise InputError(f"the plan {options.kind} {takes}")
     design = None if options.design is None else read_design(options.design)
-    write_table(make_plan(options.kind, config, design=design), options.output)
+    with table_writer(options.output) as write:
+        for piece in make_plan(options.kind, config, design=design):
+            write(piece)
 
 
-def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.DataFrame:
-    """The scenes of one kind of plan."""
+def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> Iterable[pd.DataFrame]:
+    """The scenes of one kind of plan; those of a sweep in pieces."""
+    if kind == "sweep":
+        sweep = config[kind]
+        return sweep_pieces(
+            points=sweep["points"], first=sweep["first"], seed=sweep["seed"], **_ranges(config)
+        )
+    return [_small_plan(kind, config, design=design)]
+
+
+def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.DataFrame:
     if kind in ("screen", "error_map"):
         levels = config[kind]
         return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
@@ -76,13 +88,6 @@ def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.D
         settings = config["comparison"]
         return random_plan(
             points=settings["control_points"], seed=settings["seed"], **_ranges(config)
-        )
-    if kind == "sweep":
-        return sweep_plan(
-            points=config[kind]["points"],
-            first=config[kind]["first"],
-            seed=config[kind]["seed"],
-            **_ranges(config),
         )
     assert design is not None
     if kind == "four_factor":

@@ -16,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,7 @@ from squeezefilm.study import scene_of
 from squeezefilm.tables import (
     FORCE_COLUMNS,
     ScenePoint,
+    all_rows,
     read_scenes,
     scene_points,
     table_writer,
@@ -135,9 +137,8 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Setti
 
     if options.scenes is None or options.output is None:
         raise InputError("give a table of scenes and --output, or one scene by --h0 and --hv")
-    table = read_scenes(options.scenes)
-    if options.chunk is not None:
-        table = table.iloc[chunk_rows(options.chunk, count=len(table))]
+    rows = all_rows if options.chunk is None else partial(chunk_rows, options.chunk)
+    table = read_scenes(options.scenes, rows=rows)
     pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]
     for piece in pieces:
         _scenes(piece, config, path=options.scenes)  # refused before anything is solved
@@ -216,7 +217,7 @@ def _work_shares(solutions: Sequence[Solution]) -> list[float]:
     return [solution.work / total for solution in solutions]
 
 
-def chunk_rows(text: str, *, count: int) -> slice:
+def chunk_rows(text: str, count: int) -> slice:
     """The rows of part I of N for ``I/N``: contiguous parts that differ by at most one row.
 
     Raises:
