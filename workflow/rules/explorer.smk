@@ -8,7 +8,7 @@ EXPLORER_FITS = [
     "four_factor_design",
     "four_factor_design_distinct",
 ]
-EXPLORER_PLANS = [plan for plan in PLANS if plan != "extrapolation"]
+EXPLORER_PLANS = [plan for plan in PLANS if plan not in ("extrapolation", "sweep", "model_control")]
 
 
 rule explorer:
