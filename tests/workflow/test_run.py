@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 
@@ -38,6 +39,21 @@ def test_progress_is_shown(finished: Finished) -> None:
     assert "Simulate four_factor, part 1 of 2" in finished.log
     assert "of" in finished.log
     assert "steps (" in finished.log
+
+
+def test_every_file_is_on_the_card_of_the_run(finished: Finished) -> None:
+    results = finished.folder / "results/quick"
+    (path,) = (results / "run_cards").glob("*.json")
+    card = json.loads(path.read_text())
+    assert card["outcome"] == "completed"
+    on_card = {name: digest for job in card["jobs"] for name, digest in job["files"].items()}
+    assert on_card == {
+        str(file.relative_to(finished.folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in results.rglob("*")
+        if file.is_file() and file.parent != path.parent
+    }
+    simulated = [job for job in card["jobs"] if job["command"][0] == "simulate"]
+    assert all(job["device"]["driver"] and job["threads"] for job in simulated)
 
 
 def test_a_second_run_has_nothing_to_do(finished: Finished) -> None:
