@@ -183,7 +183,7 @@ class ExpressionModel:
         """
         used = {FACTORS[name] for name in FACTORS if name in self.parsed.names}
         if used.intersection((*POLAR, "phi_rad")):
-            return ("h0_m", "hv_m", *POLAR, *(name for name in CARTESIAN if name in used))
+            return ("h0_m", "hv_m", *POLAR)
         if used.intersection(CARTESIAN) or self.column_names:
             return ("h0_m", "hv_m", *CARTESIAN)
         return ("h0_m", "hv_m")

@@ -42,7 +42,7 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
     parts = text.split(":")
     if len(parts) == 1:
         return [quantity(each, option=option, unit=unit) for each in text.split(",")]
-    if len(parts) != 3 or not parts[2].strip().isdecimal() or len(parts[2]) > 9:
+    if len(parts) != 3 or not parts[2].strip().isdecimal() or len(parts[2]) > 12:
         raise InputError(f"{option} {text!r}: a range is first:last:count, such as 5um:10um:6")
     count = int(parts[2])
     if not 2 <= count <= MOST_LEVELS:

@@ -1,0 +1,338 @@
+"""A fitted model used from its file alone: forces, working points, and generated code."""
+
+import json
+import math
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.commands.limit_table import tabulate
+from squeezefilm.config import load_config
+from squeezefilm.errors import InputError
+from squeezefilm.fitted import read_fit
+from squeezefilm.force_model import Factors, get_model, make_model
+from squeezefilm.generated_code import c_source, python_source
+from squeezefilm.limit_table import LimitTable
+from squeezefilm.quantities import quantities
+
+THETA = {
+    "two_factor": (7.6240, 1.91659, -1.001314),
+    "four_factor": (7.3609, 2.07664, -1.000252, 0.016642, -81.115),
+    "polynomial_5": (4.5632, 2.3185, -1.3051, -5.497e4, -8e3),
+    "limit_2": (112.1, -634.6),
+}
+RANGES = {
+    "h0_m": [5e-6, 10e-6],
+    "hv_m": [0.2e-6, 2e-6],
+    "phi_r_m": [0.0, 2.9e-3],
+    "phi_deg": [0.0, 45.0],
+    "x_m": [0.0, 2.9e-3],
+    "y_m": [0.0, 2.05e-3],
+}
+
+
+@pytest.fixture(scope="module")
+def limit_table(repository) -> dict:
+    config = load_config(repository / "config" / "quick.yaml")
+    return tabulate(config).to_dict()
+
+
+@pytest.fixture
+def write_fit(tmp_path, limit_table):
+    """A function that writes the fit of a model."""
+
+    def write(of, at, **more) -> Path:
+        names = ("h0_m", "hv_m", "phi_r_m") if len(of.factor_names) == 2 else of.factor_names
+        values: dict = {
+            "model": of.name,
+            "theta": list(at),
+            "expression": of.expression,
+            "parameters": list(of.parameter_names),
+            "parameter_units": list(of.parameter_units),
+            "points": 60,
+            "global_error": 0.005,
+            "sum_of_squares": 6e-5,
+            "ranges": {name: RANGES[name] for name in names},
+            "cross_validation": {"root_mean_square_n": 2e-3, "global_error": 6e-3},
+        }
+        if of.column_names:
+            values["limit_table"] = limit_table
+        path = tmp_path / f"{of.name}.json"
+        path.write_text(json.dumps(values | more))
+        return path
+
+    return write
+
+
+def table_of(arguments: list[str], tmp_path: Path) -> pd.DataFrame:
+    assert cli.main([*arguments, f"--output={tmp_path}/out.csv"]) == 0
+    return pd.read_csv(tmp_path / "out.csv", dtype={"note": str}).fillna({"note": ""})
+
+
+@pytest.mark.parametrize("name", THETA)
+def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path) -> None:
+    model = get_model(name)
+    # Another name: nothing but the file can tell what the model is.
+    renamed = make_model(
+        "mine",
+        {
+            "expression": model.expression,
+            "parameters": dict(zip(model.parameter_names, model.parameter_units, strict=True)),
+        },
+        place="test",
+    )
+    path = write_fit(renamed, THETA[name])
+    table = table_of(
+        ["predict", str(path), "--h0=5um,8um", "--hv=0.5um:2um:4", "--phi-r=1mm", "--phi=30deg"],
+        tmp_path,
+    )
+    assert len(table) == 8
+    factors = Factors.of(**{c: table[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")})
+    expected = model.evaluate(THETA[name], read_fit(path).complete(factors))
+    np.testing.assert_allclose(table["force_n"], expected, rtol=1e-12)
+    assert set(table["force_error_n"]) == {2e-3}
+
+
+def test_predict_takes_a_table_and_another_error(write_fit, tmp_path) -> None:
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    (tmp_path / "points.csv").write_text("name,h0_m,hv_m\nA,5e-6,1e-6\nB,6e-6,1e-6\n")
+    summary = tmp_path / "errors.json"
+    summary.write_text(json.dumps({"points": 100, "sum_of_squares": 0.01}))
+    arguments = ["predict", str(path), f"--points={tmp_path}/points.csv"]
+    table = table_of([*arguments, f"--validation={summary}"], tmp_path)
+    assert list(table["name"]) == ["A", "B"]
+    assert set(table["force_error_n"]) == {0.01}
+
+
+@pytest.mark.parametrize(
+    ("options", "note"),
+    [
+        (["--h0=5um", "--hv=1um"], ""),
+        (["--h0=5um", "--hv=2.2um"], "hv_m outside 2e-07"),
+        (["--h0=4um", "--hv=1um"], "h0_m outside 5e-06"),
+        (["--h0=5um", "--hv=1um", "--phi-r=2.95mm", "--phi=10deg"], "phi_r_m outside"),
+        (["--h0=1um", "--hv=0.9um"], "undefined here"),
+    ],
+)
+def test_extrapolation_is_noted(options, note, write_fit, tmp_path) -> None:
+    path = write_fit(get_model("four_factor"), THETA["four_factor"])
+    table = table_of(["predict", str(path), *options], tmp_path)
+    assert (note in table["note"][0]) if note else table["note"][0] == ""
+
+
+def test_a_model_without_position_notes_a_finger_off_the_centre(write_fit, tmp_path) -> None:
+    path = write_fit(
+        get_model("two_factor"), THETA["two_factor"], ranges=RANGES | {"phi_r_m": [0, 0]}
+    )
+    table = table_of(["predict", str(path), "--h0=5um", "--hv=1um", "--x=1mm"], tmp_path)
+    assert "phi_r_m outside 0 … 0" in table["note"][0]
+
+
+@pytest.mark.parametrize("name", ["two_factor", "four_factor", "limit_2"])
+def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path) -> None:
+    path = write_fit(get_model(name), THETA[name])
+    arguments = ["working-point", str(path), "--force=0.5N", "--h0=5um:6um:3", "--phi-r=1mm"]
+    found = table_of([*arguments, "--phi=20deg"], tmp_path)
+    assert len(found) == 3
+    factors = Factors.of(**{c: found[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")})
+    fit = read_fit(path)
+    force = get_model(name).evaluate(THETA[name], fit.complete(factors))
+    np.testing.assert_allclose(force, 0.5, rtol=1e-10)
+    # An amplitude larger by its error gives a force larger by the model's.
+    more = Factors.of(
+        h0_m=found["h0_m"],
+        hv_m=found["hv_m"] + found["hv_error_m"],
+        phi_r_m=found["phi_r_m"],
+        phi_deg=found["phi_deg"],
+    )
+    rise = get_model(name).evaluate(THETA[name], fit.complete(more)) - force
+    np.testing.assert_allclose(rise, 2e-3, rtol=1e-2)
+
+
+def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path) -> None:
+    path = write_fit(get_model("polynomial_5"), THETA["polynomial_5"])
+    found = table_of(["working-point", str(path), "--force=100"], tmp_path)
+    assert len(found) == 6
+    assert found["hv_m"].isna().all()
+    assert all("below contact" in note for note in found["note"])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--h0=5um"], "give --h0 and --hv"),
+        (["--h0=5", "--hv=1um"], "--h0 '5' must be a number with a unit of m"),
+        (["--h0=5um", "--hv=1N"], "--hv '1N'"),
+        (["--h0=5um:6um", "--hv=1um"], "first:last:count"),
+        (["--h0=5um:6um:100000000", "--hv=1um"], "count must lie"),
+        (["--h0=5um:6um:9999", "--hv=1um:2um:9999"], "at most 1000000"),
+        (["--h0=0m", "--hv=1um"], "gaps must be positive"),
+        (["--h0=5um", "--hv=1um", "--x=1mm", "--phi-r=1mm"], "not both"),
+        (["--points=/nowhere.csv"], "there is no such table"),
+        (["--h0=__import__('os')", "--hv=1um"], "must be a number"),
+    ],
+)
+def test_points_that_mean_nothing_are_refused(options, message, write_fit, capsys) -> None:
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    assert cli.main(["predict", str(path), *options]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_quantities_have_units_commas_and_ranges() -> None:
+    assert quantities("5um, 0.007mm", option="--h0", unit="m") == pytest.approx([5e-6, 7e-6])
+    assert quantities("0deg:45deg:4", option="--phi", unit="deg") == [0, 15, 30, 45]
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        ({"expression": "__import__('os').getcwd()"}, "no known function"),
+        ({"expression": "h0.__class__"}, "no arithmetic"),
+        ({"expression": 5}, "a formula is text"),
+        ({"expression": "theta0*hv"}, "'theta1' does not occur"),
+        ({"parameters": "theta0"}, "must be lists"),
+        ({"theta": [1.0]}, "'theta' has 1 numbers"),
+        ({"theta": ["x"]}, "must be a list of numbers"),
+        ({"ranges": {"h0_m": 5}}, "'ranges' must map"),
+        ({"cross_validation": 1}, "'cross_validation' must be"),
+        ({"refused": "no fit"}, "there is no fit: no fit"),
+    ],
+)
+def test_a_damaged_fit_is_refused(damage, message, write_fit, capsys) -> None:
+    path = write_fit(get_model("two_factor"), THETA["two_factor"], **damage)
+    assert cli.main(["predict", str(path), "--h0=5um", "--hv=1um"]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert str(path) in error
+
+
+def sample(count: int = 200) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(5)
+    return {
+        "h0_m": rng.uniform(5e-6, 10e-6, count),
+        "hv_m": rng.uniform(0.0, 2.2e-6, count),
+        "phi_r_m": rng.uniform(0, 2.9e-3, count) * (np.arange(count) > 3),
+        "phi_deg": rng.uniform(0, 45, count),
+    }
+
+
+EVERY_FUNCTION = make_model(
+    "every_function",
+    {
+        "expression": "t0*sinc(hv/h0)*exp(-abs(x)/r_scale) + t1*tanh(hv/h0)*cos(angle)**3"
+        " + t2*log(1 + (hv/h0)**2)*atan(sqrt(hv/h0)) - 0.1*sin(angle)*cosh(hv/h0)/sinh(1 + hv/h0)"
+        " + tan(hv/h0)*2**(-h0/y_scale)",
+        "parameters": {"r_scale": "m", "y_scale": "m"},
+    },
+    place="test",
+)
+EXPORTED = [
+    *((get_model(name), theta) for name, theta in THETA.items()),
+    (EVERY_FUNCTION, (1e-3, 5e-6, 0.7, 0.2, 0.4)),
+]
+exported = pytest.mark.parametrize(("model", "theta"), EXPORTED, ids=lambda each: "")
+
+
+@exported
+def test_the_python_function_is_the_model(model, theta, write_fit) -> None:
+    fit = read_fit(write_fit(model, theta))
+    names: dict = {}
+    exec(python_source(fit), names)
+    factors = Factors.of(**sample())
+    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
+    columns = [factors.column(name) for name in model.factor_names]
+    found = [names["force_n"](*point) for point in zip(*columns, strict=True)]
+    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
+    assert np.isfinite(found).all()
+
+
+@exported
+def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path) -> None:
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler (cc or gcc) here")
+    fit = read_fit(write_fit(model, theta))
+    (tmp_path / "model.h").write_text(c_source(fit))
+    count = len(model.factor_names)
+    arguments = ", ".join(f"p[{index}]" for index in range(count))
+    reading = "%lf" * count
+    (tmp_path / "main.c").write_text(
+        '#include <stdio.h>\n#include "model.h"\n'
+        f"int main(void) {{ double p[{count}];\n"
+        f'while (scanf("{reading}", {", ".join(f"p + {i}" for i in range(count))}) == {count})\n'
+        f'printf("%.17g %d\\n", {fit.model}_force_n({arguments}), '
+        f"{fit.model}_in_range({arguments}));\nreturn 0; }}\n"
+    )
+    program = tmp_path / "main"
+    strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", "-O1"]
+    command = [compiler, *strict, "-o", str(program), str(tmp_path / "main.c"), "-lm"]
+    subprocess.run(command, check=True, timeout=60)
+    factors = Factors.of(**sample())
+    columns = np.column_stack([factors.column(name) for name in model.factor_names])
+    text = "\n".join(" ".join(f"{value!r}" for value in map(float, row)) for row in columns)
+    output = subprocess.run(
+        [str(program)], input=text, capture_output=True, text=True, check=True, timeout=60
+    ).stdout
+    found, inside = np.array([line.split() for line in output.splitlines()], dtype=float).T
+    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
+    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
+    np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
+
+
+def test_outside_its_domain_generated_code_gives_no_number(write_fit) -> None:
+    names: dict = {}
+    fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"]))
+    exec(python_source(fit), names)
+    assert math.isnan(names["force_n"](1e-6, 0.99e-6))
+    assert math.isnan(names["force_n"](0.0, 1e-6))
+    limit: dict = {}
+    exec(python_source(read_fit(write_fit(get_model("limit_2"), THETA["limit_2"]))), limit)
+    assert math.isnan(limit["force_n"](5e-6, 1e-6, 5e-3, 0.0))
+
+
+def test_an_export_goes_to_a_file_or_is_refused(write_fit, tmp_path, capsys) -> None:
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    out = tmp_path / "force.h"
+    assert cli.main(["export", str(path), "--language=c", f"--output={out}"]) == 0
+    assert "two_factor_force_n(double h0_m, double hv_m)" in out.read_text()
+    bare = json.loads(write_fit(get_model("limit_2"), THETA["limit_2"]).read_text())
+    del bare["limit_table"]
+    path.write_text(json.dumps(bare))
+    for command in (["export", "--language=python"], ["predict", "--h0=5um", "--hv=1um"]):
+        assert cli.main([command[0], str(path), *command[1:]]) == 2
+        assert "--limit-table" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ['x"); system("true', "a b", "*/", "é", ""])
+def test_a_fits_name_cannot_carry_code(name, write_fit) -> None:
+    fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"], model=name))
+    for source in (c_source, python_source):
+        with pytest.raises(InputError, match="cannot name a function"):
+            source(fit)
+
+
+def test_the_table_of_limits_states_its_error(limit_table) -> None:
+    table = LimitTable.from_dict(json.loads(json.dumps(limit_table)), place="test")
+    assert 0 < table.error < 1e-6
+    outside = Factors.of(h0_m=[5e-6, 4e-6, 5e-6], hv_m=[4e-6, 1e-6, 1e-6], x_m=[0, 0, 5e-3])
+    assert np.isnan(table.complete(outside).column("limit_n")).all()
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"ranges": {}},
+        {"shape": [1, 2]},
+        {"coefficients": {"evil": [0.0] * 1386}},
+        {"coefficients": []},
+        {"sigma_h0_square_m2": "x"},
+    ],
+)
+def test_a_damaged_table_of_limits_is_refused(damage, limit_table) -> None:
+    with pytest.raises(InputError, match="here: not a table of limits"):
+        LimitTable.from_dict(limit_table | damage, place="here")
