@@ -5,22 +5,28 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH"
+STUDIES ?= paper quick
+REPORT ?= results/report.html
 COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 \
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper quick test test-faults test-browser lint format lock resume clean test-cluster
+.PHONY: help paper quick check reference report test test-check test-faults test-browser lint format lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
 	@echo "make quick    the same rules on a small study, in under a minute"
+	@echo "make check    everything anew where it is not, and every number beside its reference"
+	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
 	@echo "make test     the tests"
+	@echo "make test-check     faults put into a study, which the check must find"
 	@echo "make test-faults    runs that are killed, full disks, damaged results"
 	@echo "make test-browser   the pages, in a browser without a screen"
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
 	@echo "make resume   go on after a run was killed, or a result was damaged"
+	@echo "make reference      make the reference that is checked against; asks first, or YES=1"
 	@echo "make lock     pin the newest versions of all packages"
 	@echo "make clean    remove results, logs and the environment"
 
@@ -30,8 +36,26 @@ paper: $(VENV)/.run
 quick: $(VENV)/.run
 	$(RUN) snakemake --configfile config/quick.yaml
 
+# Both studies are checked, also when the first one fails.
+check: $(VENV)/.run
+	failed=0; for study in $(STUDIES); do \
+		$(RUN) snakemake check --configfile config/$$study.yaml || failed=1; done; exit $$failed
+
+reference: $(VENV)/.run
+	set -e; for study in $(STUDIES); do \
+		$(RUN) snakemake checked --configfile config/$$study.yaml; \
+		$(RUN) squeezefilm reference results/$$study --config config/$$study.yaml \
+			--output tests/reference/$$study $(if $(YES),--yes); done
+
+report: $(VENV)/.run
+	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG))
+	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG)) --report $(REPORT)
+
 test: $(VENV)/.dev
 	$(RUN) pytest -n 2
+
+test-check: $(VENV)/.dev
+	$(RUN) pytest tests/check
 
 test-faults: $(VENV)/.dev
 	$(RUN) pytest tests/faults

@@ -3,12 +3,19 @@
 REFERENCE = LIBRARY.parent / "tests" / "reference" / STUDY
 
 
-# The table is made whatever the verdict: `check` alone fails, after it has shown it.
-rule compare_with_reference:
+rule checked:
     input:
         rules.all.input,
         # The stiff and extreme films are part of the check where a sample of them is the study's.
         "<results>/numerics/stability.csv" if CONFIG["numerics"]["extent"] == "sample" else [],
+    message:
+        "All that a reference tells of is made"
+
+
+# The table is made whatever the verdict: `check` alone fails, after it has shown it.
+rule compare_with_reference:
+    input:
+        rules.checked.input,
         code=code("check"),
         config=ancient(CONFIG_FILE),
         reference=[relative(path) for path in sorted(REFERENCE.glob("*.csv"))],
@@ -79,3 +86,35 @@ rule check_page:
         "The check as a page"
     shell:
         "python -m squeezefilm pages {input.markdown} --output {output} >{log} 2>&1"
+
+
+# Run cards are read as they are when all else is made; this run's own is among them.
+rule runs_page:
+    input:
+        rules.checked.input,
+        pages_code=code("pages"),
+        code=code("runs"),
+    output:
+        markdown="<results>/runs.md",
+        html=report(
+            "<results>/report/runs.html",
+            category="6 Runs",
+            labels={"page": "Code, settings, machines and files of every run"},
+            caption="../report/runs.rst",
+        ),
+    log:
+        "<logs>/report/runs.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    params:
+        cards=f"results/{STUDY}/run_cards",
+    message:
+        "The runs that made all this, as a page"
+    shell:
+        "{{ python -m squeezefilm runs {params.cards} --output {output.markdown} "
+        "&& python -m squeezefilm pages {output.markdown} --output {output.html}; }} >{log} 2>&1"

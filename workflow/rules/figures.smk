@@ -168,7 +168,7 @@ rule plot:
             "<results>/figures/{figure}.svg",
             category="3 Figures",
             labels=lambda wildcards: {
-                "figure": wildcards.figure,
+                "figure": wildcards.figure.replace("fig", "Fig. ").replace("_", " "),
                 "shows": FIGURE_SHOWS[wildcards.figure],
             },
             caption="../report/figure.rst",

@@ -63,15 +63,15 @@ rule pages:
         tables=expand("<results>/tables/table{number}.md", number=TABLE_INPUTS),
     output:
         summary=report(
-            "<results>/report/a_summary.html",
+            "<results>/report/summary.html",
             category="1 Summary and claims",
-            labels={"page": "Summary: what was simulated, how accurate, where it differs"},
+            labels={"page": "1 Summary: what was simulated, how accurate, where it differs"},
             caption="../report/summary.rst",
         ),
         claims=report(
-            "<results>/report/b_claims.html",
+            "<results>/report/claims.html",
             category="1 Summary and claims",
-            labels={"page": "Claims: the paper beside ours, each with a verdict"},
+            labels={"page": "2 Claims: the paper beside ours, each with a verdict"},
             caption="../report/claims.rst",
         ),
         tables=[

@@ -49,6 +49,7 @@ COMMANDS = {
     "left-out": "put back what scenes do not need: the same forces, at what cost",
     "trace": "say which run, code and device made a result",
     "summary": "put a finished study on one page",
+    "runs": "put the runs that made a study on one page",
     "pages": "turn Markdown into pages of HTML",
     "check": "compare a finished study with its stored reference",
     "verdict": "show the table of a check; fails when anything in it failed",
