@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -18,7 +18,7 @@ from squeezefilm.numerics.reference import lobatto, reference_force
 from squeezefilm.numerics.state_checks import check_state, unfold
 from squeezefilm.numerics.timing import measure
 from squeezefilm.numerics.work_precision import FILMS, work_precision
-from squeezefilm.reynolds import periodic, refinement
+from squeezefilm.reynolds import periodic
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import States
 
@@ -175,7 +175,7 @@ def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.Mo
 def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
     """The state kept in float32, as a kernel with `float` for `double` would."""
 
-    sound = periodic.solve_batches
+    sound = periodic.Launch.states
 
     def rounded(states: States, grid: periodic.Grid) -> States:
         pressure = (1 + states.overpressure).astype(np.float32).astype(float) - 1
@@ -183,13 +183,11 @@ def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPat
         mean = np.einsum("bxyt,xy->b", pressure, weights) / grid.nt
         return replace(states, overpressure=pressure, mean=mean)
 
-    def spoilt(batches: Sequence[periodic.Batch], **options: Any) -> list[States]:
-        solved = sound(batches, **options)
-        pairs = zip(solved, batches, strict=True)
+    def spoilt(landing: periodic.Launch) -> list[States]:
+        pairs = zip(sound(landing), landing.batches, strict=True)
         return [rounded(states, batch.grid) for states, batch in pairs]
 
-    for module in (refinement, periodic):
-        monkeypatch.setattr(module, "solve_batches", spoilt)
+    monkeypatch.setattr(periodic.Launch, "states", spoilt)
     assert red() == {"small"}
 
 

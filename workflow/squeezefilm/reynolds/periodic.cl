@@ -44,8 +44,8 @@ enum { NX, NY, NT, MOST_KRYLOV, MATRICES, PROFILE, SCHUR, STATE, LAYOUT };
  * counts:   per scene status, Newton steps, Krylov iterations. */
 __kernel void periodic_state(const int scenes, const int most_newton, __global const long *layout,
                              matrix matrices, matrix numbers, matrix profile, matrix schur,
-                             field state, field results, __global int *counts, field workspace,
-                             const ulong workspace_size, __global int *queue,
+                             field state, field results, __global int *counts,
+                             __global int *queue, field workspace, const ulong workspace_size,
                              __local double *scratch)
 {
     __local int taken;

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -17,8 +18,6 @@ STATUS = ("ok", "Newton's method did not converge", "the pressure became infinit
 MOST_NEWTON = 40
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
-# States of one launch; more are solved in several.
-LARGEST_LAUNCH_BYTES = 512 * 2**20
 
 
 @dataclass(frozen=True)
@@ -54,6 +53,10 @@ class Grid:
     def count(self) -> int:
         """Number of unknowns."""
         return self.nx * self.ny * self.nt
+
+    def finer_than(self, other: Grid) -> bool:
+        """In every direction: only then does the difference between two grids show every error."""
+        return all(mine > its for mine, its in zip(self.shape, other.shape, strict=True))
 
 
 @dataclass(frozen=True)
@@ -146,44 +149,64 @@ class States:
 def solve_batch(
     *, problems: Problems, grid: Grid, device: Device, guess: np.ndarray | None = None
 ) -> States:
-    """The periodic states of one batch; see ``solve_batches``."""
-    return solve_batches([Batch(problems, grid, guess)], device=device)[0]
+    """The periodic states of one batch."""
+    return launch([Batch(problems, grid, guess)], device=device).states()[0]
 
 
-def solve_batches(batches: Sequence[Batch], *, device: Device) -> list[States]:
-    """Solve batches of like terms, in few launches; each scene is solved on its own.
+@dataclass(frozen=True)
+class Launch:
+    """Batches that the device is solving, and the arrays that it leaves its results in."""
+
+    batches: Sequence[Batch]
+    device: Device
+    arrays: tuple[np.ndarray, ...]
+    buffers: tuple[Any, ...]
+
+    def states(self) -> list[States]:
+        """Wait for the device; the states of each batch."""
+        for values, buffer in zip(self.arrays, self.buffers, strict=True):
+            self.device.fetch(values, buffer)
+        state, results, counts, _ = self.arrays
+        states = []
+        first = start = 0
+        for batch in self.batches:
+            last, stop = first + batch.scenes, start + batch.scenes * batch.grid.count
+            states.append(
+                States(
+                    overpressure=state[start:stop].reshape(-1, *batch.grid.shape),
+                    mean=results[first:last, 0],
+                    residual=results[first:last, 1],
+                    largest=results[first:last, 2],
+                    lowest=results[first:last, 3],
+                    thinnest=results[first:last, 4],
+                    status=counts[first:last, 0],
+                    newton_steps=counts[first:last, 1],
+                    krylov_iterations=counts[first:last, 2],
+                )
+            )
+            first, start = last, stop
+        return states
+
+
+def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
+    """Let the device solve batches of like terms; each scene is solved on its own.
 
     The device takes scenes in the given order: put the dearest first.
     """
-    states: list[States] = []
-    launch: list[Batch] = []
-    size = 0
-    for batch in batches:
-        states_bytes = 8 * batch.scenes * batch.grid.count
-        if launch and size + states_bytes > LARGEST_LAUNCH_BYTES:
-            states += _launch(launch, device=device)
-            launch, size = [], 0
-        launch.append(batch)
-        size += states_bytes
-    return states + (_launch(launch, device=device) if launch else [])
-
-
-def _launch(batches: Sequence[Batch], *, device: Device) -> list[States]:
     import pyopencl as cl
 
     moving = any(np.any(batch.problems.bearing) for batch in batches)
     defines = _defines(batches, moving=moving)
     periodic_state = kernel(device, "periodic_state", sources=SOURCES, defines=defines)
     inputs = _inputs(batches, moving=moving)
-    state = inputs.state
     scenes = sum(batch.scenes for batch in batches)
     results = np.empty((scenes, 5))
     counts = np.empty((scenes, 3), dtype=np.int32)
+    taken = np.zeros(1, dtype=np.int32)
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
-
-    taken = np.zeros(1, dtype=np.int32)
-    shared = [device.shared(values) for values in (state, results, counts)]
+    arrays = inputs.state, results, counts, taken
+    buffers = tuple(device.shared(values) for values in arrays)
     periodic_state(
         device.queue,
         (groups * device.work_items,),
@@ -191,34 +214,13 @@ def _launch(batches: Sequence[Batch], *, device: Device) -> list[States]:
         np.int32(scenes),
         np.int32(MOST_NEWTON),
         *(device.sent(values) for values in inputs.read_only),
-        *shared,
+        *buffers,
         device.room(workspace_size * groups),
         np.uint64(workspace_size),
-        device.shared(taken),
         cl.LocalMemory(8 * device.work_items),
     )
-    for values, buffer in zip((state, results, counts), shared, strict=True):
-        device.fetch(values, buffer)
-
-    states = []
-    first = start = 0
-    for batch in batches:
-        last, stop = first + batch.scenes, start + batch.scenes * batch.grid.count
-        states.append(
-            States(
-                overpressure=state[start:stop].reshape(-1, *batch.grid.shape),
-                mean=results[first:last, 0],
-                residual=results[first:last, 1],
-                largest=results[first:last, 2],
-                lowest=results[first:last, 3],
-                thinnest=results[first:last, 4],
-                status=counts[first:last, 0],
-                newton_steps=counts[first:last, 1],
-                krylov_iterations=counts[first:last, 2],
-            )
-        )
-        first, start = last, stop
-    return states
+    device.queue.flush()
+    return Launch(batches=batches, device=device, arrays=arrays, buffers=buffers)
 
 
 @dataclass(frozen=True)

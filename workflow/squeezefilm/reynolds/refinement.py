@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic import STATUS, Batch, Grid, Problems, States, solve_batches
+from squeezefilm.reynolds.periodic import STATUS, Batch, Grid, Launch, Problems, States, launch
 from squeezefilm.reynolds.resolution import (
     MOMENT_FACTOR,
     MOMENTS,
@@ -26,7 +26,12 @@ from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 ITERATION_SHARE = 0.2
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
-BATCH = 256
+# Launches under way at a time: the host judges one while the device is at the other.
+IN_FLIGHT = 2
+# Scenes begun together.
+LEAST_BATCH, MOST_BATCH = 16, 128
+# States of one launch; more go into several.
+LAUNCH_BYTES = 256 * 2**20
 
 
 @dataclass
@@ -59,27 +64,32 @@ def solve_periodic(
 ) -> list[Solution]:
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
     solutions: dict[int, Solution] = {}
-    for start in range(0, len(scenes), BATCH):
-        waiting = [
-            _begun(index, scenes[index], needs[index], tolerance=tolerance)
-            for index in range(start, min(start + BATCH, len(scenes)))
-        ]
-        while waiting:
-            unfinished = []
-            for groups in _launches(waiting):
-                batches = [_batch_of(group, tolerance=tolerance) for group in groups]
-                for group, states in zip(
-                    groups, solve_batches(batches, device=device), strict=True
-                ):
-                    for progress, solution in zip(
-                        group, _judge(group, states, tolerance=tolerance), strict=True
-                    ):
-                        if solution is None:
-                            unfinished.append(progress)
-                        else:
-                            solutions[progress.index] = solution
-                            report(1)
-            waiting = unfinished
+    size = min(max(-(-len(scenes) // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
+    starts = iter(range(0, len(scenes), size))
+    flying: deque[tuple[list[list[_Progress]], Launch]] = deque()
+
+    def fly(waiting: Iterable[_Progress]) -> None:
+        for groups in _launches(waiting):
+            batches = [_batch_of(group, tolerance=tolerance) for group in groups]
+            flying.append((groups, launch(batches, device=device)))
+
+    while True:
+        while len(flying) < IN_FLIGHT and (start := next(starts, None)) is not None:
+            stop = min(start + size, len(scenes))
+            fly(_begun(i, scenes[i], needs[i], tolerance=tolerance) for i in range(start, stop))
+        if not flying:
+            break
+        groups, landing = flying.popleft()
+        unfinished = []
+        for group, states in zip(groups, landing.states(), strict=True):
+            judged = _judge(group, states, tolerance=tolerance)
+            for progress, solution in zip(group, judged, strict=True):
+                if solution is None:
+                    unfinished.append(progress)
+                else:
+                    solutions[progress.index] = solution
+                    report(1)
+        fly(unfinished)
     return [solutions[index] for index in range(len(scenes))]
 
 
@@ -107,14 +117,21 @@ def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
 
     The dearest grids come first, so that no long solve is left over at the end.
     """
-    launches: dict[object, dict[object, list[_Progress]]] = defaultdict(lambda: defaultdict(list))
+    launches: list[dict[object, list[_Progress]]] = []
+    current: dict[object, dict[object, list[_Progress]]] = {}
+    filled: dict[object, int] = {}
     for progress in sorted(waiting, key=lambda progress: -iteration_flops(progress.grid)):
         needs = progress.needs
         terms = (needs.bearing, needs.flow_terms, needs.polytropic)
+        size = 8 * progress.grid.count
+        if terms not in current or filled[terms] + size > LAUNCH_BYTES:
+            current[terms], filled[terms] = defaultdict(list), 0
+            launches.append(current[terms])
+        filled[terms] += size
         starts = progress.first is not None
         grids = (progress.grid, progress.grid_before, starts, progress.scene.aspect)
-        launches[terms][grids].append(progress)
-    return [list(groups.values()) for groups in launches.values()]
+        current[terms][grids].append(progress)
+    return [list(groups.values()) for groups in launches]
 
 
 def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
@@ -175,7 +192,7 @@ def _judge(
     mean_pressure = states.overpressure @ np.full(grid.nt, 1 / grid.nt)
     floor = ROUND_OFF * states.largest
     error = np.full(len(group), np.inf)
-    if coarse is not None:
+    if coarse is not None and grid.finer_than(coarse):
         epsilon = np.array([progress.scene.epsilon for progress in group])
         before = np.stack([p.mean_before for p in group if p.mean_before is not None])
         change = _change(before, coarse, mean_pressure, grid)
