@@ -42,6 +42,27 @@ rule work_precision:
         "--config {input.config} --output {output} >{log} 2>&1"
 
 
+rule equal_error:
+    input:
+        code=code("equal-error"),
+        table="<results>/numerics/work_precision.csv",
+    output:
+        "<results>/numerics/equal_error.csv",
+    log:
+        "<logs>/numerics/equal_error.log",
+    localrule: True
+    conda:
+        "../../envs/numerics.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    message:
+        "How many times less time the solver takes at equal error"
+    shell:
+        "python -m squeezefilm equal-error {input.table} --output {output} >{log} 2>&1"
+
+
 rule stability:
     input:
         code=code("stability"),
@@ -238,5 +259,6 @@ rule numerics:
     input:
         expand("<results>/numerics/{name}.{format}", name=NUMERICS, format=["csv", "png", "svg"]),
         "<results>/numerics/roofline.csv",
+        "<results>/numerics/equal_error.csv",
     message:
         "Accuracy, run time and stability of the solver are known"
