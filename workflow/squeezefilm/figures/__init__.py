@@ -45,6 +45,8 @@ NUMERICS = (
 MODELS = ("model_errors",)
 # Drawn by studies with a measured profile.
 PROFILES = ("profile",)
+# Those of designs and of the loop that refines a model.
+DESIGNS = ("sensitivity", "refine")
 
 
 def figure_module(name: str) -> ModuleType:
@@ -53,7 +55,7 @@ def figure_module(name: str) -> ModuleType:
     Raises:
         InputError: for a name that is no figure.
     """
-    known = (*FIGURES, *NUMERICS, *PROFILES, *MODELS)
+    known = (*FIGURES, *NUMERICS, *PROFILES, *MODELS, *DESIGNS)
     if name not in known:
         raise InputError(f"there is no figure {name!r}; the figures are {', '.join(known)}")
     return importlib.import_module(f"squeezefilm.figures.{name}")
