@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -173,12 +174,28 @@ def test_models_are_compared_at_points_they_were_not_fitted_to(
     study, tables, tmp_path, capsys
 ) -> None:
     names = ("polynomial_3", "limit", "polynomial_5")
+    config = tmp_path / "study.yaml"
+    text = study.config.read_text(encoding="utf-8")
+    config.write_text(
+        re.sub("two_factor: .two_factor, .*", f"two_factor: [{', '.join(names)}]", text)
+    )
     for name in names:
         fitted(study, tables, tmp_path, name, "--keep-going")
     paths = [str(tmp_path / f"{name}.json") for name in names]
     forces, limits = tables
     output = [f"--{kind}={tmp_path / kind}.csv" for kind in ("output", "errors", "report")]
-    arguments = ["compare", *paths, f"--forces={forces}", f"--limits={limits}", *output]
+    arguments = [
+        "compare",
+        "two_factor",
+        *paths,
+        f"--config={config}",
+        f"--forces={forces}",
+        f"--limits={limits}",
+        *output,
+    ]
+    assert cli.main(arguments) == 0
+    assert cli.main([*arguments[:3], *arguments[5:]]) == 2
+    assert "no fit of limit, polynomial_5 is given" in capsys.readouterr().err
     assert cli.main(arguments) == 0
     rows = pd.read_csv(tmp_path / "output.csv").set_index("model")
     assert rows.loc["limit", "control_error"] == pytest.approx(0.01)

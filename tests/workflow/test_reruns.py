@@ -138,7 +138,7 @@ def test_an_edit_of_the_code_makes_anew_what_it_reaches(
 def leaves(values: dict[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
     """The keys of a study that commands read; a profile is one, its keys belong together."""
     for key, value in values.items():
-        if isinstance(value, dict) and key != "profile":
+        if isinstance(value, dict) and key not in ("profile", "models"):
             yield from leaves(value, (*place, key))
         elif key not in ("study", "seconds_per_job"):
             yield (*place, key)
@@ -160,6 +160,7 @@ def others(value: Any) -> Iterator[Any]:
     """Values to try instead of one."""
     if isinstance(value, dict):
         yield {"kind": "piston"}
+        yield {}
     elif isinstance(value, bool):
         yield not value
     elif isinstance(value, list):

@@ -36,12 +36,36 @@ rule limits:
         "--output {output} >{log} 2>&1"
 
 
+rule limit_table:
+    input:
+        code=code("limit-table"),
+        config=ancient(CONFIG_FILE),
+    output:
+        "<results>/models/limit_table.json",
+    log:
+        "<logs>/models/limit_table.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=5,
+    params:
+        settings=settings("commands.limit_table"),
+    message:
+        "What physics says all over the space, for models that use it"
+    shell:
+        "python -m squeezefilm limit-table --config {input.config} --output {output} >{log} 2>&1"
+
+
 rule fit_candidate:
     input:
         code=code("fit"),
         config=ancient(CONFIG_FILE),
         forces=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/forces.csv",
         limits=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/limits.csv",
+        limit_table="<results>/models/limit_table.json",
     output:
         "<results>/models/{space}/{model}.json",
     log:
@@ -59,6 +83,7 @@ rule fit_candidate:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
     shell:
         "python -m squeezefilm fit {input.forces} --limits {input.limits} "
+        "--limit-table {input.limit_table} "
         "--model {wildcards.model} --seeds 1 --keep-going --config {input.config} "
         "--output {output} >{log} 2>&1"
 
@@ -66,6 +91,7 @@ rule fit_candidate:
 rule compare:
     input:
         code=code("compare"),
+        config=ancient(CONFIG_FILE),
         fits=lambda wildcards: [
             f"<results>/models/{wildcards.space}/{model}.json"
             for model in CONFIG["comparison"][wildcards.space]
@@ -85,11 +111,13 @@ rule compare:
     resources:
         mem_mb=1000,
         runtime=5,
+    params:
+        settings=settings("commands.compare"),
     message:
         "Candidates side by side on {wildcards.space} points"
     shell:
-        "python -m squeezefilm compare {input.fits} --forces {input.forces} "
-        "--limits {input.limits} --output {output.table} --report {output.text} "
+        "python -m squeezefilm compare {wildcards.space} {input.fits} --config {input.config} "
+        "--forces {input.forces} --limits {input.limits} --output {output.table} --report {output.text} "
         "--errors {output.errors} >{log} 2>&1"
 
 

@@ -180,7 +180,7 @@ def plan_sizes(values: Mapping[str, Any]) -> dict[str, int]:
         * (1 + len(positions["phi_r_m"]) * len(positions["phi_deg"])),
         "four_factor_control": values["four_factor_control"]["points"],
         "sweep": values["sweep"]["points"],
-        "model_control": values["comparison"]["control_points"],
+        "model_control": values["model_control"]["points"],
     }
 
 

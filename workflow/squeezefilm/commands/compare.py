@@ -1,21 +1,26 @@
 """Compare fitted models: errors on their points, on points left out, and on control points.
 
-  squeezefilm compare FIT.json … --forces FORCES.csv --limits LIMITS.csv \\
+  squeezefilm compare two_factor FIT.json … --config C.yaml \\
+      --forces FORCES.csv --limits LIMITS.csv \\
       --output TABLE.csv --report TABLE.md --errors ERRORS.csv
 
-FORCES.csv has the control points, which no model was fitted to, LIMITS.csv their physics limits.
-ERRORS.csv has the relative error of every model at every control point; a figure is drawn from it.
+The candidates of the study's section `comparison` must be among the fits; they are shown in its
+order. FORCES.csv has the control points, which no model was fitted to, LIMITS.csv their physics
+limits. ERRORS.csv has the relative error of every model at every control point; a figure is drawn
+from it.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.experiments import check_columns, factors_of
 from squeezefilm.fitted import FittedModel, read_fit
@@ -25,7 +30,8 @@ from squeezefilm.notes import percent
 from squeezefilm.tables import read_json, read_ok_forces, write_table
 from squeezefilm.validation import error_sizes, relative_errors
 
-SECTIONS: tuple[str, ...] = ()
+SECTIONS = ("comparison",)
+TITLES = {"two_factor": "the finger centred", "four_factor": "the finger anywhere on the surface"}
 COLUMNS = (
     "model",
     "parameters",
@@ -52,7 +58,9 @@ HEADINGS = {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("space", choices=TITLES, metavar="SPACE", help=" or ".join(TITLES))
     parser.add_argument("fits", nargs="+", metavar="FIT.json", help="fitted models")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--forces", required=True, metavar="FORCES.csv", help="control points")
     parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
     parser.add_argument("--output", required=True, metavar="TABLE.csv", help="errors, to write")
@@ -61,10 +69,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
+    candidates = load_config(options.config).only(SECTIONS)["comparison"][options.space]
     forces = read_ok_forces(options.forces)
     factors = factors_of(forces, limits=options.limits)
     rows, errors = [], []
-    for path in options.fits:
+    for path in _in_order(options.fits, candidates):
         row, error = _judged(path, factors, forces)
         rows.append(row)
         if error is not None:
@@ -75,7 +84,7 @@ def run(options: argparse.Namespace) -> None:
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(
         {"parameters": "Int64", "fit_points": "Int64", "control_points": "Int64"}
     )
-    text = _report(table, points=len(forces))
+    text = _report(table, space=options.space, points=len(forces))
     write_table(table, options.output)
     write_markdown(text, options.report)
     note = (
@@ -84,6 +93,15 @@ def run(options: argparse.Namespace) -> None:
     )
     write_table(pd.concat(errors, ignore_index=True).assign(note=note), options.errors)
     print(text)
+
+
+def _in_order(paths: Sequence[str], candidates: Sequence[str]) -> list[str]:
+    """The files of the candidates, by the models that they name."""
+    by_name = {str(read_json(path).get("model")): path for path in paths}
+    missing = [name for name in candidates if name.replace("-", "_") not in by_name]
+    if missing:
+        raise InputError(f"compare: no fit of {', '.join(missing)} is given")
+    return [by_name[name.replace("-", "_")] for name in candidates]
 
 
 def _judged(
@@ -137,14 +155,14 @@ def _left_out(fit: FittedModel) -> float:
     return np.nan if fit.cross_validation is None else fit.cross_validation["global_error"]
 
 
-def _report(table: pd.DataFrame, *, points: int) -> str:
+def _report(table: pd.DataFrame, *, space: str, points: int) -> str:
     """The table for people, the best on the control points first."""
     judged = table[table["control_error"].notna()].sort_values("control_error", kind="stable")
     shown = judged[list(HEADINGS)].copy()
     for name in ("fit_error", "left_out_error", "control_error", "control_worst_relative"):
         shown[name] = [percent(v) if np.isfinite(v) else "–" for v in judged[name].astype(float)]
     lines = [
-        f"# Models compared on {points} control points\n\n",
+        f"# Models compared, {TITLES[space]}, on {points} control points\n\n",
         "Global error is |model − simulation|/|simulation|. Points are left out in turn, a fifth "
         "at a time, and predicted by the model fitted to the rest. No model was fitted to the "
         "control points.\n\n",

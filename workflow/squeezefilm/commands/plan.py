@@ -34,7 +34,7 @@ SECTIONS = {
     "error_map": ("error_map",),
     "four_factor_control": ("four_factor_control", "screen", "positions"),
     "sweep": ("sweep", "screen", "positions"),
-    "model_control": ("comparison", "screen", "positions"),
+    "model_control": ("model_control", "screen", "positions"),
     "four_factor": ("positions",),
     "two_factor_design": (),
     "four_factor_design": (),
@@ -80,14 +80,9 @@ def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd
     if kind in ("screen", "error_map"):
         levels = config[kind]
         return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
-    if kind == "four_factor_control":
+    if kind in ("four_factor_control", "model_control"):
         return random_plan(
             points=config[kind]["points"], seed=config[kind]["seed"], **_ranges(config)
-        )
-    if kind == "model_control":
-        settings = config["comparison"]
-        return random_plan(
-            points=settings["control_points"], seed=settings["seed"], **_ranges(config)
         )
     assert design is not None
     if kind == "four_factor":
