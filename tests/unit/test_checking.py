@@ -1,0 +1,283 @@
+"""The check sees what differs, by how much, and nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from squeezefilm import cli
+from squeezefilm.checking.compare import PASSED, compare, to_table
+from squeezefilm.checking.designs import Efficient
+from squeezefilm.checking.drawings import read_drawing
+from squeezefilm.checking.figure_tables import _each_pattern_once
+from squeezefilm.checking.quantities import SAMPLE, Quantity, column_quantities
+from squeezefilm.checking.reference import differences, read_reference, write_reference
+from squeezefilm.checking.show import on_screen, read_check, status
+from squeezefilm.checking.tolerances import GIVEN, SAME, AtMost, Close, Closeness, LastDigit
+from squeezefilm.commands import check, reference
+from squeezefilm.config import SCHEMA_PATH
+from squeezefilm.errors import InputError
+from squeezefilm.figures import style
+from squeezefilm.tables import write_table
+
+FORCES = pd.DataFrame(
+    {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}
+)
+CLOSE = Close(relative=1e-6)
+NOT_DECIDING = {
+    *("study", "simulation", "numerics"),
+    *("sweep", "models", "model_control", "comparison", "optimal", "refine"),  # not the paper's
+}
+
+
+def quantities(table: pd.DataFrame) -> list[Quantity]:
+    return list(column_quantities("data", "forces", table, tolerances={"force_n": CLOSE}))
+
+
+def stored(found: list[Quantity]) -> dict[tuple[str, str, str], dict[str, str]]:
+    return {(each.part, each.item, each.name): dict(each.cells) for each in found}
+
+
+def failures(table: pd.DataFrame) -> pd.DataFrame:
+    return table[table["verdict"] != PASSED]
+
+
+def failed(table: pd.DataFrame) -> list[str]:
+    """The names of the quantities that fail beside FORCES."""
+    rows = to_table(compare(quantities(table), stored(quantities(FORCES))))
+    return failures(rows)["quantity"].tolist()
+
+
+def test_the_same_table_passes() -> None:
+    assert failed(FORCES) == []
+    assert failed(FORCES.assign(force_n=FORCES["force_n"] * (1 + 0.9e-6))) == []
+
+
+def test_a_factor_is_seen_in_its_column_alone() -> None:
+    assert failed(FORCES.assign(force_n=FORCES["force_n"] * (1 + 1.1e-6))) == ["force_n"]
+
+
+def test_a_shifted_column_is_seen() -> None:
+    assert failed(FORCES.assign(force_n=np.roll(FORCES["force_n"], 1))) == ["force_n"]
+
+
+def test_a_dropped_point_is_seen() -> None:
+    assert failed(FORCES.drop(index=77))[0] == "rows"
+
+
+@pytest.mark.parametrize("row", [0, 3, 77, 199])
+def test_one_wrong_cell_is_seen_though_few_rows_are_kept(row: int) -> None:
+    forces = FORCES["force_n"].copy()
+    forces[row] = 0.9
+    assert failed(FORCES.assign(force_n=forces)) == ["force_n"]
+    assert len(quantities(FORCES)[1].cells) == SAMPLE
+
+
+def test_what_is_not_a_number_fails() -> None:
+    assert failed(FORCES.assign(force_n=np.nan)) == ["force_n"]
+    gap = FORCES["force_n"].where(FORCES.index != 0)
+    both = stored(quantities(FORCES.assign(force_n=gap)))
+    assert not failures(to_table(compare(quantities(FORCES.assign(force_n=gap)), both))).size
+
+
+def test_what_is_missing_or_new_fails() -> None:
+    found, known = quantities(FORCES), stored(quantities(FORCES))
+    new = Quantity("data", "other", "rows", {"rows": "1"})
+    lost = Quantity("data", "forces", "readable", missing="forces.csv: there is no such table")
+    rows = failures(to_table(compare([*found, new], known)))
+    assert rows[["item", "expected"]].to_numpy().tolist() == [["other", "not in the reference"]]
+    rows = failures(to_table(compare(found[:-1], known)))
+    assert rows[["quantity", "got"]].to_numpy().tolist() == [["force_n", "missing"]]
+    rows = failures(to_table(compare([lost], known)))
+    assert rows["got"].tolist() == [lost.missing]
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "expected", "got", "share"),
+    [
+        (Close(relative=0.1), "2", "2.1", 0.5),
+        (Close(of_largest=0.1), "2", "2.4", 2),
+        (Close(absolute=1), "-3", "-4", 1),
+        (Close(), "2", "2", 0),
+        (Close(), "2", "2.1", np.inf),
+        (Close(relative=1), "2", "many", np.inf),
+        (GIVEN, "nan", "nan", 0),
+        (SAME, "a", "a", 0),
+        (SAME, "(µm)", "(mm)", np.inf),
+        (AtMost(2), "whatever", "1", 0.5),
+        (AtMost(0), "whatever", "0", 0),
+        (AtMost(0), "whatever", "1", np.inf),
+        (AtMost(1), "0", "nan", np.inf),
+        (LastDigit(), "0.987 N", "0.988 N", 1),
+        (LastDigit(), "−2.1e−4", "−2.3e−4", 2),
+        (LastDigit(), "below 1 s", "below 1 min", np.inf),
+        (LastDigit(), "5", "3", 2),
+        (LastDigit(relative=0.01), "1.000", "1.011", 1),
+    ],
+)
+def test_a_tolerance_is_what_it_says(
+    tolerance: Close, expected: str, got: str, share: float
+) -> None:
+    assert tolerance.worst({"a": expected}, {"a": got}).distance == pytest.approx(share)
+
+
+def test_the_worst_cell_is_named() -> None:
+    want, have = {"a": "1", "b": "1", "c": "1"}, {"a": "1.1", "b": "1.3", "c": "0.8"}
+    assert Close(relative=0.1).worst(want, have).cell == "b"
+
+
+def test_tolerances_follow_the_solvers() -> None:
+    tight, loose = Closeness(solver=1e-6), Closeness(solver=1e-4)
+    assert tight.force.relative == 2e-6
+    for name in ("force", "model", "residual", "parameters", "relative_error", "shown"):
+        want, have = {"force": "1.0000"}, {"force": "1.00009"}
+        distances = [getattr(each, name).worst(want, have).distance for each in (loose, tight)]
+        assert distances[0] <= min(1, distances[1]), name
+
+
+THETA = {"theta0": "7.6", "theta1": "1.9", "theta2": "-1"}
+
+
+def design(*points: tuple[float, float]) -> dict[str, str]:
+    factors = ("h0_m", "hv_m")
+    return THETA | {
+        f"point {number} {factor}": str(value)
+        for number, point in enumerate(points, start=1)
+        for factor, value in zip(factors, point, strict=True)
+    }
+
+
+def test_a_design_is_worth_the_same_anywhere_on_a_line_of_equal_excursion() -> None:
+    ends = (5e-6, 2e-6), (10e-6, 0.2e-6)
+    here, there = design(*ends, (6.91e-6, 2e-6)), design(*ends, (3.455e-6, 1e-6))
+    other = design(*ends, (9e-6, 2e-6))
+    efficient = Efficient("two_factor")
+    assert efficient.worst(here, there).distance < 1e-6
+    assert efficient.worst(here, other).distance > 1
+    assert efficient.worst(other, here).distance == 0  # a better design is welcome
+    assert efficient.shown(here, other, "")[0] == "1"
+    assert float(efficient.shown(here, other, "")[1]) < 0.999
+
+
+def test_which_search_ends_in_a_pattern_does_not_matter() -> None:
+    columns = ["scaling", "search", "pattern", "h0_um", "hv_um"]
+    one = pd.DataFrame([("unit", 1, "A", 5, 2), ("unit", 2, "B", 6, 1)], columns=columns)
+    other = pd.DataFrame(
+        [("unit", 1, "B", 6, 1), ("unit", 2, "A", 5, 2), ("unit", 3, "A", 5, 2)], columns=columns
+    )
+    pd.testing.assert_frame_equal(
+        _each_pattern_once(one).reset_index(drop=True),
+        _each_pattern_once(other).reset_index(drop=True),
+    )
+
+
+def test_a_reference_is_read_as_it_was_written(tmp_path: Path) -> None:
+    found = [*quantities(FORCES), Quantity("axis labels", "fig, 08", 'a "b"', {"x, y": "h, (µm)"})]
+    write_reference(found, tmp_path)
+    assert read_reference(tmp_path) == stored(found)
+    assert differences(found, read_reference(tmp_path)) == []
+    write_reference(found[:-1], tmp_path)
+    assert [path.name for path in tmp_path.glob("*.csv")] == ["data.csv"]
+
+
+def test_every_change_of_a_reference_is_shown() -> None:
+    changed = FORCES.assign(force_n=FORCES["force_n"].where(FORCES.index != 0, 0.01 + 1e-11))
+    rows = differences(quantities(changed), stored(quantities(FORCES)))
+    assert (rows[0].quantity, rows[0].worst) == ("force_n", "row 1")
+
+
+@pytest.mark.parametrize("text", ["", "item,quantity\n", "item,quantity,cell,value\na,b\n"])
+def test_a_broken_reference_is_named(tmp_path: Path, text: str) -> None:
+    (tmp_path / "data.csv").write_text(text)
+    with pytest.raises(InputError, match=r"data\.csv"):
+        read_reference(tmp_path)
+
+
+def test_no_reference_is_made_of_half_a_study(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="needs a finished study"):
+        write_reference([Quantity("data", "a", "readable", missing="a.csv: none")], tmp_path)
+    with pytest.raises(InputError, match="make reference"):
+        read_reference(tmp_path)
+
+
+# --- drawings -----------------------------------------------------------------------------------
+
+
+def drawn(path: Path, *, x: list[float], labels: tuple[str, str] = (r"$h_0$ (µm)", "F (N)")):
+    with style.settings():
+        figure = style.new_figure()
+        axes = figure.subplots()
+        axes.plot(x, [1.0, 2.0, 4.0], "o", label="3 points")
+        axes.set_xlabel(labels[0])
+        axes.set_ylabel(labels[1])
+        axes.legend()
+        style.save(figure, [path])
+    plt.close("all")
+    return read_drawing(path)
+
+
+def test_a_drawing_tells_its_axes_dots_and_legend(tmp_path: Path) -> None:
+    drawing = drawn(tmp_path / "a.svg", x=[1.0, 2.0, 3.0])
+    assert drawing.axes == 1
+    assert drawing.labels == [r"$h_0$ (µm)", "F (N)"]
+    assert drawing.ticks[1].split() == ["1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]
+    assert len(drawing.dots) == 3
+    assert drawing.legends == ["# points"]
+    assert (drawing.width_pt, drawing.height_pt) == (252, pytest.approx(194.4))
+
+
+def test_dots_lie_where_the_data_say(tmp_path: Path) -> None:
+    one = drawn(tmp_path / "a.svg", x=[1.0, 2.0, 3.0])
+    moved = drawn(tmp_path / "b.svg", x=[1.0, 2.1, 3.0])
+    (_, middle, _), (_, other, _) = one.dots, moved.dots
+    width = one.dots[2][0] - one.dots[0][0]
+    assert other[0] - middle[0] == pytest.approx(0.05 * width, rel=1e-3)
+
+
+@pytest.mark.parametrize("text", ["", "<svg/>", "not a drawing"])
+def test_what_is_no_drawing_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "a.svg").write_text(text)
+    with pytest.raises(InputError, match=r"a\.svg: not a drawing"):
+        read_drawing(tmp_path / "a.svg")
+    with pytest.raises(InputError, match="no such drawing"):
+        read_drawing(tmp_path / "b.svg")
+
+
+# --- commands -----------------------------------------------------------------------------------
+
+
+def test_the_verdict_is_shown_and_decides_the_status(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known = stored(quantities(FORCES))
+    for table, expected in ((FORCES, 0), (FORCES.assign(force_n=1.0), 1)):
+        rows = to_table(compare(quantities(table), known))
+        write_table(rows, tmp_path / "check.csv")
+        assert status(read_check(tmp_path / "check.csv")) == expected
+        assert cli.main(["verdict", str(tmp_path / "check.csv")]) == expected
+        shown = capsys.readouterr().out
+        assert shown.strip() == on_screen(rows).strip()
+        assert ("failed" in shown) == bool(expected)
+    assert cli.main(["verdict", str(tmp_path / "none.csv")]) == 2
+    assert "none.csv" in capsys.readouterr().err
+
+
+def test_every_section_that_decides_a_result_is_compared() -> None:
+    sections = yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8"))["properties"]
+    assert set(check.SECTIONS) == set(sections) - NOT_DECIDING
+    assert check.SECTIONS == reference.SECTIONS
+
+
+@pytest.mark.parametrize("study", ["paper", "quick"])
+def test_the_stored_references_are_small_and_whole(repository: Path, study: str) -> None:
+    folder = repository / "tests" / "reference" / study
+    parts = {key[0] for key in read_reference(folder)}
+    assert {"figure data", "tables", "claims", "simulations", "fits", "designs"} <= parts
+    assert {"settings", "validation", "drawings"} <= parts
+    assert ("numerics" in parts) == (study == "quick")
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 200_000

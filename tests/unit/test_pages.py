@@ -1,0 +1,115 @@
+"""Pages: tables stay tables, nothing is taken for code, and the summary tells what it must."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.config import load_config
+from squeezefilm.page import to_html
+from squeezefilm.runs import to_markdown as runs_markdown
+from squeezefilm.summary import to_markdown
+
+
+def test_a_table_stays_a_table_and_text_stays_text() -> None:
+    page = to_html("# A\n\n| a | b |\n| --- | --- |\n| 1 \\| 2 | <b>x</b> |\n", title="a <b>")
+    assert "<h1>A</h1>" in page
+    assert "<td>1 | 2</td>" in page
+    assert "<td>&lt;b&gt;x&lt;/b&gt;</td>" in page
+    assert "<title>a &lt;b&gt;</title>" in page
+
+
+def test_verdicts_are_coloured() -> None:
+    page = to_html("| a | b |\n| --- | --- |\n| agrees exactly | failed |\n", title="a")
+    assert '<td class="good">agrees exactly</td><td class="bad">failed</td>' in page.replace(
+        "\n", ""
+    )
+
+
+def test_a_page_needs_nothing_else() -> None:
+    page = to_html("text", title="a")
+    assert not re.search(r"(src|href|url|@import|<script)", page)
+
+
+def test_pages_are_made_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.md").write_text("**a**", encoding="utf-8")
+    names = [str(tmp_path / name) for name in ("a.md", "a.html", "none.md", "none.html")]
+    assert cli.main(["pages", names[0], "--output", names[1]]) == 0
+    assert "<strong>a</strong>" in (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert cli.main(["pages", names[2], "--output", names[3]]) == 2
+    assert cli.main(["pages", names[0], names[2], "--output", names[1]]) == 2
+    assert "none.md" in capsys.readouterr().err
+
+
+@pytest.fixture
+def summary(study, tmp_path: Path) -> str:
+    plans = ("screen", "two_factor_design", "error_map", "extrapolation", "four_factor")
+    fits = ("screen", "two_factor_design", "four_factor_design")
+    pairs = [("two_factor_design", "screen"), ("four_factor_design", "four_factor")]
+    claims = [f"--output={tmp_path}/claims.csv", f"--markdown={tmp_path}/claims.md"]
+    assert cli.main(["claims", *study.words(study.claims), *claims]) == 0
+    return to_markdown(
+        study="paper",
+        settings=load_config(study.config),
+        forces={plan: study.root / f"simulations/{plan}/forces.csv" for plan in plans},
+        fits={fit: study.root / f"fits/{fit}.json" for fit in fits},
+        validations={
+            (fit, plan): study.root / f"validation/{fit}_on_{plan}.json" for fit, plan in pairs
+        },
+        claims=tmp_path / "claims.csv",
+        device=study.root / "simulations/device.json",
+    )
+
+
+def test_the_summary_says_what_how_accurate_and_where_it_differs(summary: str) -> None:
+    assert "43.27 kHz" in summary
+    assert "Made were 193 simulations" in summary
+    assert "| screen | 60 | 5 – 10 | 0.2 – 2 | 0 | 0 | 0.00183 – 0.784 | 3e-7 |" in summary
+    assert "| gas: viscosity_pa_s | 1.81e-05 |" in summary
+    assert "the largest estimated error of all forces is 3e-7 of the force" in summary
+    assert "| two_factor_design (5 points) | screen (60 points) | 0.98" in summary
+    assert "Of 22 claims of the paper" in summary
+    differing = summary.split("## Where it differs")[1]
+    assert "| global error of the fit on the screen | 3 | 0.53" in differing
+    assert "differs because our" not in differing
+    assert "agrees" not in differing.split("\n|", 1)[1]
+
+
+def test_the_runs_that_made_what_stands_are_told(tmp_path: Path) -> None:
+    def card(run: str, started: str, files: dict[str, str]) -> None:
+        job = {
+            "command": ["simulate", "scenes.csv", "--config"],
+            "started": started,
+            "ended": started,
+            "host": f"host-{run}",
+            "device": {"device": "d"},
+            "versions": {"numpy": "2"},
+            "files": files,
+        }
+        about = {
+            "run": run,
+            "started": started,
+            "ended": started,
+            "outcome": "completed",
+            "command": ["/bin/snakemake", "check"],
+            "code": {"commit": "abc", "changed": ["M  a.py"], "sha256": "0" * 64},
+            "config": {"path": "c.yaml", "sha256": "1" * 64},
+            "seeds": {"fit.first_seed": 1},
+            "cores": 2,
+            "host": f"host-{run}",
+            "jobs": [job],
+        }
+        (tmp_path / f"{run}.json").write_text(json.dumps(about))
+
+    card("one", "2026-01-01T00:00:00+00:00", {"a.csv": "a" * 64, "b.csv": "b" * 64})
+    card("two", "2026-01-02T00:00:00+00:00", {"b.csv": "c" * 64})
+    page = runs_markdown(tmp_path)
+    assert page.index("## Run one") < page.index("## Run two")
+    assert "| a.csv | aaaaaaaaaaaaaaaa | 2026-01-01T00:00:00+00:00 | one | simulate" in page
+    assert "| b.csv | cccccccccccccccc | 2026-01-02T00:00:00+00:00 | two | simulate" in page
+    for text in ("abc, changed: a.py", "fit.first_seed 1", "host-two", "numpy 2", "snakemake"):
+        assert text in page
