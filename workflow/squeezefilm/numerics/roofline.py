@@ -19,11 +19,11 @@ from squeezefilm.reynolds.periodic import Grid, Problems, grid_matrices, solve_b
 from squeezefilm.reynolds.refinement import iteration_flops
 
 SOURCES = ("linear_algebra.cl", "film_over_period.cl", "roofline.cl")
-REPEATS = 5
+REPEATS = 3
 PEAK_TURNS = 2_000_000
 TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}
-TRIAD_TRAFFIC_BYTES = 8e9
-PRODUCT_FLOPS = 1.5e9
+TRIAD_TRAFFIC_BYTES = 4e9
+PRODUCT_FLOPS = 1e9
 # Quarter and whole finger of the paper's scenes, and a grid for a stiff scene.
 GRIDS = {
     "quarter": Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True),
