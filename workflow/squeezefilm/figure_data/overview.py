@@ -59,9 +59,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     note = (
         f"From left to right: a film at h0 = {1e6 * simulated['h0_m']:g} µm, "
         f"hv = {1e6 * simulated['hv_m']:g} µm, its pressure at {film['phase_deg'].nunique()} times "
-        "of a period (red: surface up) and their mean (thick); the screen and the model fitted to "
-        "it; the points of the D-optimal design among those of the screen; the error of the model "
-        f"that is fitted to the design alone. Estimated error of the simulations ≤ {estimate} of "
-        "the force."
+        "of a period (red: surface up) and their mean (thick); the model fitted to the screen; the "
+        "D-optimal points among the screen's; the error of the model fitted to them alone. "
+        f"Estimated error of the simulations ≤ {estimate} of the force."
     )
     return data.assign(note=note)
