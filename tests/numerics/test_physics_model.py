@@ -1,0 +1,83 @@
+"""The physics limit as a force model: nothing fitted, and better than the paper's fitted formula."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm.commands.limits import with_limits
+from squeezefilm.config import Config, load_config
+from squeezefilm.fit import fit_model, refit
+from squeezefilm.force_model import COLUMNS, Factors, get_model
+from squeezefilm.plans import factor_ranges, random_plan
+from squeezefilm.reynolds import solve
+from squeezefilm.study import scene_of
+from squeezefilm.tables import FACTOR_COLUMNS, scene_points
+from squeezefilm.validation import error_sizes
+
+REPOSITORY = Path(__file__).parents[2]
+FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)
+"""Where the search for the paper's form (14) ends on the 65 points (see test_fit.py)."""
+
+
+@pytest.fixture(scope="module")
+def config() -> Config:
+    return load_config(REPOSITORY / "config" / "paper.yaml")
+
+
+def limits_of(table: pd.DataFrame, config: Config) -> pd.DataFrame:
+    return with_limits(table, [scene_of(point, config) for point in scene_points(table)])
+
+
+def factors_of(table: pd.DataFrame) -> Factors:
+    return Factors.of(**{name: table[name] for name in (*FACTOR_COLUMNS, *COLUMNS.values())})
+
+
+def reference(name: str, config: Config) -> tuple[Factors, np.ndarray]:
+    table = pd.read_csv(REPOSITORY / "tests" / "reference" / f"{name}_forces.csv")
+    return factors_of(limits_of(table, config)), table["force_n"].to_numpy()
+
+
+@pytest.fixture(scope="module")
+def control(config) -> tuple[Factors, np.ndarray]:
+    """A thousand random points of the four-factor space, by the periodic state."""
+    ranges = factor_ranges(screen=config["screen"], positions=config["positions"])
+    table = limits_of(random_plan(points=1000, seed=11, **ranges), config)
+    scenes = [scene_of(point, config) for point in scene_points(table)]
+    solutions = solve(scenes, tolerance=1e-5, method="periodic")
+    return factors_of(table), np.array([each.force_n for each in solutions])
+
+
+def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
+    factors, force = points
+    model_n = get_model(name).evaluate(theta, factors)
+    return error_sizes(model_n=model_n, simulation_n=force)["global_error"]
+
+
+def test_on_the_screen_it_is_ten_times_better_than_the_fitted_formula(config) -> None:
+    screen = reference("screen", config)
+    assert global_error("limit", (), screen) < 0.0006
+    paper = refit(get_model("two_factor"), *screen, start=(7.6, 1.9, -1.0))
+    assert global_error("two_factor", paper, screen) == pytest.approx(0.0053, abs=1e-4)
+
+
+def test_on_a_thousand_points_it_is_ten_times_better_than_the_fitted_formula(control) -> None:
+    physics = global_error("limit", (), control)
+    paper = global_error("four_factor", FOUR_FACTOR_THETA, control)
+    assert physics < 0.0011
+    assert 0.012 < paper < 0.020
+    assert paper > 10 * physics
+
+
+def test_each_corrective_parameter_makes_it_better(config, control) -> None:
+    plan = reference("four_factor", config)
+    errors = [
+        global_error(name, fit_model(get_model(name), *plan).theta, control)
+        for name in ("fast_limit", "limit", "limit_1", "limit_2")
+    ]
+    assert errors[1] < errors[0] / 10
+    assert errors[2] < errors[1] / 5
+    assert errors[3] < errors[2] / 2
