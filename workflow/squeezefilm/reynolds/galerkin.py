@@ -149,7 +149,7 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
     residual = 0.0
     while True:
         if not resolution.fits:
-            status = f"tolerance not reached with modes up to degree {resolution.pad.degree}"
+            status = f"tolerance not reached: modes of degree {resolution.pad.degree} are too many"
             break
         guess = None
         if before is not None:
