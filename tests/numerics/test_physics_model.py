@@ -1,4 +1,4 @@
-"""The physics limit as a force model: nothing fitted, and better than the paper's fitted formula."""
+"""The physics limit as a force model: nothing fitted, better than the paper's fitted formula."""
 
 from __future__ import annotations
 
