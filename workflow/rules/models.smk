@@ -1,6 +1,6 @@
 # Candidates for the force model, the paper's, physics and your own, side by side: `snakemake models`.
 
-MODEL_SPACES = ["two_factor", "four_factor"]
+MODEL_SPACES = {"two_factor": "finger centred", "four_factor": "finger anywhere"}
 # The points that candidates are fitted to, and those that they are judged on.
 FITTED_PLAN = {"two_factor": "screen", "four_factor": "four_factor"}
 CONTROL_PLAN = {"two_factor": "error_map", "four_factor": "model_control"}
@@ -127,7 +127,12 @@ rule plot_model_errors:
         data="<results>/models/{space}_errors.csv",
     output:
         png="<results>/models/{space}_errors.png",
-        svg="<results>/models/{space}_errors.svg",
+        svg=report(
+            "<results>/models/{space}_errors.svg",
+            category="7 Models",
+            labels=lambda wildcards: {"shows": f"errors, {MODEL_SPACES[wildcards.space]}"},
+            caption="../report/models.rst",
+        ),
     log:
         "<logs>/models/plot_{space}.log",
     localrule: True
@@ -144,8 +149,38 @@ rule plot_model_errors:
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 
+rule models_page:
+    input:
+        code=code("pages"),
+        tables=expand("<results>/models/{space}.md", space=MODEL_SPACES),
+    output:
+        [
+            report(
+                f"<results>/models/{space}.html",
+                category="7 Models",
+                labels={"shows": f"table, {shows}"},
+                caption="../report/models.rst",
+            )
+            for space, shows in MODEL_SPACES.items()
+        ],
+    log:
+        "<logs>/models/pages.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    message:
+        "The comparison of models as pages"
+    shell:
+        "python -m squeezefilm pages {input.tables} --output {output} >{log} 2>&1"
+
+
 rule models:
     input:
+        rules.models_page.output,
         expand("<results>/models/{space}.{format}", space=MODEL_SPACES, format=["csv", "md"]),
         expand(
             "<results>/models/{space}_errors.{format}",

@@ -19,13 +19,13 @@ from dataclasses import dataclass
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from squeezefilm import node_cache, provenance
 from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.quantities import quantity
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.reynolds.needs import needs_of
@@ -104,10 +104,10 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: Setting
         raise InputError("one scene needs both --h0 and --hv")
     point = ScenePoint(
         point_id="1",
-        h0_m=_quantity(options.h0, option="--h0", unit="m"),
-        hv_m=_quantity(options.hv, option="--hv", unit="m"),
-        phi_r_m=_quantity(options.phi_r, option="--phi-r", unit="m"),
-        phi_deg=_quantity(options.phi, option="--phi", unit="deg"),
+        h0_m=quantity(options.h0, option="--h0", unit="m"),
+        hv_m=quantity(options.hv, option="--hv", unit="m"),
+        phi_r_m=quantity(options.phi_r, option="--phi-r", unit="m"),
+        phi_deg=quantity(options.phi, option="--phi", unit="deg"),
     )
     scene = scene_of(point, config)
     device = choose_device(settings.device)
@@ -230,17 +230,3 @@ def chunk_rows(text: str, count: int) -> slice:
     if not 1 <= part <= parts <= count:
         raise InputError(f"--chunk {text!r}: 1 <= I <= N <= {count} (the rows of the table)")
     return slice(count * (part - 1) // parts, count * part // parts)
-
-
-def _quantity(text: str, *, option: str, unit: str) -> float:
-    """A number with its unit, in the given unit."""
-    from pint import PintError, UnitRegistry  # slow to import, and only needed for one scene
-
-    try:
-        quantity: Any = UnitRegistry().Quantity(text)
-        if not quantity.dimensionless or unit == "deg":
-            return float(quantity.to(unit).magnitude)
-    except (PintError, ValueError, TypeError, AttributeError, AssertionError, ArithmeticError):
-        pass
-    example = "45deg" if unit == "deg" else "5um"
-    raise InputError(f"{option} {text!r} must be a number with a unit of {unit}, such as {example}")
