@@ -194,6 +194,11 @@ def test_a_tilted_pad_carries_as_a_slider_bearing() -> None:
     assert (wide - narrow) / 4 == pytest.approx(expected, rel=1e-3)
 
 
+def test_fast_sliding_is_refused_where_it_would_take_long() -> None:
+    (solution,) = solve([ellipse(epsilon=0.4, sigma=583.0, bearing=31.0)], tolerance=1e-3)
+    assert solution.status == "bearing numbers up to 30 only under this finger"
+
+
 def test_a_flat_shape_is_the_flat_gap() -> None:
     scene = film(epsilon=0.4, sigma=300.0)
     nearly = pad(scene, gap=GapShape(bulge_m=1e-12, tilt_x_m=1e-12))

@@ -30,7 +30,7 @@ from squeezefilm.reynolds.resolution import (
     ROUND_OFF,
     first_grid,
 )
-from squeezefilm.reynolds.solution import Solution, left_out_text
+from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
@@ -38,6 +38,8 @@ METHOD = "periodic-modes"
 MOST_NEWTON = 40
 MOST_KRYLOV = 120
 LARGEST_BYTES = 512 * 2**20
+# The preconditioner does not know of sliding: beyond this, iterations become many.
+LARGEST_BEARING = 30.0
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,11 @@ def solve_in_modes(
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
     solutions = []
     for scene, need in zip(scenes, needs, strict=True):
-        solutions.append(_solve(scene, need, tolerance=tolerance))
+        if abs(scene.bearing_number) > LARGEST_BEARING:
+            reason = f"bearing numbers up to {LARGEST_BEARING:g} only under this finger"
+            solutions.append(refusal(reason, method=METHOD))
+        else:
+            solutions.append(_solve(scene, need, tolerance=tolerance))
         report(1)
     return solutions
 
