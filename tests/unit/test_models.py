@@ -10,12 +10,13 @@ import pandas as pd
 import pytest
 
 from squeezefilm import cli
+from squeezefilm.config import load_config
 from squeezefilm.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.errors import InputError
 from squeezefilm.fit import fit_model, refit
 from squeezefilm.force_model import TWO_FACTOR, Factors, get_model, library, make_model
 from squeezefilm.identifiability import check_identifiable
-from squeezefilm.models import check_models
+from squeezefilm.models import check_models, model_named
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 
@@ -228,3 +229,65 @@ def test_a_model_of_the_limit_needs_the_limits(study, tables, tmp_path, capsys) 
     arguments = ["fit", str(tables[0]), "--model=limit", f"--config={study.config}"]
     assert cli.main([*arguments, f"--output={tmp_path}/f.json"]) == 2
     assert "limit_n: the points lack this column" in capsys.readouterr().err
+
+
+PIECES = (
+    *(
+        "t0",
+        "t1",
+        "h0",
+        "hv",
+        "x",
+        "phi",
+        "angle",
+        "limit",
+        "sigma",
+        "slope",
+        "none_such",
+        "0",
+        "1",
+    ),
+    *("2.5", "1e999", "(hv/h0)**2", "sqrt(", ")", "(", "+", "-", "*", "/", "**", ",", " ", "\n"),
+    *("exp(", "sinc(", "__class__", ".", "'", "[", "lambda", "é", "9**9**9", "#", "\x00", "∞"),
+)
+VALUES = (None, True, 5, -1e300, "", "1", "N", "N/m", "furlong", [], ["t0"], {}, {"t0": "N"}, [[]])
+
+
+def damaged(rng: np.random.Generator) -> dict:
+    """A section `models` that nobody would write, or nearly nobody."""
+    text = "".join(rng.choice(PIECES, rng.integers(1, 9)))
+    entry: dict = {"expression": text if rng.random() < 0.6 else "t0*(hv/h0)**2 + slope*hv"}
+    if rng.random() < 0.6:
+        entry["parameters"] = ["slope"] if rng.random() < 0.5 else {"slope": "N/m"}
+    if rng.random() < 0.3:
+        key = str(rng.choice(["expression", "parameters", "about", "colour"]))
+        entry[key] = VALUES[rng.integers(len(VALUES))]
+    return {str(rng.choice(["mine", "limit", "Mine", "a b", "x"])): entry}
+
+
+def test_studies_with_damaged_models_run_or_are_refused_with_their_place(
+    repository, tmp_path
+) -> None:
+    rng = np.random.default_rng(3)
+    text = (repository / "config" / "paper.yaml").read_text(encoding="utf-8")
+    before, after = re.split(r"models: \{\}.*", text)
+    path = tmp_path / "study.yaml"
+    factors, force = reference("four_factor")
+    known = {name: force for name in ("limit_n", "fast_limit_n", "sigma")}
+    at = Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, x_m=factors.x_m, y_m=factors.y_m, **known)
+    outcomes = []
+    for _ in range(40):
+        path.write_text(f"{before}models: {json.dumps(damaged(rng))}{after}", encoding="utf-8")
+        try:
+            config = load_config(path)
+            check_models(config["models"], config["comparison"], place=path)
+            for name in config["models"]:
+                model = model_named(name, config["models"], place=path)
+                check_identifiable(model, at)
+                fit_model(model, at, force, bound=10.0) if model.is_linear else None
+            outcomes.append("ran")
+        except InputError as error:
+            outcomes.append(str(error))
+    refusals = [each for each in outcomes if each != "ran"]
+    assert 20 < len(refusals) < 40
+    assert all("models" in each or "at these points" in each for each in refusals)
