@@ -152,9 +152,7 @@ rule refine_report:
         runtime=5,
     params:
         folders=lambda wildcards, input: " ".join(
-            path.removesuffix("/verdict.json")
-            for path in input.refined
-            if path.endswith("/verdict.json")
+            str(Path(path).parent) for path in input.refined if Path(path).name == "verdict.json"
         ),
     message:
         "What was estimated over the {wildcards.space} space, and the truth"
