@@ -10,9 +10,7 @@ import pandas as pd
 from squeezefilm.errors import InputError
 from squeezefilm.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.sources import read_columns
-from squeezefilm.tables import FACTOR_COLUMNS
-
-LIMIT_COLUMNS = ("point_id", *FACTOR_COLUMNS, *COLUMNS.values(), "limit_error_n", "status")
+from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
 
 
 def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Factors:

@@ -25,6 +25,7 @@ FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
 TIMING_COLUMNS = ("point_id", "solve_seconds")
+LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_error_n", "status")
 TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out"}
 PARQUET = ".parquet"
 FORCE_COLUMNS = (

@@ -17,12 +17,11 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config import load_config
-from squeezefilm.experiments import LIMIT_COLUMNS
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.solver import by_limits
 from squeezefilm.scene import Scene
 from squeezefilm.study import scene_of
-from squeezefilm.tables import read_scenes, scene_points, write_table
+from squeezefilm.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table
 
 SECTIONS = ("gas", "actuator", "finger")
 TOLERANCE = 1e-8
