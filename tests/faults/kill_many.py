@@ -45,7 +45,7 @@ SNAKEMAKE = (sys.executable, "-m", "snakemake", *TARGETS, "--configfile", "confi
 LIBRARY = (sys.executable, "-m", "squeezefilm")
 VICTIMS = ("group", "snakemake", "job")
 STAGES = {"simulate": "simulation", "fit": "fit", "plot": "plotting", "warm": "compilation"}
-PATIENCE_S = 300
+PATIENCE_S = 900
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--folder", type=Path, required=True, help="scratch folder, emptied first")
-    parser.add_argument("--output", type=Path, required=True, help="table of the kills")
+    parser.add_argument(
+        "--output", type=Path, required=True, help="table of the kills, continued if begun"
+    )
     parser.add_argument("--part", default="1/1", help="I/N: every N-th kill from the I-th on")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
@@ -83,13 +85,18 @@ def main() -> int:
     wall_s = time.monotonic() - start
     wanted = digests(folder)
     print(f"undisturbed: {wall_s:.1f} s, {len(wanted)} files", flush=True)
-    kills = []
-    draw = random.Random(options.seed)
+    kills = read(options.output)
+    done = {kill.number for kill in kills}
+    aims = enumerate(plan(options.kills, random.Random(options.seed)), start=1)
     with options.output.open("w", newline="", encoding="utf-8") as handle:
         table = csv.DictWriter(handle, [field.name for field in fields(Kill)], lineterminator="\n")
         table.writeheader()
-        aims = enumerate(plan(options.kills, wall_s, draw), start=1)
+        table.writerows(asdict(kill) for kill in kills)
         for number, (aim, moment_s) in list(aims)[part - 1 :: parts]:
+            if number in done:
+                continue
+            if aim == "wall time":
+                aim, moment_s = f"{moment_s:.0%} of the run", moment_s * wall_s
             kill = one_kill(
                 number, aim, moment_s, folder=folder, environment=environment, wanted=wanted
             )
@@ -101,14 +108,36 @@ def main() -> int:
     return 0 if all(kill.resumed and kill.digests_equal and kill.traced for kill in kills) else 1
 
 
-def plan(kills: int, wall_s: float, draw: random.Random) -> list[tuple[str, float]]:
-    """What each kill aims at: a stage and a delay within it, or a moment of the whole run."""
+def read(path: Path) -> list[Kill]:
+    """The kills of a table that was begun: those are not done again."""
+    if not path.exists():
+        return []
+    with path.open(newline="", encoding="utf-8") as handle:
+        return [
+            Kill(
+                number=int(row["number"]),
+                aim=row["aim"],
+                moment_s=float(row["moment_s"]),
+                ran=row["ran"],
+                killed=row["killed"],
+                resumed=row["resumed"] == "True",
+                digests_equal=row["digests_equal"] == "True",
+                traced=row["traced"] == "True",
+                remade_s=float(row["remade_s"]),
+                note=row["note"],
+            )
+            for row in csv.DictReader(handle)
+        ]
+
+
+def plan(kills: int, draw: random.Random) -> list[tuple[str, float]]:
+    """What each kill aims at: a stage and seconds into it, or a share of the whole wall time."""
     aimed = [("simulation", 12), ("fit", 12), ("plotting", 12), ("compilation", 8)]
     aims = [
         (stage, draw.uniform(0, 0.8)) for stage, count in aimed for _ in range(count * kills // 100)
     ]
     spread = kills - len(aims)
-    aims += [("moment", wall_s * (number + 0.5) / spread) for number in range(spread)]
+    aims += [("wall time", (number + 0.5) / spread) for number in range(spread)]
     draw.shuffle(aims)
     return aims
 
@@ -219,7 +248,7 @@ def wait_for(
 ) -> list[psutil.Process]:
     """Wait for the moment of the kill; the jobs that run then."""
     start = time.monotonic()
-    if aim == "moment":
+    if aim not in STAGES.values():
         with contextlib.suppress(psutil.TimeoutExpired):
             running.wait(moment_s)
         while not (jobs := jobs_of(running)) and victim == "job" and running.poll() is None:
