@@ -10,6 +10,7 @@ import pandas as pd
 
 from squeezefilm.checking.quantities import Quantity, column_quantities, guarded, text_of
 from squeezefilm.checking.tolerances import (
+    DERIVED,
     GIVEN,
     PLACE,
     SAME,
@@ -42,7 +43,7 @@ GIVEN_COLUMNS = (
     "phi_r_max_mm",
     "phi_max_deg",
 )
-OF_DESIGNS = ("fig09", "fig10", "fig11", "fig12", "fig13", "fig16", "error_map")
+OF_DESIGNS = ("fig09", "fig10", "fig11", "fig12", "fig13", "fig16", "error_map", "overview")
 PLACES = ("epsilon", "h0_um", "hv_um", "phi_r_mm", "phi_deg")
 SLIDING_FITS = ("optimal design, the paper's form", "optimal design, distinct scenes")
 
@@ -57,13 +58,15 @@ def figure_quantities(results: Path, closeness: Closeness) -> Iterator[Quantity]
 def _figure(name: str, path: Path, closeness: Closeness) -> Iterator[Quantity]:
     data = read_columns(path, columns=("note",)).drop(columns="note")
     steady = STEADY.get(name, lambda table: table)(data)
-    yield from column_quantities(
-        DATA, name, steady, tolerances=_of_figure(name, closeness, columns=list(steady.columns))
-    )
+    yield from column_quantities(DATA, name, steady, tolerances=_of_figure(name, closeness, steady))
 
 
-def _of_figure(name: str, closeness: Closeness, *, columns: list[str]) -> dict[str, Tolerance]:
-    known: dict[str, Tolerance] = {column: GIVEN for column in GIVEN_COLUMNS}
+def _of_figure(name: str, closeness: Closeness, table: pd.DataFrame) -> dict[str, Tolerance]:
+    """The tolerance of each column of numbers; any that is not listed is a derived one."""
+    known: dict[str, Tolerance] = {
+        column: DERIVED for column in table.columns if table[column].dtype == float
+    }
+    known |= {column: GIVEN for column in GIVEN_COLUMNS}
     if name in OF_DESIGNS:
         known |= {column: PLACE for column in PLACES}
     known |= {
@@ -71,7 +74,7 @@ def _of_figure(name: str, closeness: Closeness, *, columns: list[str]) -> dict[s
         "relative_error_percent": closeness.relative_error,
         "objective": closeness.parameters,
     }
-    return {column: tolerance for column, tolerance in known.items() if column in columns}
+    return {column: tolerance for column, tolerance in known.items() if column in table}
 
 
 def _each_pattern_once(data: pd.DataFrame) -> pd.DataFrame:

@@ -155,6 +155,9 @@ SAME = Same()
 GIVEN = Close(relative=1e-9, of_largest=1e-12)
 """What the configuration gives, through plain arithmetic."""
 
+DERIVED = Close(of_largest=0.01)
+"""What is derived in several steps, and local pressures, which the solver's tolerance is not of."""
+
 PLACE = Close(of_largest=1e-3)
 """Where an optimal point lies: an optimum is flat, so its place is known to the root of its value's
 accuracy; a thousandth of the space is far below anything that a design is used for."""

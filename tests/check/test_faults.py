@@ -1,0 +1,295 @@
+"""Every fault is caught, in the rows where it belongs, and what is no fault is not caught.
+
+Most faults are put into copies of finished results, and cost little; a kernel, a seed and the way
+a study is run are changed for real.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+
+from squeezefilm.figures import figure_module, style
+from squeezefilm.tables import read_json, write_json
+
+from ..workflow.conftest import copy_checkout
+from .conftest import REFERENCE, Checked, Results, run_check
+
+Failed = set[tuple[str, str, str]]
+
+
+def items(failed: Failed, part: str) -> set[str]:
+    return {item for of, item, _ in failed if of == part}
+
+
+def edit(path: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
+    """Change a table; the copy's files are links, so that the file is written anew."""
+    table = change(pd.read_csv(path))
+    path.unlink()
+    table.to_csv(path, index=False)
+
+
+def redraw(results: Results, name: str, change: Callable[[Figure], None]) -> None:
+    """Draw a figure anew from its table, with something changed."""
+    data = pd.read_csv(results.folder / "figures" / f"{name}.csv")
+    paths = [results.folder / "figures" / f"{name}.{kind}" for kind in ("png", "svg")]
+    with style.settings():
+        figure = figure_module(name).draw(data)
+        change(figure)
+        for path in paths:
+            path.unlink()
+        style.save(figure, paths)
+
+
+# --- the study as it is -------------------------------------------------------------------------
+
+
+def test_the_sound_study_is_green(sound: Checked) -> None:
+    assert sound.status == 0, sound.log[-6000:]
+    assert sound.failed == set()
+    assert f"All {len(sound.table)} quantities passed." in sound.log
+
+
+def test_the_table_says_what_was_compared(sound: Checked) -> None:
+    row = sound.table.query("part == 'claims' and item == 'simulation_at_2.2'").iloc[1]
+    assert row["expected"].startswith("0.962")
+    assert row["worst"] == "ours, in N; paper: 0.99"
+    assert "last digit" in row["tolerance"]
+    page = (sound.folder / "results/quick/check/check.md").read_text(encoding="utf-8")
+    assert page.count("\n|") == len(sound.table) + 2
+
+
+def test_drawing_anew_changes_nothing(results: Results) -> None:
+    redraw(results, "fig14", lambda figure: None)
+    assert results.failed() == set()
+
+
+# --- faults in tables ---------------------------------------------------------------------------
+
+
+def test_a_shifted_column_is_caught(results: Results) -> None:
+    def shift(table: pd.DataFrame) -> pd.DataFrame:
+        return table.assign(force_n=np.roll(table["force_n"], 1))
+
+    edit(results.folder / "figures/fig08.csv", shift)
+    assert results.failed() == {("figure data", "fig08", "force_n")}
+
+
+def test_a_dropped_point_is_caught(results: Results) -> None:
+    edit(results.folder / "figures/fig07.csv", lambda table: table.drop(index=5))
+    failed = results.failed()
+    assert ("figure data", "fig07", "rows") in failed
+    assert {of for of in failed if of[1] != "fig07"} == set()
+
+
+def test_a_simulation_that_is_missing_is_caught(results: Results) -> None:
+    edit(results.folder / "simulations/screen/forces.csv", lambda table: table.iloc[:-1])
+    failed = results.failed()
+    assert ("simulations", "screen", "rows") in failed
+    assert items(failed, "simulations") == {"screen"}
+
+
+def test_a_scene_without_a_force_is_caught(results: Results) -> None:
+    edit(
+        results.folder / "simulations/screen/forces.csv",
+        lambda table: table.assign(status=["refused", *table["status"][1:]]),
+    )
+    assert results.failed() == {("simulations", "screen", "readable")}
+
+
+def test_other_seeds_of_a_fit_are_caught(results: Results) -> None:
+    edit(
+        results.folder / "fits/screen_runs.csv", lambda table: table.assign(seed=table["seed"] + 1)
+    )
+    assert results.failed() == {("fits", "screen, runs", "seed")}
+
+
+def test_a_claim_that_changes_sides_is_caught(results: Results) -> None:
+    def turn(table: pd.DataFrame) -> pd.DataFrame:
+        chosen = table["claim_id"] == "limit"
+        return table.assign(verdict=table["verdict"].where(~chosen, "differs because"))
+
+    edit(results.folder / "claims.csv", turn)
+    assert results.failed() == {("claims", "limit", "verdict")}
+
+
+def test_another_minimum_of_a_fit_is_caught(results: Results) -> None:
+    path = results.folder / "fits/screen.json"
+    fit = read_json(path)
+    fit["theta"][0] *= 1.05
+    fit["global_error"] *= 1.5
+    path.unlink()
+    write_json(fit, path)
+    failed = results.failed()
+    assert {("fits", "screen", "objective"), ("fits", "screen", "predicted forces")} <= failed
+    assert items(failed, "figure data") == set()
+
+
+def test_a_worse_design_is_caught_and_an_equal_one_is_not(results: Results) -> None:
+    path = results.folder / "designs/four_factor.csv"
+    original = pd.read_csv(path)
+    # The point inside slides along its line of equal hv/h0, as from one machine to the next.
+    inside = original["hv_m"].between(0.25e-6, 1.95e-6)
+    assert inside.sum() == 1
+    for column in ("h0_m", "hv_m"):
+        edit(
+            path,
+            lambda table, c=column: table.assign(**{c: table[c].where(~inside, table[c] * 1.02)}),
+        )
+    assert results.failed() == set()
+    edit(path, lambda table: table.assign(hv_m=table["hv_m"].where(~inside, 1.0e-6)))
+    assert results.failed() == {("designs", "four_factor", "D-efficiency")}
+
+
+def test_a_point_outside_the_space_is_caught(results: Results) -> None:
+    path = results.folder / "designs/two_factor.csv"
+    edit(path, lambda table: table.assign(h0_m=table["h0_m"].where(table.index != 0, 4.9e-6)))
+    assert ("designs", "two_factor", "outside the space") in results.failed()
+
+
+def test_a_film_that_fails_is_caught(results: Results) -> None:
+    path = results.folder / "numerics/stability.csv"
+    edit(path, lambda table: table.assign(verdict=["failed", *table["verdict"][1:]]))
+    assert results.failed() == {
+        ("numerics", "stability", "verdicts"),
+        ("numerics", "stability", "failed cases"),
+    }
+
+
+def test_an_estimate_above_the_tolerance_is_caught(results: Results) -> None:
+    path = results.folder / "simulations/screen/forces.csv"
+    edit(path, lambda table: table.assign(force_error_n=2e-4 * table["force_n"]))
+    assert results.failed() == {
+        ("simulations", "screen", "largest estimated error over the tolerance")
+    }
+
+
+def test_a_missing_file_is_caught(results: Results) -> None:
+    (results.folder / "figures/fig12.svg").unlink()
+    assert results.failed() == {("drawings", "fig12", "readable")}
+
+
+# --- faults in drawings -------------------------------------------------------------------------
+
+
+def test_swapped_axes_are_caught(results: Results) -> None:
+    def swap(figure: Figure) -> None:
+        axes = figure.axes[0]
+        for line in axes.lines:
+            line.set_data(line.get_ydata(), line.get_xdata())
+        limits = axes.get_xlim(), axes.get_ylim()
+        axes.set_xlim(limits[1])
+        axes.set_ylim(limits[0])
+
+    redraw(results, "fig12", swap)
+    failed = results.failed()
+    assert items(failed, "drawings") == {"fig12"} == {item for _, item, _ in failed}
+    assert ("drawings", "fig12", "ticks") in failed
+    assert ("drawings", "fig12", "dots' places on the page, in points") in failed
+
+
+def test_swapped_labels_are_caught(results: Results) -> None:
+    def swap(figure: Figure) -> None:
+        axes = figure.axes[0]
+        labels = axes.get_xlabel(), axes.get_ylabel()
+        axes.set_xlabel(labels[1])
+        axes.set_ylabel(labels[0])
+
+    redraw(results, "fig12", swap)
+    assert ("drawings", "fig12", "axis labels") in results.failed()
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "other"), [("fig14", "µm", "mm"), ("fig08", "(N)", "(mN)")]
+)
+def test_a_mislabelled_unit_is_caught(results: Results, name: str, unit: str, other: str) -> None:
+    def relabel(figure: Figure) -> None:
+        axes = figure.axes[0]
+        set_label = axes.set_zlabel if name == "fig08" else axes.set_xlabel
+        label = axes.get_zlabel() if name == "fig08" else axes.get_xlabel()
+        assert unit in label
+        set_label(label.replace(unit, other))
+
+    redraw(results, name, relabel)
+    failed = results.failed()
+    assert ("drawings", name, "axis labels") in failed
+    assert {item for _, item, _ in failed} == {name}
+
+
+def test_a_dot_that_is_not_drawn_is_caught(results: Results) -> None:
+    def lose(figure: Figure) -> None:
+        line = max(figure.axes[0].lines, key=lambda each: len(each.get_xdata()))
+        line.set_data(line.get_xdata()[:-1], line.get_ydata()[:-1])
+
+    redraw(results, "fig12", lose)
+    assert ("drawings", "fig12", "dots") in results.failed()
+
+
+def test_a_blank_picture_is_caught(results: Results) -> None:
+    path = results.folder / "figures/fig09.png"
+    pixels = matplotlib.image.imread(path)
+    path.unlink()
+    matplotlib.image.imsave(path, np.ones_like(pixels))
+    assert results.failed() == {("drawings", "fig09", "not blank"), ("drawings", "fig09", "ink")}
+
+
+# --- for real -----------------------------------------------------------------------------------
+
+
+def test_a_factor_in_the_kernel_is_caught(copy: Path) -> None:
+    """Half the pressure's square, a hundredth too large, in the viscous flow."""
+    path = copy / "workflow/squeezefilm/reynolds/film_over_period.cl"
+    text = path.read_text(encoding="utf-8")
+    assert text.count("p * (1.0 + 0.5 * p)") == 1
+    path.write_text(text.replace("1.0 + 0.5 * p", "1.0 + 0.505 * p"), encoding="utf-8")
+    checked = run_check(copy)
+    assert checked.status != 0
+    assert ("simulations", "screen", "force_n") in checked.failed
+    assert ("simulations", "error_map", "force_n") in checked.failed
+    # The settings and what follows from them alone are as they were.
+    assert items(checked.failed, "settings") == set()
+    assert not items(checked.failed, "figure data") & {"fig05", "fig06", "fig07", "fig15"}
+    assert "simulations: screen" in checked.log
+    assert "quantities failed" in checked.log
+
+
+def test_a_wrong_seed_is_caught(copy: Path) -> None:
+    path = copy / "config/quick.yaml"
+    text = path.read_text(encoding="utf-8")
+    start = text.index("four_factor_control:")
+    path.write_text(text[:start] + text[start:].replace("seed: 1", "seed: 2", 1), encoding="utf-8")
+    checked = run_check(copy)
+    assert checked.status != 0
+    assert ("settings", "four_factor_control", "keys") in checked.failed
+    assert ("simulations", "four_factor_control", "h0_m") in checked.failed
+    assert items(checked.failed, "simulations") == {"four_factor_control"}
+    assert items(checked.failed, "fits") | items(checked.failed, "designs") == set()
+
+
+def test_threads_chunks_and_cores_are_no_fault(
+    repository: Path, tmp_path: Path, sound: Checked
+) -> None:
+    """Everything anew with two threads of BLAS, one core, and each plan in more parts."""
+    folder = copy_checkout(repository, tmp_path / "checkout", REFERENCE)
+    path = folder / "config/quick.yaml"
+    text, count = re.subn(
+        r"seconds_per_job: \S+", "seconds_per_job: 0.008", path.read_text(encoding="utf-8")
+    )
+    assert count == 1
+    path.write_text(text, encoding="utf-8")
+    threads = {"OPENBLAS_NUM_THREADS": "2", "OMP_NUM_THREADS": "2"}
+    checked = run_check(folder, "--cores", "1", environment=threads)
+    assert checked.status == 0, checked.log[-6000:]
+    assert checked.failed == set()
+    parts = [
+        len(list((each / "results/quick/simulations").glob("*/chunks/*.timings.*")))
+        for each in (folder, sound.folder)
+    ]
+    assert parts[0] > parts[1]
