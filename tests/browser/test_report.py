@@ -1,0 +1,85 @@
+"""The report opens its pages and figures from within itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import WebDriverWait
+
+from .conftest import Browser
+
+LONGEST_WAIT_S = 20
+
+
+class Report:
+    """Snakemake's report, by what a reader clicks."""
+
+    def __init__(self, browser: Browser) -> None:
+        self.driver = browser.driver
+        self.wait = WebDriverWait(self.driver, LONGEST_WAIT_S)
+
+    def categories(self) -> list[str]:
+        links = self.wait.until(lambda d: d.find_elements(By.CSS_SELECTOR, "a"))
+        return [link.text for link in links if link.text[:1].isdigit()]
+
+    def click(self, name: str) -> None:
+        self.wait.until(lambda d: d.find_elements(By.LINK_TEXT, name))[0].click()
+
+    def rows(self) -> list[Any]:
+        return self.wait.until(lambda d: d.find_elements(By.CSS_SELECTOR, "tbody tr"))
+
+    def show(self, words: str) -> None:
+        """Press the eye beside a result."""
+        [row] = [row for row in self.rows() if words in row.text]
+        row.find_element(By.CSS_SELECTOR, "[iconname=eye]").click()
+
+
+@pytest.fixture
+def report(browser: Browser, results: Path) -> Iterator[Report]:
+    browser.open(results / "report.html")
+    yield Report(browser)
+    assert browser.complaints() == []
+    assert browser.requests() == []
+
+
+def test_what_to_read_first_stands_first(report: Report) -> None:
+    names = report.categories()
+    assert names == sorted(names)
+    assert "claims" in names[0]
+
+
+def test_every_category_has_results_with_a_label(report: Report) -> None:
+    for name in report.categories():
+        report.click(name)
+        assert all(row.text.strip() for row in report.rows())
+        report.click("Results")
+
+
+def test_the_claims_open_inside_the_report(report: Report) -> None:
+    report.click(report.categories()[0])
+    report.show("Claims")
+    report.wait.until(lambda d: d.find_elements(By.TAG_NAME, "iframe"))
+    report.driver.switch_to.frame(0)
+    try:
+        said = report.driver.find_element(By.TAG_NAME, "body").text
+    finally:
+        report.driver.switch_to.default_content()
+    assert "claims agree" in said
+    assert "force at h0 = 5 µm, hv = 2.2 µm by simulation" in said
+
+
+@pytest.mark.parametrize("figure", ["overview", "fig08", "uncertainty"])
+def test_a_figure_opens_inside_the_report(figure: str, report: Report) -> None:
+    [category] = [name for name in report.categories() if "Figures" in name]
+    report.click(category)
+    report.show(figure)
+    report.wait.until(
+        lambda d: any(
+            image.size["width"] > 200 and image.get_property("naturalWidth") > 200
+            for image in d.find_elements(By.TAG_NAME, "img")
+        )
+    )
