@@ -14,6 +14,9 @@ from scipy.special import jv
 from squeezefilm.commands.example_scan import scan_text
 from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.figure_data import fig05
+from squeezefilm.figure_data import profile as profile_figure
+from squeezefilm.figures import figure_module, style
 from squeezefilm.profiles import Modes, Profile, Sinc, make_profile
 from squeezefilm.reynolds import solve
 from squeezefilm.scan_tables import points_table, summary_of
@@ -300,3 +303,44 @@ def test_comments_blank_lines_and_byte_order_mark_do_not_matter(tmp_path: Path) 
     first, second = read_scan(path), read_scan(plain)
     assert np.array_equal(first.amplitude_m, second.amplitude_m)
     assert list(first.lines - second.lines) == [2] * len(first.lines)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"kind": "piston"},
+        {"kind": "bessel", "nodal_diameters": 0, "wave_number_rad_per_m": 200, "edge_share": 0},
+        {"kind": "standing-wave", "wavelength_m": 0.01, "crest_m": 0},
+        {"kind": "measured", "file": "vibrometer.csv", "axisymmetric": False},
+    ],
+    ids=lambda settings: str(settings["kind"]),
+)
+def test_a_profile_of_any_kind_can_be_drawn(settings: dict[str, Any], repository: Path) -> None:
+    """Also without a node line, and flat."""
+    if settings["kind"] in ("bessel", "standing-wave"):
+        settings = {**settings, "direction_deg": 20}
+    config = load_config(repository / "config" / "vibrometer.yaml")
+    actuator = {**config["actuator"], "profile": settings}
+    study = replace(config, sections={**config, "actuator": actuator}).only(fig05.SECTIONS)
+    data = fig05.build({}, study)
+    for name in ("fig05", "fig06"):
+        module = figure_module(name)
+        with style.settings():
+            module.draw(data)
+
+
+def test_the_scan_is_drawn_with_its_residuals(smooth: Smooth) -> None:
+    lines = scan_text(noise=0.02, missing=0.1, seed=2).splitlines()
+    lines[77] = lines[77].split(",")[0] + ",0.75,2.0,0"
+    smoothed = smooth("\n".join(lines), axisymmetric=False)
+    summary = summary_of(smoothed, spread=0.01)
+    data = profile_figure.build(smoothed, summary)
+    module = figure_module("profile")
+    assert set(module.COLUMNS) <= set(data.columns)
+    assert set(data["layer"]) == {"points", "outliers", "profile"}
+    assert "1 far from the rest (line 78)" in data["note"].iloc[0]
+    with style.settings():
+        left, right = module.draw(data).axes
+    drawn = left.lines[0].get_xdata()
+    assert len(drawn) == len(smoothed.measured_m) - 1
+    assert right.get_ylabel() == "residual (µm)"

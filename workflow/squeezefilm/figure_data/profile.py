@@ -37,7 +37,8 @@ def note(summary: dict[str, Any], *, name: str) -> str:
     """The scan and its profile in words."""
     outliers = summary["outlier_lines"]
     lines = ", ".join(map(str, outliers[:6])) + (", …" if len(outliers) > 6 else "")
-    far = f", {len(outliers)} far from the rest (lines {lines})" if outliers else ""
+    word = "line" if len(outliers) == 1 else "lines"
+    far = f", {len(outliers)} far from the rest ({word} {lines})" if outliers else ""
     return (
         f"{name}: {summary['points']} points, {summary['missing']} missing{far}. Zernike modes up "
         f"to degree {summary['degree']}, by cross-validation. Noise "

@@ -24,8 +24,9 @@ def draw(data: pd.DataFrame) -> Figure:
     levels = np.linspace(-1, 1, 41)
     levels = levels[(levels >= amplitude.min() - 0.05) & (levels <= amplitude.max() + 0.01)]
     filled = axes.contourf(x, y, amplitude, levels=levels, cmap=style.SEQUENTIAL)
-    node = axes.contour(x, y, amplitude, levels=[0], colors="white", linewidths=0.7)
-    axes.clabel(node, fmt={0: "$h_a = 0$"}, fontsize=6, manual=[(0, float(y.max()))])
+    if amplitude.min() < 0 < amplitude.max():
+        node = axes.contour(x, y, amplitude, levels=[0], colors="white", linewidths=0.7)
+        axes.clabel(node, fmt={0: "$h_a = 0$"}, fontsize=6, manual=[(0, float(y.max()))])
     limit, finger = style.rows(data, "centre_limit"), style.rows(data, "finger")
     axes.plot(
         limit["x_mm"],
