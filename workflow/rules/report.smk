@@ -60,6 +60,7 @@ rule pages:
         code=code("pages"),
         summary="<results>/summary.md",
         claims="<results>/claims.md",
+        uncertainty="<results>/tables/uncertainty.md",
         tables=expand("<results>/tables/table{number}.md", number=TABLE_INPUTS),
     output:
         summary=report(
@@ -73,6 +74,12 @@ rule pages:
             category="1 Summary and claims",
             labels={"page": "2 Claims: the paper beside ours, each with a verdict"},
             caption="../report/claims.rst",
+        ),
+        uncertainty=report(
+            "<results>/report/uncertainty.html",
+            category="1 Summary and claims",
+            labels={"page": "3 Uncertainty: what would explain a difference from the paper"},
+            caption="../report/uncertainty.rst",
         ),
         tables=[
             report(
@@ -95,5 +102,5 @@ rule pages:
     message:
         "Pages of the report"
     shell:
-        "python -m squeezefilm pages {input.summary} {input.claims} {input.tables} "
-        "--output {output} >{log} 2>&1"
+        "python -m squeezefilm pages {input.summary} {input.claims} "
+        "{input.uncertainty} {input.tables} --output {output} >{log} 2>&1"
