@@ -57,6 +57,12 @@ def results(
     return folder / "results/quick"
 
 
+def page_of(results: Path, name: str) -> Path:
+    """A page of a study; `make report` puts the report beside the studies."""
+    inside = results / f"{name}.html"
+    return inside if inside.exists() else results.parent / inside.name
+
+
 @dataclass
 class Browser:
     """Chromium, and what it said and asked for while a page was open."""

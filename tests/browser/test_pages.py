@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from matplotlib.image import imread
 
-from .conftest import DESKTOP, PAGES, PHONE, SMALL_PHONE, Browser
+from .conftest import DESKTOP, PAGES, PHONE, SMALL_PHONE, Browser, page_of
 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_opens_from_the_disk_and_asks_for_nothing_else(
     page: str, browser: Browser, results: Path
 ) -> None:
-    path = results / f"{page}.html"
+    path = page_of(results, page)
     requests = browser.open(path)
     assert [each["url"] for each in requests] == [path.as_uri()]
     assert browser.complaints() == []
@@ -28,7 +28,7 @@ def test_a_page_opens_from_the_disk_and_asks_for_nothing_else(
 def test_no_page_is_wider_than_the_window(
     page: str, size: tuple[int, int], browser: Browser, results: Path
 ) -> None:
-    browser.open(results / f"{page}.html", size=size)
+    browser.open(page_of(results, page), size=size)
     wide = browser.run("return document.documentElement.scrollWidth")
     assert wide <= browser.run("return innerWidth") == size[0]
 
@@ -41,7 +41,7 @@ def test_no_page_is_wider_than_the_window(
 def test_a_page_shows_something(
     page: str, name: str, size: tuple[int, int], dark: bool, browser: Browser, results: Path
 ) -> None:
-    browser.open(results / f"{page}.html", size=size, dark=dark)
+    browser.open(page_of(results, page), size=size, dark=dark)
     picture = imread(browser.photograph(f"{page}-{name}"))[..., :3]
     assert picture.std() > 0.05
     # Every third of the window has something in it.

@@ -10,7 +10,7 @@ import pytest
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
-from .conftest import Browser
+from .conftest import Browser, page_of
 
 LONGEST_WAIT_S = 20
 
@@ -40,7 +40,7 @@ class Report:
 
 @pytest.fixture
 def report(browser: Browser, results: Path) -> Iterator[Report]:
-    browser.open(results / "report.html")
+    browser.open(page_of(results, "report"))
     yield Report(browser)
     assert browser.complaints() == []
     assert browser.requests() == []
