@@ -85,6 +85,12 @@ def local_fit(
 
     if np.any(residuals(theta[free]) == UNDEFINED):
         return theta
+    if model.is_linear:  # exact in one step, whatever the parameters' sizes
+        rows = slopes(theta[free])
+        size = np.linalg.norm(rows, axis=0)
+        size = np.where(size > 0, size, 1.0)
+        change = np.linalg.lstsq(rows / size, -residuals(theta[free]), rcond=None)[0] / size
+        return whole(theta[free] + change)
     with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
         found = least_squares(
             residuals, theta[free], jac=slopes, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15
@@ -180,13 +186,16 @@ def _end(
     allowed: float,
 ) -> tuple[float, Array]:
     """Where the profile reaches the allowed sum of squares, on one side, and theta there."""
-    near = {0.0: theta}
+    near, known = {0.0: theta}, dict[float, float]()
 
     def excess(way: float) -> float:
-        start = near[min(near, key=lambda known: abs(known - way))]
+        if way in known:
+            return known[way]
+        start = near[min(near, key=lambda each: abs(each - way))]
         value = theta[place] + way * step
         near[way] = local_fit(model, factors, force_n, start, fixed={place: value})
-        return sum_of_squares(model, factors, force_n, near[way]) - allowed
+        known[way] = sum_of_squares(model, factors, force_n, near[way]) - allowed
+        return known[way]
 
     inside, way = 0.0, 1.0
     for _ in range(MOST_STEPS):
@@ -197,6 +206,8 @@ def _end(
             if way - inside < 1e-9:
                 return float(theta[place] + inside * step), near[inside]
         elif above > 0:
+            if excess(inside) >= 0:  # of a fit whose residual is rounding
+                return float(theta[place] + inside * step), near[inside]
             end = float(brentq(excess, inside, way, xtol=1e-6))
             return float(theta[place] + end * step), near[end]
         else:

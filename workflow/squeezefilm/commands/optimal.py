@@ -80,10 +80,10 @@ def run(options: argparse.Namespace) -> None:
     plans = parse_sources(options.plans, names=names, user="optimal")
     try:
         study = _Study.of(fit, options, config)
-        designs = _designs(study, config["optimal"], existing=options.existing)
         others = {name: study.space.points(read_scenes(path)) for name, path in plans.items()}
         if options.patterns:
             others |= _patterns(options.patterns, study.space.box.names)
+        designs = _designs(study, config["optimal"], existing=options.existing)
     except InputError as error:
         raise InputError(f"{options.fit}: {error}") from None
     table = _efficiencies(study, designs, others)
@@ -274,7 +274,9 @@ def _efficiencies(
     # Off the grid the best design may be a little better than on it.
     local = designs[0]
     rows = []
-    reference = max(best[0], _log_det(study.derivatives(local.points)[0], local.weights))
+    own = study.derivatives(local.points)[0]
+    reference = max(best[0], _log_det(own, local.weights))
+    reference_points = np.concatenate([candidates[0], own])
     plans = {design.name: (design.points, design.weights) for design in designs}
     for name, points in others.items():
         plans[name] = (points, np.full(len(points), 1 / len(points)))
@@ -284,7 +286,7 @@ def _efficiencies(
         efficiency = np.exp((logs - [reference, *best[1:]]) / study.thetas.shape[1])
         bound, highest = 0.0, np.inf
         if np.isfinite(logs[0]):
-            level = sensitivity(derivatives[0], candidates[0], weights=weights)
+            level = sensitivity(derivatives[0], reference_points, weights=weights)
             highest = float(max(level.max(), 1.0))
             bound = 1 / highest
         certificate = local.certificate or 0.0

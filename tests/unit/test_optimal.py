@@ -1,0 +1,119 @@
+"""The command that certifies designs and judges plans beside them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm.cli import main
+from squeezefilm.design import d_efficiency
+from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
+
+NAMES = {"output": "d.csv", "efficiencies": "p.csv", "sensitivity": "m.csv", "summary": "s.json"}
+
+
+def optimal(folder: Path, *words: object) -> int:
+    files = [word for key, name in NAMES.items() for word in (f"--{key}", str(folder / name))]
+    return main(["optimal", *map(str, words), *files])
+
+
+@pytest.fixture(scope="module", params=["two_factor", "four_factor"])
+def made(request, study, repository: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple:
+    folder = tmp_path_factory.mktemp("optimal")
+    fit = {"two_factor": "screen", "four_factor": "four_factor"}[request.param]
+    points = study.root / "simulations" / fit
+    done = optimal(
+        folder,
+        study.root / "fits" / f"{fit}.json",
+        *("--forces", points / "forces.csv", "--config", repository / "config/quick.yaml"),
+        *("--plans", f"plan={points / 'scenes.csv'}"),
+        *("--existing", study.root / "simulations/two_factor_design/scenes.csv"),
+        *(["--patterns", study.root / "designs/two_factor.json"] if fit == "screen" else []),
+    )
+    assert done == 0
+    return request.param, folder
+
+
+def test_the_local_design_is_certified(made: tuple) -> None:
+    _, folder = made
+    summary = json.loads((folder / "s.json").read_text())
+    for name in ("local", "bayesian", "maximin"):
+        assert summary["certificates"][name] > 1 - 1e-4, name
+    data = pd.read_csv(folder / "m.csv")
+    assert data["sensitivity"].max() <= 1 + 1e-6
+    at_points = data[data["layer"] == "design"]["sensitivity"]
+    np.testing.assert_allclose(at_points, 1, atol=1e-4)
+
+
+def test_efficiencies_are_true_and_their_bounds_below_them(made: tuple) -> None:
+    name, folder = made
+    table = pd.read_csv(folder / "p.csv", index_col="plan")
+    assert (table["lower_bound"] <= table["d_efficiency"]).all()
+    assert (table["lower_bound_alone"] <= table["d_efficiency"] + 1e-12).all()
+    assert (table["least_over_ranges"] <= table["mean_over_ranges"]).all()
+    assert table.loc["local", "d_efficiency"] == pytest.approx(1)
+    model = {"two_factor": TWO_FACTOR, "four_factor": FOUR_FACTOR}[name]
+    theta = json.loads((folder / "s.json").read_text())["theta"]
+    designs = pd.read_csv(folder / "d.csv")
+
+    def derivatives(design: str) -> np.ndarray:
+        rows = designs[designs["design"] == design]
+        columns = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
+        return model.gradient(theta, Factors.of(**{each: rows[each] for each in columns}))
+
+    # By the definition that the paper's designs are judged by, between two exact designs.
+    ratio = d_efficiency(derivatives("exact-8"), derivatives("exact-5"))
+    listed = table["d_efficiency"]
+    assert ratio == pytest.approx(listed["exact-8"] / listed["exact-5"], rel=1e-6)
+
+
+def test_exact_designs_have_no_replicates(made: tuple) -> None:
+    _, folder = made
+    table = pd.read_csv(folder / "p.csv", index_col="plan")
+    for name in ("exact-5", "exact-8"):
+        assert table.loc[name, "scenes"] == table.loc[name, "points"]
+
+
+def test_an_addition_keeps_what_is_there(made: tuple, study) -> None:
+    name, folder = made
+    designs = pd.read_csv(folder / "d.csv")
+    rows = designs[designs["design"] == "augmented"]
+    there = pd.read_csv(study.root / "simulations/two_factor_design/scenes.csv")
+    kept = rows[rows["origin"] == "existing"]
+    np.testing.assert_allclose(kept["h0_m"], there["h0_m"])
+    added = {"two_factor": 3, "four_factor": 5}[name]
+    assert (rows["origin"] == "added").sum() == added
+
+
+def test_patterns_are_judged_by_their_names(made: tuple) -> None:
+    name, folder = made
+    table = pd.read_csv(folder / "p.csv", index_col="plan")
+    if name == "two_factor":
+        assert table.loc["pattern A (unit)", "d_efficiency"] > 0.999
+        assert table.loc["pattern B (unit)", "d_efficiency"] > 0.999
+
+
+def test_the_sensitivity_is_drawn(made: tuple) -> None:
+    _, folder = made
+    assert (
+        main(["plot", "sensitivity", str(folder / "m.csv"), "--output", str(folder / "m.svg")]) == 0
+    )
+    assert "sensitivity d/p" in (folder / "m.svg").read_text(encoding="utf-8")
+
+
+def test_a_plan_off_the_centre_is_refused_for_a_centred_model(
+    study, repository: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = optimal(
+        tmp_path,
+        study.root / "fits/screen.json",
+        *("--forces", study.root / "simulations/screen/forces.csv"),
+        *("--config", repository / "config/quick.yaml"),
+        *("--plans", f"plan={study.root / 'simulations/four_factor/scenes.csv'}"),
+    )
+    assert done == 2
+    assert "the finger is moved" in capsys.readouterr().err

@@ -1,0 +1,160 @@
+"""The loop on the real film, and the commands around it: what they promise and what they refuse."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from squeezefilm.cli import main
+from squeezefilm.config import load_config
+from squeezefilm.fitted import read_fit
+from squeezefilm.force_model import Factors
+from squeezefilm.tables import read_forces
+from squeezefilm.weak_spots import in_words, weak_spots
+
+Capture = pytest.CaptureFixture[str]
+
+
+@dataclass(frozen=True)
+class Refined:
+    """What a refinement wrote, and unseen points to compare it with."""
+
+    folder: Path
+    unseen: Path
+    limits: Path
+
+    def verdict(self, model: str) -> dict:
+        return json.loads((self.folder / model / "verdict.json").read_text())
+
+
+def study(repository: Path, path: Path, **refine: object) -> Path:
+    """The quick study with other settings of its section `refine`."""
+    values = {key: value for key, value in load_config(repository / "config/quick.yaml").items()}
+    values["refine"] = values["refine"] | refine
+    values["models"] = {"square": {"expression": "t0*(hv/h0)**2"}}
+    values["comparison"] = {"two_factor": ["limit_1"], "four_factor": ["limit_1"]}
+    values["model_control"] = values["model_control"] | {"points": 60}
+    path.write_text(yaml.safe_dump(values), encoding="utf-8")
+    return path
+
+
+def refine(model: str, folder: Path, config: Path) -> int:
+    folder.mkdir(parents=True, exist_ok=True)
+    names = {"rounds": "rounds.csv", "forces": "forces.csv", "limits": "limits.csv"}
+    names |= {"fit": "fit.json", "where": "where.csv", "output": "verdict.json"}
+    words = [word for key, name in names.items() for word in (f"--{key}", str(folder / name))]
+    return main(["refine", model, "--space", "four-factor", "--config", str(config), *words])
+
+
+@pytest.fixture(scope="module")
+def refined(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Refined:
+    folder = tmp_path_factory.mktemp("refined")
+    config = study(repository, folder / "study.yaml", worst_error=0.01)
+    for model in ("limit_2", "square"):
+        assert refine(model, folder / model, config) == 0
+    scenes, forces, limits = (folder / f"{name}.csv" for name in ("scenes", "forces", "limits"))
+    end = ["--config", str(config), "--output"]
+    assert main(["plan", "model_control", *end, str(scenes)]) == 0
+    assert main(["simulate", str(scenes), *end, str(forces)]) == 0
+    assert main(["limits", str(scenes), *end, str(limits)]) == 0
+    return Refined(folder, forces, limits)
+
+
+def test_physics_with_two_parameters_is_good_enough_with_few_simulations(refined: Refined) -> None:
+    verdict = refined.verdict("limit_2")
+    assert verdict["verdict"] == "reached"
+    assert verdict["simulations"] <= 20
+    forces = read_forces(refined.folder / "limit_2" / "forces.csv")
+    assert len(forces) == verdict["simulations"]
+    assert forces["point_id"].str.startswith("verification").sum() == 8
+    assert not forces.duplicated(["h0_m", "hv_m", "phi_r_m", "phi_deg"]).any()
+
+
+def test_a_model_that_lacks_terms_is_limited_by_the_model_and_told_where(refined: Refined) -> None:
+    verdict = refined.verdict("square")
+    assert verdict["verdict"] == "model"
+    assert verdict["errors_mapped_by"] == "physics limit"
+    assert "high third of the ratio hv/h0" in verdict["weak_spots_in_words"]
+    where = pd.read_csv(refined.folder / "square" / "where.csv")
+    epsilon = where["hv_m"] / where["h0_m"]
+    assert where["error_n"].abs().groupby(epsilon > 0.2).mean().is_monotonic_increasing
+
+
+def test_the_map_of_errors_is_right_where_nothing_was_simulated(refined: Refined) -> None:
+    """By the physics limit: against simulations that the map has not seen."""
+    verdict, forces = refined.verdict("square"), read_forces(refined.unseen)
+    model = read_fit(refined.folder / "square" / "fit.json").force_model
+    factors = {name: forces[name] for name in ("h0_m", "hv_m", "phi_r_m", "phi_deg")}
+    by_model = model.evaluate(verdict["theta_of_all_points"], Factors.of(**factors))
+    truth = by_model - forces["force_n"]
+    limit = pd.read_csv(refined.limits)["limit_n"]
+    assert np.linalg.norm(by_model - limit - truth) < 0.3 * np.linalg.norm(truth)
+
+
+def test_the_fits_file_tells_ranges_and_what_they_mean(refined: Refined) -> None:
+    values = json.loads((refined.folder / "limit_2" / "fit.json").read_text())
+    assert [each["name"] for each in values["parameter_ranges"]] == ["t0", "t1"]
+    for each in values["parameter_ranges"]:
+        assert each["lower"] < each["estimate"] < each["upper"]
+    assert "nothing of a scatter" in values["parameter_ranges_note"]
+
+
+def test_the_report_compares_estimates_with_the_truth(refined: Refined, tmp_path: Path) -> None:
+    folders = [str(refined.folder / name) for name in ("square", "limit_2")]
+    outputs = [tmp_path / name for name in ("t.csv", "t.md", "f.csv")]
+    words = ["--forces", str(refined.unseen), "--limits", str(refined.limits)]
+    for option, path in zip(("--output", "--report", "--figure"), outputs, strict=True):
+        words += [option, str(path)]
+    assert main(["refine-report", *folders, *words]) == 0
+    table = pd.read_csv(outputs[0], index_col="model")
+    good = table.loc["limit_2"]
+    assert good["unseen_global_error"] < 5e-4
+    assert good["unseen_global_error"] < good["estimated_global_upper"]
+    assert good["share_in_interval"] > 0.8
+    assert table.loc["square", "unseen_global_error"] > 100 * good["unseen_global_error"]
+    text = outputs[1].read_text(encoding="utf-8")
+    assert "limited by the model" in text
+    assert "as good as wanted" in text
+    assert main(["plot", "refine", str(outputs[2]), "--output", str(tmp_path / "f.svg")]) == 0
+    drawn = (tmp_path / "f.svg").read_text(encoding="utf-8")
+    assert "square: limited by the model" in drawn
+
+
+@pytest.mark.parametrize(
+    ("model", "settings", "message"),
+    [
+        ("none_such", {}, "model 'none_such' is unknown"),
+        ("polynomial_5", {"simulations": 10}, "more than the 10 allowed"),
+    ],
+)
+def test_what_cannot_be_refined_is_refused(
+    model: str,
+    settings: dict[str, object],
+    message: str,
+    repository: Path,
+    tmp_path: Path,
+    capsys: Capture,
+) -> None:
+    config = study(repository, tmp_path / "study.yaml", **settings)
+    assert refine(model, tmp_path, config) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_thirds_tell_where_an_error_lies() -> None:
+    h0_m = np.repeat(np.linspace(5e-6, 10e-6, 30), 30)
+    hv_m = np.tile(np.linspace(0.2e-6, 2e-6, 30), 30)
+    factors = Factors.of(h0_m=h0_m, hv_m=hv_m)
+    error = np.where(hv_m > 1.6e-6, 0.01, 0.001)
+    spots = weak_spots(factors, error)
+    high = spots[(spots["quantity"] == "hv_m") & (spots["third"] == "high")].iloc[0]
+    squares = error**2
+    top = hv_m > np.quantile(hv_m, 2 / 3)
+    assert high["share_of_squares"] == pytest.approx(squares[top].sum() / squares.sum(), rel=0.02)
+    assert in_words(spots).startswith("97% of the squared error lies in the high third")
+    assert set(spots["quantity"]) == {"h0_m", "hv_m", "epsilon"}
