@@ -90,6 +90,16 @@ class Checkout:
             )
         return Run(process, log)
 
+    def call(self, command: str) -> None:
+        """Run a command of the library."""
+        subprocess.run(
+            [sys.executable, "-m", "squeezefilm", command],
+            cwd=self.folder,
+            env={**self.environment, "PYTHONPATH": "workflow"},
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
+
     def on_slurm(self, config: str, targets: Sequence[str]) -> Run:
         profile = ("--workflow-profile", "profiles/slurm")
         return self.start(*targets, "--configfile", config, *profile, *IMPATIENT)
@@ -110,7 +120,7 @@ def write_long_study(folder: Path) -> None:
     for pattern, new in (
         (r"^study: .*", "study: long"),
         (r"(seconds_per_job:) \S+", r"\1 1000"),
-        (r"(sweep:.*\n  points:) \d+", r"\1 8000"),
+        (r"(sweep:.*\n  points:) \d+", r"\1 4000"),
     ):
         text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
         assert count == 1, pattern
