@@ -1,5 +1,14 @@
 # Where to simulate, with a certificate: `snakemake optimal`; and the loop closed: `snakemake refine`.
 
+from squeezefilm.models import model_named
+
+for space in MODEL_SPACES:
+    for model in CONFIG["refine"][space]:
+        try:
+            model_named(model, CONFIG["models"], place=CONFIG_FILE)
+        except InputError as error:
+            refuse(f"{CONFIG_FILE}: refine.{space}: {error}")
+
 # The fit whose model designs are made for, the forces behind it, and the plans judged beside them.
 OPTIMAL_FIT = {"two_factor": "screen", "four_factor": "four_factor"}
 JUDGED_PLANS = {
