@@ -111,8 +111,8 @@ RUN = str(CARDS / OWNER.run) if OWNER else ""
 # are shared by nodes that may differ, over a network that may not lock.
 shell.prefix(
     "set -euo pipefail; "
-    f"{'export SQUEEZEFILM_NODE_CACHE=$TMPDIR; ' if workflow.remote_exec else ''}"
-    f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
+    + ("export SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}}; " if workflow.remote_exec else "")
+    + f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
     f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}} SQUEEZEFILM_RUN={quote(RUN)}; "
 )
 
