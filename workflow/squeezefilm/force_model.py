@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import yaml
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from squeezefilm.errors import InputError
 from squeezefilm.expressions import Expression, Name, Program, derivative, parse, walk
@@ -273,7 +272,7 @@ class ExpressionModel:
             return self.evaluate(theta, at) - force_n
 
         for low, high in _brackets(excess):
-            found = float(brentq(lambda e: excess(e)[0], low, high, xtol=1e-300, rtol=1e-15))
+            found = _root(excess, low, high)
             # The sign may change at a pole, too.
             if abs(excess(found)[0]) <= 1e-9 * (1 + abs(force_n)):
                 return found * h0_m
@@ -323,6 +322,19 @@ def _brackets(excess: Any) -> Iterable[tuple[float, float]]:
             at_low, at_high = excess(low)[0], excess(high)[0]
         if at_low * at_high <= 0:
             yield low, high
+
+
+def _root(excess: Any, low: float, high: float) -> float:
+    """Where a function changes sign in an interval, by bisection down to round-off."""
+    rises = excess(low)[0] <= 0
+    while low < (middle := (low + high) / 2) < high:
+        if (excess(middle)[0] <= 0) == rises:
+            low = middle
+        else:
+            high = middle
+        if high - low <= 1e-16 * high:
+            break
+    return min(low, high, key=lambda each: abs(excess(each)[0]))
 
 
 def _defined_part(excess: Any, low: float, high: float) -> tuple[float, float]:
