@@ -145,6 +145,9 @@ wildcard_constraints:
     chunks="[0-9]+",
 
 
+for folder in (CARDS.parent.parent, CARDS.parent):
+    if folder.exists() and not folder.is_dir():
+        refuse(f"{folder} is a file; the results are to be in a folder of this name")
 ATTENDED = locks.attend(Path.cwd()) if MAIN else None
 
 # Snakemake refuses a second run too, but does not say whose the first one is.

@@ -11,6 +11,7 @@ right now, are left alone.
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 from pathlib import Path
 
@@ -35,9 +36,7 @@ def run(options: argparse.Namespace) -> None:
             continue
         last = {made.path: made.sha256 for made in made_files(cards)}
         damaged = [
-            name
-            for name, sha256 in last.items()
-            if (options.folder / name).is_file() and digest(options.folder / name) != sha256
+            name for name, sha256 in last.items() if is_damaged(options.folder / name, sha256)
         ]
         for name in damaged:
             aside = keep_aside(options.folder / name)
@@ -45,12 +44,26 @@ def run(options: argparse.Namespace) -> None:
             print(name)
 
 
+def is_damaged(path: Path, sha256: str) -> bool:
+    """Whether something else than the file of this digest is there; nothing at all is no damage."""
+    return path.exists() and not (path.is_file() and digest(path) == sha256)
+
+
 def keep_aside(path: Path) -> Path:
-    """Give a damaged file a second name, under which it stays when it is made anew."""
+    """Give a damaged file a second name, under which it stays when it is made anew.
+
+    Not just another name: Snakemake would not miss a file whose products are there, and leave it.
+    A folder, which can have one name only, gets the other one.
+    """
     aside = path.with_name(f"{path.name}.damaged")
     try:
+        if aside.is_dir():
+            shutil.rmtree(aside)
         aside.unlink(missing_ok=True)
-        aside.hardlink_to(path)
+        if path.is_dir():
+            path.rename(aside)
+        else:
+            aside.hardlink_to(path)
     except OSError as error:
         raise InputError(f"{aside}: cannot be written: {error.strerror}") from None
     return aside
