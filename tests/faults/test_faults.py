@@ -71,6 +71,8 @@ class Checkout:
                 stdout=log,
                 stderr=log,
                 start_new_session=True,
+                # Whatever runs these tests in the background may have ignored it for all below.
+                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
             )
 
     def same(self) -> bool:
