@@ -336,3 +336,12 @@ def test_the_table_of_limits_states_its_error(limit_table) -> None:
 def test_a_damaged_table_of_limits_is_refused(damage, limit_table) -> None:
     with pytest.raises(InputError, match="here: not a table of limits"):
         LimitTable.from_dict(limit_table | damage, place="here")
+
+
+def test_where_the_limit_does_not_hold_the_table_says_so(repository, tmp_path, capsys) -> None:
+    text = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
+    sliding = tmp_path / "sliding.yaml"
+    sliding.write_text(text.replace("speed_x_m_per_s: 0", "speed_x_m_per_s: 2"), encoding="utf-8")
+    table = tmp_path / "table.json"
+    assert cli.main(["limit-table", f"--config={sliding}", f"--output={table}"]) == 0
+    assert "does not hold" in json.loads(table.read_text())["refused"]

@@ -332,8 +332,6 @@ def _root(excess: Any, low: float, high: float) -> float:
             low = middle
         else:
             high = middle
-        if high - low <= 1e-16 * high:
-            break
     return min(low, high, key=lambda each: abs(excess(each)[0]))
 
 
