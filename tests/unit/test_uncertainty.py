@@ -12,6 +12,7 @@ import pytest
 from squeezefilm import cli, uncertainty
 from squeezefilm.claims import CLAIMS
 from squeezefilm.config import Config, load_config
+from squeezefilm.errors import RunError
 from squeezefilm.scene import Scene
 from squeezefilm.uncertainty import ASSUMPTIONS, compare, differences, to_markdown
 
@@ -97,6 +98,11 @@ def test_a_film_that_cannot_be_is_passed_over(config: Config) -> None:
     needed = table.set_index(["claim_id", "assumption"])["needed"]
     assert needed["simulation_at_2.2", "ambient pressure"] == pytest.approx(104.27, rel=1e-3)
     assert table["force_low_n"].notna().all()
+
+
+def test_a_film_that_cannot_be_simulated_at_all_is_named(config: Config) -> None:
+    with pytest.raises(RunError, match="operating_point"):
+        compare(config, force=lambda scene: math.nan)
 
 
 def test_a_study_without_the_assumption_does_without_its_row(config: Config) -> None:

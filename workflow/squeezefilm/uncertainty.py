@@ -16,7 +16,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from squeezefilm.config import Config
-from squeezefilm.errors import InputError
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.markdown import markdown_table
 from squeezefilm.scene import Scene
 from squeezefilm.study import scene_of
@@ -246,10 +246,15 @@ def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame
     needed_change_percent, reached_low_n, reached_high_n (over all values tried), verdict, because.
     The curves': claim_id, assumption, change_percent, plausible, force_n, for assumptions that
     can change both ways.
+
+    Raises:
+        RunError: when a film cannot be simulated even with everything as assumed.
     """
     rows, curves = [], []
     for difference in differences(config):
         ours_n = force(scene_of(difference.point, config))
+        if not np.isfinite(ours_n):
+            raise RunError(f"point {difference.point.point_id}: the film could not be simulated")
         for assumption in ASSUMPTIONS:
             trial = Trial(config, difference, assumption)
             if trial.assumed is not None:
