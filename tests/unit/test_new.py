@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -56,3 +57,44 @@ def test_a_name_is_that_of_a_study(
     assert cli.main(["new", "--folder", str(tmp_path), "--", name]) == 2
     assert "is no name of a study" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture(scope="module")
+def walk_through(repository: Path) -> str:
+    return (repository / "docs" / "your-own-actuator.md").read_text(encoding="utf-8")
+
+
+def test_what_the_walk_through_shows_is_valid(
+    walk_through: str, repository: Path, tmp_path: Path
+) -> None:
+    """Its profiles, its finger and its formula, put into the example."""
+    example = yaml.safe_load((repository / "config" / "vibrometer.yaml").read_text("utf-8"))
+    blocks = re.findall(r"(?:^    .*\n|^\n(?=    ))+", walk_through, re.MULTILINE)
+    shown = [block for block in blocks if re.match(r"\s+(profile|finger|models):", block)]
+    assert len(shown) == 3
+    studies = []
+    for block in shown:
+        lines = block.split("\n") if "profile:" in block else [block]
+        lines = [line for line in lines if line.strip()]
+        for text in lines:
+            part = yaml.safe_load("\n".join(line[4:] for line in text.splitlines()))
+            actuator = {**example["actuator"], **part} if "profile" in part else {}
+            studies.append({**example, **({"actuator": actuator} if actuator else part)})
+    assert len(studies) == 7
+    (tmp_path / "vibrometer.csv").write_bytes((repository / "config/vibrometer.csv").read_bytes())
+    for study in studies:
+        text = yaml.safe_dump(study).replace("e-0", "e-")
+        (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
+        check_study(load_config(tmp_path / "study.yaml"))
+
+
+def test_what_the_walk_through_calls_is_there(walk_through: str, repository: Path) -> None:
+    called = re.findall(r"^    squeezefilm ([a-z-]+)", walk_through, re.MULTILINE)
+    assert {"new", "simulate", "predict", "working-point", "export"} <= set(called)
+    assert set(called) <= set(cli.COMMANDS)
+    rules = "".join(path.read_text("utf-8") for path in repository.glob("workflow/rules/*.smk"))
+    for target in re.findall(r"^    snakemake ([a-z]+)", walk_through, re.MULTILINE):
+        assert re.search(rf"^ *rule {target}:", rules, re.MULTILINE), target
+    makefile = (repository / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r"^    make ([a-z]+)", walk_through, re.MULTILINE):
+        assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
