@@ -43,7 +43,7 @@ rule optimal_design:
         "<logs>/design/optimal_{space}.log",
     localrule: True
     conda:
-        "../../envs/simulate.yaml"
+        "../../envs/numerics.yaml"
     threads: 1
     resources:
         mem_mb=1000,
@@ -154,7 +154,7 @@ rule refine_report:
         "<logs>/refine/report_{space}.log",
     localrule: True
     conda:
-        "../../envs/tables.yaml"
+        "../../envs/fit.yaml"
     threads: 1
     resources:
         mem_mb=1000,
