@@ -191,8 +191,8 @@ def test_swapped_axes_are_caught(results: Results) -> None:
     redraw(results, "fig12", swap)
     failed = results.failed()
     assert items(failed, "drawings") == {"fig12"} == {item for _, item, _ in failed}
-    assert ("drawings", "fig12", "ticks") in failed
-    assert ("drawings", "fig12", "dots' places on the page, in points") in failed
+    assert ("drawings", "fig12", "ticks of axis 1") in failed
+    assert ("drawings", "fig12", "dots' places, as shares of their axes") in failed
 
 
 def test_swapped_labels_are_caught(results: Results) -> None:

@@ -225,8 +225,8 @@ def test_a_drawing_tells_its_axes_dots_and_legend(tmp_path: Path) -> None:
     drawing = drawn(tmp_path / "a.svg", x=[1.0, 2.0, 3.0])
     assert drawing.axes == 1
     assert drawing.labels == [r"$h_0$ (µm)", "F (N)"]
-    assert drawing.ticks[1].split() == ["1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]
-    assert len(drawing.dots) == 3
+    assert drawing.ticks[1] == ["1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]
+    assert drawing.dots == len(drawing.places) == 3
     assert drawing.legends == ["# points"]
     assert (drawing.width_pt, drawing.height_pt) == (252, pytest.approx(194.4))
 
@@ -234,9 +234,28 @@ def test_a_drawing_tells_its_axes_dots_and_legend(tmp_path: Path) -> None:
 def test_dots_lie_where_the_data_say(tmp_path: Path) -> None:
     one = drawn(tmp_path / "a.svg", x=[1.0, 2.0, 3.0])
     moved = drawn(tmp_path / "b.svg", x=[1.0, 2.1, 3.0])
-    (_, middle, _), (_, other, _) = one.dots, moved.dots
-    width = one.dots[2][0] - one.dots[0][0]
-    assert other[0] - middle[0] == pytest.approx(0.05 * width, rel=1e-3)
+    (first, middle, last), (_, other, _) = one.places, moved.places
+    margin = 0.05 / 1.1  # matplotlib leaves 5 % of the data's range at each side
+    np.testing.assert_allclose([*first, *last], [margin, margin, 1 - margin, 1 - margin], atol=1e-4)
+    assert other[0] - middle[0] == pytest.approx(0.05 / 1.1, rel=1e-3)
+    assert other[1] == middle[1] == pytest.approx(margin + (1 - 2 * margin) / 3, abs=1e-4)
+
+
+def test_places_do_not_depend_on_the_note(tmp_path: Path) -> None:
+    """A device with a longer name makes the axes smaller, and nothing else of the drawing."""
+    table = pd.DataFrame({"note": ["short", "many words " * 40]})
+    drawings = []
+    for row in range(2):
+        with style.settings():
+            figure = style.new_figure()
+            axes = figure.subplots()
+            axes.plot([1.0, 2.0, 3.0], [1.0, 2.0, 4.0], "o")
+            axes.set_ylabel("F (N)")
+            style.add_note(figure, table.iloc[row:])
+            style.save(figure, [tmp_path / "a.svg"])
+        drawings.append(read_drawing(tmp_path / "a.svg"))
+    np.testing.assert_allclose(drawings[0].places, drawings[1].places, atol=1e-4)
+    assert drawings[0].labels == drawings[1].labels
 
 
 @pytest.mark.parametrize("text", ["", "<svg/>", "not a drawing"])

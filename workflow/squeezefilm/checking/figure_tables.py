@@ -73,6 +73,7 @@ def _of_figure(name: str, closeness: Closeness, table: pd.DataFrame) -> dict[str
         "force_n": closeness.model,
         "relative_error_percent": closeness.relative_error,
         "objective": closeness.parameters,
+        "text": closeness.shown,
     }
     return {column: tolerance for column, tolerance in known.items() if column in table}
 
