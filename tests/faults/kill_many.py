@@ -67,13 +67,21 @@ class Kill:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kills", type=int, default=100)
-    parser.add_argument("--folder", type=Path, required=True, help="scratch folder, emptied first")
+    parser.add_argument("--folder", type=Path, help="scratch folder, emptied first")
     parser.add_argument(
         "--output", type=Path, required=True, help="table of the kills, continued if begun"
     )
     parser.add_argument("--part", default="1/1", help="I/N: every N-th kill from the I-th on")
+    parser.add_argument("--join", type=Path, nargs="+", help="the parts' tables, to make one of")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
+    if options.join:
+        kills = sorted((k for table in options.join for k in read(table)), key=lambda k: k.number)
+        write(kills, options.output)
+        print(summary(kills))
+        return 0
+    if options.folder is None:
+        parser.error("--folder is needed to kill anything")
     part, parts = (int(word) for word in options.part.split("/"))
     folder: Path = options.folder.resolve()
     shutil.rmtree(folder, ignore_errors=True)
@@ -88,23 +96,18 @@ def main() -> int:
     kills = read(options.output)
     done = {kill.number for kill in kills}
     aims = enumerate(plan(options.kills, random.Random(options.seed)), start=1)
-    with options.output.open("w", newline="", encoding="utf-8") as handle:
-        table = csv.DictWriter(handle, [field.name for field in fields(Kill)], lineterminator="\n")
-        table.writeheader()
-        table.writerows(asdict(kill) for kill in kills)
-        for number, (aim, moment_s) in list(aims)[part - 1 :: parts]:
-            if number in done:
-                continue
-            if aim == "wall time":
-                aim, moment_s = f"{moment_s:.0%} of the run", moment_s * wall_s
-            kill = one_kill(
-                number, aim, moment_s, folder=folder, environment=environment, wanted=wanted
-            )
-            kills.append(kill)
-            table.writerow(asdict(kill))
-            handle.flush()
-            print(kill, flush=True)
-    print(summary(kills, wall_s))
+    for number, (aim, moment_s) in list(aims)[part - 1 :: parts]:
+        if number in done:
+            continue
+        if aim == "wall time":
+            aim, moment_s = f"{moment_s:.0%} of the run", moment_s * wall_s
+        kill = one_kill(
+            number, aim, moment_s, folder=folder, environment=environment, wanted=wanted
+        )
+        kills.append(kill)
+        write(kills, options.output)
+        print(kill, flush=True)
+    print(summary(kills))
     return 0 if all(kill.resumed and kill.digests_equal and kill.traced for kill in kills) else 1
 
 
@@ -128,6 +131,13 @@ def read(path: Path) -> list[Kill]:
             )
             for row in csv.DictReader(handle)
         ]
+
+
+def write(kills: list[Kill], path: Path) -> None:
+    with path.open("w", newline="", encoding="utf-8") as handle:
+        table = csv.DictWriter(handle, [field.name for field in fields(Kill)], lineterminator="\n")
+        table.writeheader()
+        table.writerows(asdict(kill) for kill in kills)
 
 
 def plan(kills: int, draw: random.Random) -> list[tuple[str, float]]:
@@ -320,12 +330,12 @@ def traces(folder: Path) -> dict[str, str]:
     }
 
 
-def summary(kills: list[Kill], wall_s: float) -> str:
+def summary(kills: list[Kill]) -> str:
     """The kills in a few lines."""
     ran = Counter(stage for kill in kills for stage in kill.ran.split("+"))
     return "\n".join(
         [
-            f"{len(kills)} kills; an undisturbed run takes {wall_s:.1f} s",
+            f"{len(kills)} kills",
             f"killed: {dict(Counter(kill.killed for kill in kills))}",
             f"running at that moment: {dict(ran.most_common())}",
             f"resumed: {sum(kill.resumed for kill in kills)}",
