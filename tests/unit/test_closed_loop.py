@@ -130,6 +130,16 @@ def test_the_budget_is_kept() -> None:
     assert len(asked) == 14
 
 
+def test_a_space_with_no_room_for_more_points_ends_the_loop() -> None:
+    goal = Goal(global_error=1e-2, worst_error=1e-6, most_simulations=1000, batch=20)
+    found, _ = run(
+        model(QUADRATIC), lambda e: 5 * e**2 + 3 * e**4 + 1e-7 * np.sin(20 * e), goal=goal
+    )
+    assert found.verdict == "budget"
+    assert "no more points can be designed" in found.reason
+    assert len(found.simulated) > 40
+
+
 def test_a_model_without_parameters_is_judged_by_its_verification_points_alone() -> None:
     found, asked = run(model("5*(hv/h0)**2"), lambda e: 5 * e**2)
     assert (found.verdict, len(asked)) == ("reached", CHECKS)

@@ -69,7 +69,12 @@ rule plot_sensitivity:
         data="<results>/designs/optimal_{space}_sensitivity.csv",
     output:
         png="<results>/designs/optimal_{space}_sensitivity.png",
-        svg="<results>/designs/optimal_{space}_sensitivity.svg",
+        svg=report(
+            "<results>/designs/optimal_{space}_sensitivity.svg",
+            category="8 Designs and refinement",
+            labels=lambda wildcards: {"shows": f"design, {MODEL_SPACES[wildcards.space]}"},
+            caption="../report/optimal.rst",
+        ),
     log:
         "<logs>/design/plot_optimal_{space}.log",
     localrule: True
@@ -177,7 +182,12 @@ rule plot_refine:
         data="<results>/refine/{space}_figure.csv",
     output:
         png="<results>/refine/{space}.png",
-        svg="<results>/refine/{space}.svg",
+        svg=report(
+            "<results>/refine/{space}.svg",
+            category="8 Designs and refinement",
+            labels=lambda wildcards: {"shows": f"refinement, {MODEL_SPACES[wildcards.space]}"},
+            caption="../report/refine.rst",
+        ),
     log:
         "<logs>/refine/plot_{space}.log",
     localrule: True
@@ -194,8 +204,38 @@ rule plot_refine:
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 
+rule refine_page:
+    input:
+        code=code("pages"),
+        tables=expand("<results>/refine/{space}.md", space=MODEL_SPACES),
+    output:
+        [
+            report(
+                f"<results>/refine/{space}.html",
+                category="8 Designs and refinement",
+                labels={"shows": f"table, {shows}"},
+                caption="../report/refine.rst",
+            )
+            for space, shows in MODEL_SPACES.items()
+        ],
+    log:
+        "<logs>/refine/pages.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    message:
+        "The refinement as pages"
+    shell:
+        "python -m squeezefilm pages {input.tables} --output {output} >{log} 2>&1"
+
+
 rule refine:
     input:
+        rules.refine_page.output,
         expand(
             "<results>/refine/{space}.{format}",
             space=MODEL_SPACES,

@@ -229,9 +229,14 @@ def run_loop(
             verdict, reason = _verdict(loop, rounds[-1], hindsight)
         report(rounds[-1])
         if not verdict:
-            design = np.concatenate([design, _next_points(loop, theta, design)])
-            loop.measure(design[-goal.batch :])
-            continue
+            try:
+                added = _next_points(loop, theta, design)
+            except InputError as error:
+                verdict, reason = "budget", f"no more points can be designed: {error}"
+            else:
+                design = np.concatenate([design, added])
+                loop.measure(added)
+                continue
         return Outcome(
             verdict=verdict,
             reason=reason,
