@@ -24,6 +24,8 @@ PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")
 PAGES = ("explorer", "report")
 # What the report shows: the study without its numerics and most figures, which take their time.
 SHOWN = ("explorer", "pages", "fig08", "overview", "uncertainty")
+# Drawing takes its time where a machine has much else to do.
+LONGEST_WAIT_S = 120
 DESKTOP, PHONE, SMALL_PHONE = (1280, 1200), (390, 844), (320, 640)
 
 
@@ -154,6 +156,7 @@ def browser(
         options.add_argument(word)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     driver = webdriver.Chrome(options=options, service=Service(server))
+    driver.set_script_timeout(LONGEST_WAIT_S)
     pictures = request.config.getoption("--screenshots") or tmp_path_factory.mktemp("pictures")
     try:
         yield Browser(driver, pictures)

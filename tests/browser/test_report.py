@@ -10,9 +10,7 @@ import pytest
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
-from .conftest import Browser, page_of
-
-LONGEST_WAIT_S = 20
+from .conftest import LONGEST_WAIT_S, Browser, page_of
 
 
 class Report:
