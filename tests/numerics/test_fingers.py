@@ -88,14 +88,16 @@ def test_an_ellipse_holds_its_tolerance() -> None:
 
 
 @pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
-def test_a_turned_finger_is_the_finger_under_a_turned_profile(outline: str) -> None:
+def test_turning_finger_place_and_profile_changes_nothing(outline: str) -> None:
+    """Off the centre and off the axes, so that turning the wrong way would show."""
     scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
-    across = replace(
-        scene, actuator=replace(scene.actuator, profile=replace(WAVE, direction_deg=-50.0))
-    )
-    turned = pad(scene, rotation_deg=50.0)
-    assert mean(turned, tolerance=1e-4) == pytest.approx(mean(across, tolerance=1e-4), rel=1e-9)
-    assert mean(turned, tolerance=1e-4) != pytest.approx(mean(scene, tolerance=1e-4), rel=1e-2)
+    scene = replace(scene, phi_r_m=0.002, phi_deg=20.0)
+    wave = replace(WAVE, direction_deg=50.0)
+    turned = replace(scene, phi_deg=70.0, actuator=replace(scene.actuator, profile=wave))
+    all_turned = pad(turned, rotation_deg=50.0)
+    first = mean(scene, tolerance=1e-4)
+    assert mean(all_turned, tolerance=1e-4) == pytest.approx(first, rel=1e-9)
+    assert mean(pad(turned, rotation_deg=-50.0), tolerance=1e-4) != pytest.approx(first, rel=1e-2)
 
 
 @pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
