@@ -177,7 +177,8 @@ def _svg(folder: Path, name: str) -> Iterator[Quantity]:
     labels = {f"axis {number}": text for number, text in enumerate(drawing.labels, start=1)}
     yield Quantity(DRAWINGS, name, "axis labels", labels, SAME)
     for number, texts in enumerate(drawing.ticks, start=1):
-        yield _ticks(name, f"ticks of axis {number}", texts)
+        if texts:
+            yield _ticks(name, f"ticks of axis {number}", texts)
     if drawing.legends:
         entries = {f"entry {number}": text for number, text in enumerate(drawing.legends, start=1)}
         yield Quantity(DRAWINGS, name, "legend", entries, SAME)
@@ -199,7 +200,7 @@ def _ticks(figure: str, name: str, texts: list[str]) -> Quantity:
         numbers = [float(text.replace("−", "-")) for text in texts]
     except ValueError:
         return Quantity(DRAWINGS, figure, name, {"texts": " ".join(texts)}, SAME)
-    cells = {"least": f"{min(numbers):g}", "largest": f"{max(numbers):g}"} if numbers else {}
+    cells = {"least": f"{min(numbers):g}", "largest": f"{max(numbers):g}"}
     return Quantity(DRAWINGS, figure, name, cells, TICKS)
 
 

@@ -26,8 +26,8 @@ SAMPLE = 25
 class Quantity:
     """One column, list or text of a study: its cells by name, as text, and how close they must be.
 
-    part and item say where it belongs: figure data, fig08. A missing file is a Quantity as well,
-    with its name in ``missing``.
+    part and item say where it belongs: figure data, fig08. There is at least one cell, but for a
+    missing file, which is a Quantity as well, with its name in ``missing``.
     """
 
     part: str
