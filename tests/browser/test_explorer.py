@@ -115,11 +115,15 @@ def screen(results: Path) -> pd.DataFrame:
 def test_the_number_shown_is_the_librarys(name: str, explorer: Explorer) -> None:
     explorer.choose(name)
     random = np.random.default_rng(1)
+
+    def some(low: float, high: float) -> float:
+        return round(random.uniform(low, high), 3)
+
     moved = get_model(explorer.fit(name).model).factor_names != ("h0_m", "hv_m")
-    for _ in range(4):
-        explorer.type(h0=random.uniform(5, 10), hv=random.uniform(0.2, 2.2))
+    for _ in range(3):
+        explorer.type(h0=some(5, 10), hv=some(0.2, 2.2))
         if moved:
-            explorer.type(phi_r=random.uniform(0, 2.9), phi_phi=random.uniform(0, 45))
+            explorer.type(phi_r=some(0, 2.9), phi_phi=some(0, 45))
         assert explorer.force_n == pytest.approx(explorer.library_n(name), rel=0, abs=EXACT)
 
 
@@ -206,7 +210,7 @@ def test_the_error_is_that_of_the_nearest_simulation(
     explorer.choose("screen")
     fit = explorer.fit("screen")
     for row in screen.iloc[:: max(1, len(screen) // 4)].itertuples():
-        explorer.type(h0=row.h0_m * 1e6, hv=row.hv_m * 1e6)
+        explorer.type(h0=round(row.h0_m * 1e6, 9), hv=round(row.hv_m * 1e6, 9))
         model_n = get_model(fit.model).evaluate(
             fit.theta, Factors.of(h0_m=row.h0_m, hv_m=row.hv_m)
         )[0]
