@@ -300,3 +300,23 @@ def test_the_stored_references_are_small_and_whole(repository: Path, study: str)
     assert {"settings", "validation", "drawings"} <= parts
     assert ("numerics" in parts) == (study == "quick")
     assert sum(path.stat().st_size for path in folder.iterdir()) < 200_000
+
+
+def test_a_reference_is_written_only_when_asked_to(
+    tmp_path: Path,
+    repository: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    config = repository / "config" / "paper.yaml"
+    words = ["reference", str(tmp_path), f"--config={config}", f"--output={tmp_path / 'kept'}"]
+    monkeypatch.setattr(reference, "study_quantities", lambda *_: quantities(FORCES))
+    assert cli.main(words) == 1
+    said = capsys.readouterr()
+    assert "data, forces, rows, rows: – → 200" in said.out
+    assert "nothing written" in said.err
+    assert not (tmp_path / "kept").exists()
+    assert cli.main([*words, "--yes"]) == 0
+    assert read_reference(tmp_path / "kept") == stored(quantities(FORCES))
+    assert cli.main(words) == 0
+    assert "nothing changes" in capsys.readouterr().out
