@@ -60,8 +60,12 @@ def test_processes_end_with_the_one_that_started_them(repository: Path) -> None:
     assert parent.stdout
     children = [int(parent.stdout.readline()) for _ in range(2)]
     parent.kill()
-    parent.communicate()
+    parent.wait()
+    parent.stdout.close()
     until = time.monotonic() + 5
     while time.monotonic() < until and any(map(psutil.pid_exists, children)):
         time.sleep(0.01)
-    assert not any(map(psutil.pid_exists, children))
+    left = [child for child in children if psutil.pid_exists(child)]
+    for child in left:
+        os.kill(child, signal.SIGKILL)
+    assert not left
