@@ -27,26 +27,31 @@ COLUMNS = (
     "y_mm",
     "note",
 )
-LINEAR = 0.05
-"""Share of the largest error below which a map's colours are linear."""
+LINEAR = 0.02
+"""Share of the largest error, at least, up to which a map's colours are linear."""
 
 
 def draw(data: pd.DataFrame) -> Figure:
-    """A row for each model: errors against simulations, then maps of gap and of position."""
+    """A row for each model: errors against simulations, then maps of gap and of position.
+
+    No map of the position where the finger stays at the centre.
+    """
     models = list(dict.fromkeys(data["model"]))
+    moved = bool(data["x_mm"].abs().max() > 0)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 2.1 * len(models))
-    panels = figure.subplots(len(models), 3, squeeze=False)
-    for (rounds, gaps, places), model in zip(panels, models, strict=True):
+    panels = figure.subplots(len(models), 3 if moved else 2, squeeze=False)
+    for row, model in zip(panels, models, strict=True):
         rows = data[data["model"] == model]
-        _draw_rounds(rounds, rows)
-        rounds.set_title(f"{model}: {rows['verdict'].iloc[0]}")
-        dots = _draw_map(gaps, rows, "h0_um", "hv_um")
-        gaps.set_xlabel(plane.H0_LABEL)
-        gaps.set_ylabel(plane.HV_LABEL)
-        _draw_map(places, rows, "x_mm", "y_mm")
-        places.set_xlabel("finger x (mm)")
-        places.set_ylabel("finger y (mm)")
-        bar = figure.colorbar(dots, ax=places, pad=0.02)
+        _draw_rounds(row[0], rows)
+        row[0].set_title(f"{model}: {rows['verdict'].iloc[0]}")
+        dots = _draw_map(row[1], rows, "h0_um", "hv_um")
+        row[1].set_xlabel(plane.H0_LABEL)
+        row[1].set_ylabel(plane.HV_LABEL)
+        if moved:
+            _draw_map(row[2], rows, "x_mm", "y_mm")
+            row[2].set_xlabel("finger x (mm)")
+            row[2].set_ylabel("finger y (mm)")
+        bar = figure.colorbar(dots, ax=row[-1], pad=0.02)
         bar.set_label("error (%)")
         bar.ax.tick_params(labelsize=6)
     panels[0][0].legend(loc="best")
@@ -98,7 +103,8 @@ def _draw_map(axes: Any, rows: pd.DataFrame, x: str, y: str) -> Any:
         sample[x].to_numpy()[order],
         sample[y].to_numpy()[order],
         c=error[order],
-        norm=SymLogNorm(linthresh=LINEAR * top, vmin=-top, vmax=top),
+        # Linear up to a power of ten, so that the ticks keep apart.
+        norm=SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR * top)), vmin=-top, vmax=top),
         cmap=style.DIVERGING,
         s=6,
         linewidths=0,
