@@ -123,12 +123,15 @@ def test_what_is_even_about_the_middle_is_solved_on_a_quarter_of_a_disc() -> Non
     assert mean(off, tolerance=1e-4) == pytest.approx(mean(folded, tolerance=1e-4), rel=2e-4)
 
 
-def test_explain_says_how_an_ellipse_is_solved() -> None:
-    scene = ellipse(epsilon=0.4, sigma=583.0)
-    (way,) = explain([scene], tolerance=1e-5)
-    solution = solved(scene, tolerance=1e-5)
-    assert (way.method, way.domain) == (solution.method, "quarter")
-    assert (way.nx, way.ny, way.nt) == (solution.nx, solution.ny, solution.nt)
+def test_explain_says_how_an_ellipse_or_a_tilted_pad_is_solved() -> None:
+    disc = ellipse(epsilon=0.4, sigma=583.0)
+    tilted = pad(film(epsilon=0.4, sigma=583.0), gap=GapShape(tilt_x_m=2e-6))
+    for scene, domain in ((disc, "quarter"), (tilted, "half")):
+        (way,) = explain([scene], tolerance=1e-5)
+        solution = solved(scene, tolerance=1e-5)
+        assert (way.method, way.domain) == (solution.method, domain)
+        assert (way.nx, way.ny, way.nt) == (solution.nx, solution.ny, solution.nt)
+        assert 0.5 < solution.work / 1e6 / way.expected_mflop < 2
 
 
 @pytest.mark.parametrize("method", ["closed-form", "boundary-layer", "small-amplitude", "march"])

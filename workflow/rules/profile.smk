@@ -25,7 +25,8 @@ if SCAN:
         message:
             "Smooth the measured profile; simulate it with other noise"
         shell:
-            "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm profile "
+            "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
+            "python -m squeezefilm profile "
             "--config {input.config} --points {output.points} --summary {output.summary} "
             "--forces {output.forces} --figure {output.figure} >{log} 2>&1"
 
