@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
@@ -18,7 +19,9 @@ class Report:
 
     def __init__(self, browser: Browser) -> None:
         self.driver = browser.driver
-        self.wait = WebDriverWait(self.driver, LONGEST_WAIT_S)
+        # A row that is drawn anew while it is read is read again.
+        again = (StaleElementReferenceException,)
+        self.wait = WebDriverWait(self.driver, LONGEST_WAIT_S, ignored_exceptions=again)
 
     def categories(self) -> list[str]:
         links = self.wait.until(lambda d: d.find_elements(By.CSS_SELECTOR, "a"))
@@ -32,7 +35,7 @@ class Report:
 
     def show(self, words: str) -> None:
         """Press the eye beside a result."""
-        [row] = [row for row in self.rows() if words in row.text]
+        [row] = self.wait.until(lambda d: [row for row in self.rows() if words in row.text])
         row.find_element(By.CSS_SELECTOR, "[iconname=eye]").click()
 
 
@@ -70,7 +73,7 @@ def test_the_claims_open_inside_the_report(report: Report) -> None:
     assert "force at h0 = 5 µm, hv = 2.2 µm by simulation" in said
 
 
-@pytest.mark.parametrize("figure", ["overview", "fig08", "uncertainty"])
+@pytest.mark.parametrize("figure", ["overview", "Fig. 08", "uncertainty"])
 def test_a_figure_opens_inside_the_report(figure: str, report: Report) -> None:
     [category] = [name for name in report.categories() if "Figures" in name]
     report.click(category)
