@@ -107,6 +107,18 @@ def test_result_does_not_depend_on_the_other_scenes(paper_scenes: list[Scene]) -
     assert together == backwards == alone
 
 
+def test_scenes_of_different_surfaces_and_fingers_can_be_solved_together(
+    paper_scenes: list[Scene],
+) -> None:
+    scene = paper_scenes[0]
+    other_wave = replace(scene, actuator=replace(scene.actuator, profile=Sinc(50.0)))
+    small = replace(scene, finger=replace(scene.finger, length_x_m=0.008, length_y_m=0.008))
+    together = solve([scene, other_wave, small], tolerance=1e-6, method="periodic")
+    alone = [solve([s], tolerance=1e-6, method="periodic")[0] for s in (scene, other_wave, small)]
+    assert [s.force_n for s in together] == [s.force_n for s in alone]
+    assert len({s.force_n for s in together}) == 3
+
+
 def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved() -> None:
     rough = Sinc(wave_number_per_m=20000.0)
     scenes = [

@@ -165,11 +165,10 @@ def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> tuple[np.ndarray, np.nda
     profiles: list[np.ndarray] = []
     known: dict[object, int] = {}
     for scene in scenes:
-        key = (scene.x_m, scene.y_m)
-        if key not in known:
-            known[key] = len(profiles)
+        if scene.place not in known:
+            known[scene.place] = len(profiles)
             profiles.append(scene.amplitude(x, y))
-    return np.stack(profiles), np.array([known[scene.x_m, scene.y_m] for scene in scenes])
+    return np.stack(profiles), np.array([known[scene.place] for scene in scenes])
 
 
 def _first_guess(group: Sequence[_Progress]) -> np.ndarray | None:
