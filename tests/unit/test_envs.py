@@ -13,7 +13,12 @@ import yaml
 from squeezefilm.imports import LIBRARY, code_of
 
 CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
-DISTRIBUTION = {"mpl_toolkits": "matplotlib", "skfem": "scikit-fem", "yaml": "pyyaml"}
+DISTRIBUTION = {
+    "markdown_it": "markdown-it-py",
+    "mpl_toolkits": "matplotlib",
+    "skfem": "scikit-fem",
+    "yaml": "pyyaml",
+}
 RULE = re.compile(
     r"conda:\s*\"../../envs/(\w+)\.yaml\".*?python -m squeezefilm ([\w-]+)", re.DOTALL
 )
