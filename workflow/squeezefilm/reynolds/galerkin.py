@@ -37,7 +37,7 @@ from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 METHOD = "periodic-modes"
 MOST_NEWTON = 40
 MOST_KRYLOV = 120
-LARGEST_BYTES = 512 * 2**20
+LARGEST_BYTES = 2**30
 # The preconditioner does not know of sliding: beyond this, iterations become many.
 LARGEST_BEARING = 30.0
 
@@ -51,10 +51,10 @@ class Resolution:
 
     @property
     def fits(self) -> bool:
-        """Whether the modes at the quadrature points take no more memory than is allowed."""
+        """Whether the modes and the Krylov vectors take no more memory than is allowed."""
         points = self.pad.points[0] * self.pad.points[1] / self.pad.folds
         matrices = 3 * 8 * points * self.pad.modes if self.pad.shape == "ellipse" else 0
-        fields = 8 * points * self.instants * (20 + MOST_KRYLOV / 2)
+        fields = 8 * self.instants * (20 * points + (MOST_KRYLOV + 1) * self.pad.modes)
         return matrices + fields <= LARGEST_BYTES and self.instants <= MOST_TIME
 
     @property
