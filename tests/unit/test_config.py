@@ -217,7 +217,8 @@ def test_every_mapping_of_the_schema_rejects_unknown_keys() -> None:
             choices = {"if", "allOf"} & set(part)
             if "properties" in part and not choices and not place.endswith(".if"):
                 assert part["additionalProperties"] is False, place
-                assert set(part.get("required", [])) | {"kind"} >= set(part["properties"]), place
+                optional = {"kind", "about", "parameters"}
+                assert set(part.get("required", [])) | optional >= set(part["properties"]), place
             for key, value in part.items():
                 check(value, f"{place}.{key}")
 
