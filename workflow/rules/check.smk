@@ -33,7 +33,7 @@ rule compare_with_reference:
         runtime=5,
     params:
         settings=settings("commands.check"),
-        results=f"results/{STUDY}",
+        results=lambda wildcards, output: str(Path(output.csv).parents[1]),
         reference=relative(REFERENCE),
     message:
         "Every number beside its reference"

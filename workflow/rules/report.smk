@@ -44,7 +44,7 @@ rule summary:
         runtime=5,
     params:
         settings=settings("commands.summary"),
-        results=f"results/{STUDY}",
+        results=lambda wildcards, output: str(Path(output[0]).parent),
         plans=SUMMARY_PLANS,
         fits=FITS,
         pairs=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
