@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from squeezefilm.profiles import Piston, Profile, Sinc
+from squeezefilm.profiles.shapes import Piston, Profile, Sinc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import Grid, Problems, States, solve_batch
 from squeezefilm.scene import Actuator, Finger, Gas, Scene

@@ -9,9 +9,9 @@ import pytest
 from films import PISTON, film
 
 from squeezefilm.cli import main
-from squeezefilm.plans import plan
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.explain import explain
+from squeezefilm.studies.plans import plan
 from squeezefilm.tables import write_table
 
 SCENES = [

@@ -11,7 +11,7 @@ from films import PISTON, film
 from scipy.special import ellipe, iv
 
 from squeezefilm.errors import InputError
-from squeezefilm.profiles import StandingWave
+from squeezefilm.profiles.shapes import StandingWave
 from squeezefilm.reynolds import boundary_layer
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.galerkin import _periodic_state, first_resolution, solve_in_modes

@@ -9,14 +9,14 @@ import pandas as pd
 import pytest
 
 from squeezefilm.commands.limits import with_limits
-from squeezefilm.config import Config, load_config
-from squeezefilm.fit import fit_model, refit
-from squeezefilm.force_model import COLUMNS, Factors, get_model
-from squeezefilm.plans import factor_ranges, random_plan
+from squeezefilm.models.fit import fit_model, refit
+from squeezefilm.models.force_model import COLUMNS, Factors, get_model
+from squeezefilm.models.validation import error_sizes
 from squeezefilm.reynolds import solve
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plans import factor_ranges, random_plan
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import FACTOR_COLUMNS, scene_points
-from squeezefilm.validation import error_sizes
 
 REPOSITORY = Path(__file__).parents[2]
 FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 
-from squeezefilm.config import load_config
-from squeezefilm.profiles import Sinc
+from squeezefilm.profiles.shapes import Sinc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.scene import Scene
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import ScenePoint
 
 

@@ -10,7 +10,7 @@ import pytest
 from films import PISTON, SINC, film, mean_overpressure
 
 from squeezefilm.errors import InputError
-from squeezefilm.profiles import Profile
+from squeezefilm.profiles.shapes import Profile
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import Grid, Problems
 from squeezefilm.reynolds.schemes import SCHEMES, choose, steps_for_stability

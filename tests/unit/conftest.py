@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli, uncertainty
-from squeezefilm.config import load_config
-from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
+from squeezefilm import cli
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
+from squeezefilm.paper import uncertainty
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import (
     DESIGN_COLUMNS,
     FACTOR_COLUMNS,

@@ -12,11 +12,11 @@ import matplotlib.pyplot as plt
 import pandas as pd
 import pytest
 
-from squeezefilm import atomic, provenance
-from squeezefilm.atomic import whole_file
 from squeezefilm.errors import InputError
 from squeezefilm.figures import style
-from squeezefilm.markdown import write_markdown
+from squeezefilm.pages.markdown import write_markdown
+from squeezefilm.runs import atomic, provenance
+from squeezefilm.runs.atomic import whole_file
 from squeezefilm.tables import write_json, write_table
 
 TABLE = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6]})
@@ -83,7 +83,7 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(
     path = tmp_path / "plan" / "forces.csv"
     write_markdown("before", path)
     code = (
-        "import os, signal; from squeezefilm.atomic import whole_file\n"
+        "import os, signal; from squeezefilm.runs.atomic import whole_file\n"
         f"with whole_file({str(path)!r}) as part:\n"
         "    part.write_text('half')\n"
         "    os.kill(os.getpid(), signal.SIGKILL)"

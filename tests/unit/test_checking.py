@@ -20,9 +20,9 @@ from squeezefilm.checking.reference import differences, read_reference, write_re
 from squeezefilm.checking.show import on_screen, read_check, status
 from squeezefilm.checking.tolerances import GIVEN, SAME, AtMost, Close, Closeness, LastDigit
 from squeezefilm.commands import check, reference
-from squeezefilm.config import SCHEMA_PATH
 from squeezefilm.errors import InputError
 from squeezefilm.figures import style
+from squeezefilm.studies.config import SCHEMA_PATH
 from squeezefilm.tables import write_table
 
 FORCES = pd.DataFrame(

@@ -7,12 +7,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm import chunks
-from squeezefilm.chunks import chunk_counts, expected_seconds
 from squeezefilm.cli import main
 from squeezefilm.commands import simulate
-from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError
+from squeezefilm.studies import chunks
+from squeezefilm.studies.chunks import chunk_counts, expected_seconds
+from squeezefilm.studies.config import Config, load_config
 
 
 @pytest.fixture

@@ -10,8 +10,16 @@ import pandas as pd
 import pytest
 
 from squeezefilm import cli
-from squeezefilm.claims import CLAIMS, COLUMNS, INPUTS, Results, judge, read_results, to_markdown
 from squeezefilm.errors import InputError
+from squeezefilm.paper.claims import (
+    CLAIMS,
+    COLUMNS,
+    INPUTS,
+    Results,
+    judge,
+    read_results,
+    to_markdown,
+)
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from squeezefilm.closed_loop import Goal, Outcome, Pool, run_loop
+from squeezefilm.designs.closed_loop import Goal, Outcome, Pool, run_loop
 from squeezefilm.errors import InputError
-from squeezefilm.force_model import ExpressionModel, Factors, make_model
+from squeezefilm.models.force_model import ExpressionModel, Factors, make_model
 
 GRID = 9
 CHECKS = 8

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 import yaml
 
-from squeezefilm.config import SCHEMA_PATH, Config, load_config
 from squeezefilm.errors import InputError
-from squeezefilm.study import check_study
+from squeezefilm.studies.config import SCHEMA_PATH, Config, load_config
+from squeezefilm.studies.study import check_study
 
 Write = Callable[[str], Path]
 

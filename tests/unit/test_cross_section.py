@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from squeezefilm.config import load_config
 from squeezefilm.numerics.cross_section import COLUMNS, cross_section
 from squeezefilm.scene import GapShape, Scene
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import ScenePoint
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from squeezefilm.design import (
+from squeezefilm.designs.design import (
     Box,
     Criterion,
     Design,
@@ -23,7 +23,7 @@ from squeezefilm.design import (
     search_design,
 )
 from squeezefilm.errors import InputError
-from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 
 FILM = Box(("h0_m", "hv_m"), (5e-6, 0.2e-6), (10e-6, 2e-6))
 PLACED = Box(

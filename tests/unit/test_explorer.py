@@ -12,7 +12,7 @@ import pytest
 from squeezefilm import cli
 from squeezefilm.errors import InputError
 from squeezefilm.explorer import Study, explorer_page
-from squeezefilm.fitted import read_fit
+from squeezefilm.models.fitted import read_fit
 
 LIBRARY = "/* the drawing library */"
 

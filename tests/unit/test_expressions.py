@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.expressions import FUNCTIONS, Program, derivative, parse
+from squeezefilm.models.expressions import FUNCTIONS, Program, derivative, parse
 
 NAMES = ("a", "b", "x", "h0")
 

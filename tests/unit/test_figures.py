@@ -12,12 +12,12 @@ import pytest
 from matplotlib.text import Text
 
 from squeezefilm import cli
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.figure_data import figure_data_module
 from squeezefilm.figures import FIGURES, figure_module, style
-from squeezefilm.notes import one_digit, rounded_up
+from squeezefilm.pages.notes import one_digit, rounded_up
 from squeezefilm.sources import parse_sources
+from squeezefilm.studies.config import load_config
 
 UNITS = {
     "fig05": "(mm)",
@@ -114,7 +114,7 @@ def test_a_table_without_a_column_is_refused(
 
 
 def test_figures_know_nothing_of_physics(repository: Path) -> None:
-    allowed = ("squeezefilm.figures", "squeezefilm.errors", "squeezefilm.atomic")
+    allowed = ("squeezefilm.figures", "squeezefilm.errors", "squeezefilm.runs.atomic")
     forbidden = []
     for path in sorted((repository / "workflow" / "squeezefilm" / "figures").glob("*.py")):
         for line in path.read_text(encoding="utf-8").splitlines():

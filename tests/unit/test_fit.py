@@ -9,8 +9,8 @@ import pytest
 from scipy.optimize import least_squares
 
 from squeezefilm.errors import InputError
-from squeezefilm.fit import Fit, fit_by_differential_evolution, fit_model
-from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
+from squeezefilm.models.fit import Fit, fit_by_differential_evolution, fit_model
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 

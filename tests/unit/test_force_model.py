@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model
 
 THETA = {
     TWO_FACTOR: np.array([7.624, 1.9166, -1.0013]),

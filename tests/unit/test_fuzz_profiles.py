@@ -16,11 +16,11 @@ import pytest
 import yaml
 
 from squeezefilm.commands.example_scan import scan_text
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.profiles.scans import smoothed_scan
 from squeezefilm.reynolds import solve
-from squeezefilm.scans import smoothed_scan
-from squeezefilm.study import check_study, scene_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import check_study, scene_of
 from squeezefilm.tables import ScenePoint
 
 RADIUS_M = 0.01

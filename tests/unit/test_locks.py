@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm import locks
 from squeezefilm.cli import main
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.provenance import CURRENT
+from squeezefilm.runs import locks
+from squeezefilm.runs.provenance import CURRENT
 
 Capture = pytest.CaptureFixture[str]
 
@@ -37,7 +37,7 @@ def snakemake_lock(tmp_path: Path) -> Path:
 def another_process(cards: Path, repository: Path) -> Iterator[subprocess.Popen[str]]:
     """A process that holds the study."""
     code = (
-        "import sys; from pathlib import Path; from squeezefilm import locks\n"
+        "import sys; from pathlib import Path; from squeezefilm.runs import locks\n"
         f"held = locks.hold(Path({str(cards)!r}), locks.new_owner())\n"
         "print('held', flush=True); sys.stdin.read()"
     )

@@ -10,13 +10,13 @@ import pandas as pd
 import pytest
 
 from squeezefilm import cli
-from squeezefilm.config import load_config
-from squeezefilm.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.errors import InputError
-from squeezefilm.fit import fit_model, refit
-from squeezefilm.force_model import TWO_FACTOR, Factors, get_model, library, make_model
-from squeezefilm.identifiability import check_identifiable
-from squeezefilm.models import check_models, model_named
+from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
+from squeezefilm.models.fit import fit_model, refit
+from squeezefilm.models.force_model import TWO_FACTOR, Factors, get_model, library, make_model
+from squeezefilm.models.identifiability import check_identifiable
+from squeezefilm.models.library import check_models, model_named
+from squeezefilm.studies.config import load_config
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 

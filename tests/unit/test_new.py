@@ -9,8 +9,8 @@ import pytest
 import yaml
 
 from squeezefilm import cli
-from squeezefilm.config import load_config
-from squeezefilm.study import check_study, scan_path, smoothed_scan_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import check_study, scan_path, smoothed_scan_of
 
 
 def test_a_new_study_is_valid_and_has_its_scan(tmp_path: Path) -> None:

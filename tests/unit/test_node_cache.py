@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm import node_cache
+from squeezefilm.runs import node_cache
 
 
 @pytest.fixture(autouse=True)

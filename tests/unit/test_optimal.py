@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main
-from squeezefilm.design import d_efficiency
-from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
+from squeezefilm.designs.design import d_efficiency
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 
 NAMES = {"output": "d.csv", "efficiencies": "p.csv", "sensitivity": "m.csv", "summary": "s.json"}
 

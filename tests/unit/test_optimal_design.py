@@ -7,11 +7,11 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from squeezefilm.continuous_design import Gradients, optimal_in_box, sensitivity
-from squeezefilm.design import Box, grid
+from squeezefilm.designs.continuous_design import Gradients, optimal_in_box, sensitivity
+from squeezefilm.designs.design import Box, grid
+from squeezefilm.designs.exact_design import exchange
+from squeezefilm.designs.optimal_design import assess, maximin_design, optimal_weights
 from squeezefilm.errors import InputError
-from squeezefilm.exact_design import exchange
-from squeezefilm.optimal_design import assess, maximin_design, optimal_weights
 
 LINE = Box(("x",), (-1.0,), (1.0,))
 

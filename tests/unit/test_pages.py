@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from squeezefilm import cli
-from squeezefilm.config import load_config
-from squeezefilm.page import to_html
-from squeezefilm.runs import to_markdown as runs_markdown
-from squeezefilm.summary import to_markdown
+from squeezefilm.pages.page import to_html
+from squeezefilm.pages.summary import to_markdown
+from squeezefilm.runs.history import to_markdown as runs_markdown
+from squeezefilm.studies.config import load_config
 
 
 def test_a_table_stays_a_table_and_text_stays_text() -> None:

@@ -9,8 +9,8 @@ import pytest
 
 from squeezefilm import cli
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import read_fit
-from squeezefilm.paper_tables import TABLES, table_recipe
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.paper.paper_tables import TABLES, table_recipe
 from squeezefilm.tables import read_json
 
 

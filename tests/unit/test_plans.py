@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import plans
-from squeezefilm.config import Config, load_config, plan_sizes
-from squeezefilm.plans import (
+from squeezefilm.studies import plans
+from squeezefilm.studies.config import Config, load_config, plan_sizes
+from squeezefilm.studies.plans import (
     centred_grid,
     finger_positions,
     four_factor_plan,

@@ -12,18 +12,18 @@ import pytest
 from scipy.special import jv
 
 from squeezefilm.commands.example_scan import scan_text
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.figure_data import fig05
 from squeezefilm.figure_data import profile as profile_figure
 from squeezefilm.figures import figure_module, style
-from squeezefilm.profiles import Modes, Profile, Sinc, make_profile
+from squeezefilm.profiles.scan_tables import points_table, summary_of
+from squeezefilm.profiles.scans import SmoothedScan, read_scan, smoothed_scan
+from squeezefilm.profiles.shapes import Modes, Profile, Sinc, make_profile
+from squeezefilm.profiles.zernike import modes_at, orders_up_to
 from squeezefilm.reynolds import solve
-from squeezefilm.scan_tables import points_table, summary_of
-from squeezefilm.scans import SmoothedScan, read_scan, smoothed_scan
-from squeezefilm.study import profile_of, scene_of, smoothed_scan_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
 from squeezefilm.tables import ScenePoint
-from squeezefilm.zernike import modes_at, orders_up_to
 
 RADIUS_M = 0.01
 Smooth = Callable[..., SmoothedScan]

@@ -12,12 +12,12 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main
-from squeezefilm.config import load_config
-from squeezefilm.experiments import factors_of
-from squeezefilm.fitted import read_fit
-from squeezefilm.force_model import Factors
+from squeezefilm.designs.experiments import factors_of
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.force_model import Factors
+from squeezefilm.models.weak_spots import in_words, weak_spots
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, write_table
-from squeezefilm.weak_spots import in_words, weak_spots
 
 Capture = pytest.CaptureFixture[str]
 

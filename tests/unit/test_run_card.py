@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm import locks, provenance, run_card
 from squeezefilm.cli import main
-from squeezefilm.config import Config, load_config
+from squeezefilm.runs import locks, provenance, run_card
+from squeezefilm.studies.config import Config, load_config
 
 Capture = pytest.CaptureFixture[str]
 Start = Callable[[], locks.Owner]

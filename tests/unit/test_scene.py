@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
-from squeezefilm.profiles import Piston, Sinc, make_profile
+from squeezefilm.profiles.shapes import Piston, Sinc, make_profile
 from squeezefilm.scene import Scene, check_scene, regime_warnings
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import ScenePoint
 
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from squeezefilm.config import load_config
-from squeezefilm.design import Box
+from squeezefilm.designs.design import Box
 from squeezefilm.errors import InputError
 from squeezefilm.scene import check_scene
-from squeezefilm.space import Space
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.space import Space
 
 
 @pytest.fixture(scope="module")

@@ -9,12 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli, uncertainty
-from squeezefilm.claims import CLAIMS
-from squeezefilm.config import Config, load_config
+from squeezefilm import cli
 from squeezefilm.errors import RunError
+from squeezefilm.paper import uncertainty
+from squeezefilm.paper.claims import CLAIMS
+from squeezefilm.paper.uncertainty import ASSUMPTIONS, compare, differences, to_markdown
 from squeezefilm.scene import Scene
-from squeezefilm.uncertainty import ASSUMPTIONS, compare, differences, to_markdown
+from squeezefilm.studies.config import Config, load_config
 
 FORCE_N = 0.962042
 

@@ -3,7 +3,7 @@
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, make_model
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, make_model
 
 
 def model(expression: str, **settings) -> ExpressionModel:

@@ -12,13 +12,13 @@ import pytest
 
 from squeezefilm import cli
 from squeezefilm.commands.limit_table import tabulate
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import read_fit
-from squeezefilm.force_model import Factors, get_model, make_model
-from squeezefilm.generated_code import c_source, python_source
-from squeezefilm.limit_table import LimitTable
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.force_model import Factors, get_model, make_model
+from squeezefilm.models.generated_code import c_source, python_source
+from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.quantities import quantities
+from squeezefilm.studies.config import load_config
 
 THETA = {
     "two_factor": (7.6240, 1.91659, -1.001314),

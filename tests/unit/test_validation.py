@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.validation import relative_errors, summarise
+from squeezefilm.models.validation import relative_errors, summarise
 
 SIMULATION = [1.0, 2.0, 4.0, 0.1]
 MODEL = [1.1, 2.0, 3.0, 0.115]

@@ -78,7 +78,7 @@ def test_each_rule_has_logs_and_simulations_have_benchmarks(finished: Finished) 
 
 def test_an_edit_is_carried_out_and_undone(finished: Finished, tmp_path: Path) -> None:
     folder = copy_checkout(finished.folder, tmp_path / "edited", "results", ".snakemake")
-    plans = folder / "workflow/squeezefilm/plans.py"
+    plans = folder / "workflow/squeezefilm/studies/plans.py"
     before = plans.read_text()
     # One amplitude a thousandth larger: a change of behaviour that reaches the forces.
     plans.write_text(before.replace('f"{value:.12g}"', 'f"{value * 1.001:.12g}"'))

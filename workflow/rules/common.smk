@@ -8,12 +8,14 @@ from shlex import quote
 LIBRARY = Path(workflow.current_basedir).parent.resolve()
 sys.path.insert(0, str(LIBRARY))
 
-from squeezefilm import atomic, imports, locks, run_card
-from squeezefilm.chunks import chunk_counts
-from squeezefilm.config import load_config
+from squeezefilm import imports
+
+from squeezefilm.runs import atomic, locks, run_card
+from squeezefilm.studies.chunks import chunk_counts
+from squeezefilm.studies.config import load_config
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.models import check_models
-from squeezefilm.study import check_study, scan_path
+from squeezefilm.models.library import check_models
+from squeezefilm.studies.study import check_study, scan_path
 
 
 def refuse(message):

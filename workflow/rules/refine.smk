@@ -1,6 +1,6 @@
 # Where to simulate, with a certificate: `snakemake optimal`; and the loop closed: `snakemake refine`.
 
-from squeezefilm.models import model_named
+from squeezefilm.models.library import model_named
 
 for space in MODEL_SPACES:
     for model in CONFIG["refine"][space]:

@@ -7,8 +7,9 @@ import importlib
 import sys
 from collections.abc import Sequence
 
-from squeezefilm import __version__, provenance
+from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.runs import provenance
 
 COMMANDS = {
     "new": "begin a study of your own actuator: a commented configuration and an example scan",

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from squeezefilm.errors import InputError
-from squeezefilm.profiles import Profile
+from squeezefilm.profiles.shapes import Profile
 
 GAPS_M = (1e-9, 1e-3)
 OUTLINE_POINTS = 144

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.atomic import whole_file
 from squeezefilm.errors import InputError
+from squeezefilm.runs.atomic import whole_file
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)

@@ -24,10 +24,10 @@ def watch(event: str, arguments: tuple) -> None:
 
 
 class Watching(importlib.abc.MetaPathFinder):
-    """Loads squeezefilm.config as ever, then notes each section that is asked of a Config."""
+    """Loads the configuration as ever, then notes each section that is asked of a Config."""
 
     def find_spec(self, name, path, target=None):
-        if name != "squeezefilm.config":
+        if name != "squeezefilm.studies.config":
             return None
         spec = importlib.machinery.PathFinder.find_spec(name, path)
         execute = spec.loader.exec_module

@@ -13,11 +13,11 @@ import numpy as np
 
 from squeezefilm.checking.quantities import Quantity, guarded, text_of
 from squeezefilm.checking.tolerances import SAME, AtMost, Cells, Close, Closeness, Worst
-from squeezefilm.config import Config
-from squeezefilm.design import Box, coordinates, d_efficiency, pair_distances
+from squeezefilm.designs.design import Box, coordinates, d_efficiency, pair_distances
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import read_fit
-from squeezefilm.force_model import get_model
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.force_model import get_model
+from squeezefilm.studies.config import Config
 from squeezefilm.tables import read_design, read_json
 
 DESIGNS = "designs"

@@ -20,10 +20,10 @@ from squeezefilm.checking.tolerances import (
     Closeness,
     Tolerance,
 )
-from squeezefilm.config import Config
-from squeezefilm.fitted import number, read_fit
-from squeezefilm.force_model import Factors, get_model
+from squeezefilm.models.fitted import number, read_fit
+from squeezefilm.models.force_model import Factors, get_model
 from squeezefilm.sources import read_columns
+from squeezefilm.studies.config import Config
 from squeezefilm.tables import FACTOR_COLUMNS, read_json, read_ok_forces
 
 SETTINGS, CLAIMS, SIMULATIONS, FITS, VALIDATION, NUMERICS = (

@@ -8,7 +8,7 @@ import pandas as pd
 
 from squeezefilm.checking.compare import COLUMNS, PASSED
 from squeezefilm.errors import InputError
-from squeezefilm.markdown import markdown_table
+from squeezefilm.pages.markdown import markdown_table
 
 WIDTHS = {
     "item": 44,

@@ -17,7 +17,7 @@ from squeezefilm.checking.results import (
     validation_quantities,
 )
 from squeezefilm.checking.tolerances import Closeness
-from squeezefilm.config import Config
+from squeezefilm.studies.config import Config
 
 
 def study_quantities(results: Path, config: Config) -> list[Quantity]:

@@ -17,8 +17,8 @@ from squeezefilm.checking.compare import compare, to_table
 from squeezefilm.checking.reference import read_reference
 from squeezefilm.checking.show import on_screen, status, to_markdown
 from squeezefilm.checking.study import study_quantities
-from squeezefilm.config import load_config
-from squeezefilm.markdown import write_markdown
+from squeezefilm.pages.markdown import write_markdown
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
 SECTIONS = (

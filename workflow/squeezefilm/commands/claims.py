@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.claims import INPUTS, judge, read_results, to_markdown
-from squeezefilm.markdown import write_markdown
+from squeezefilm.pages.markdown import write_markdown
+from squeezefilm.paper.claims import INPUTS, judge, read_results, to_markdown
 from squeezefilm.sources import parse_sources
 from squeezefilm.tables import write_table
 

@@ -20,15 +20,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config import load_config
+from squeezefilm.designs.experiments import check_columns, factors_of
 from squeezefilm.errors import InputError
-from squeezefilm.experiments import check_columns, factors_of
-from squeezefilm.fitted import FittedModel, read_fit
-from squeezefilm.force_model import Factors
-from squeezefilm.markdown import markdown_table, write_markdown
-from squeezefilm.notes import percent
+from squeezefilm.models.fitted import FittedModel, read_fit
+from squeezefilm.models.force_model import Factors
+from squeezefilm.models.validation import error_sizes, relative_errors
+from squeezefilm.pages.markdown import markdown_table, write_markdown
+from squeezefilm.pages.notes import percent
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import read_json, read_ok_forces, write_table
-from squeezefilm.validation import error_sizes, relative_errors
 
 SECTIONS = ("comparison",)
 TITLES = {"two_factor": "the finger centred", "four_factor": "the finger anywhere on the surface"}

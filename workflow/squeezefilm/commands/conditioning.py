@@ -15,13 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.config import load_config
-from squeezefilm.design import Box
+from squeezefilm.designs.design import Box
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import read_fit
-from squeezefilm.force_model import Factors
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.force_model import Factors
 from squeezefilm.numerics.conditioning import conditioning
 from squeezefilm.sources import read_columns
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces, write_table
 
 SECTIONS = ("design", "fit", "numerics", "screen")

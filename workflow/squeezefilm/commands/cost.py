@@ -11,10 +11,10 @@ from __future__ import annotations
 import argparse
 import sys
 
-from squeezefilm import provenance
-from squeezefilm.config import load_config
 from squeezefilm.numerics.cost import cost, sizes
 from squeezefilm.reynolds.device import choose_device, describe
+from squeezefilm.runs import provenance
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
 SECTIONS = ("solver", "numerics")

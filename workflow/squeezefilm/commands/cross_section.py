@@ -9,9 +9,9 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm.config import load_config
 from squeezefilm.numerics.cross_section import cross_section
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import read_scenes, scene_points, write_table
 
 SECTIONS = ("gas", "actuator", "finger")

@@ -21,8 +21,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config import Config, load_config
-from squeezefilm.design import (
+from squeezefilm.designs.design import (
     Box,
     Criterion,
     Design,
@@ -37,10 +36,11 @@ from squeezefilm.design import (
     search_design,
 )
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import read_fit
-from squeezefilm.force_model import ExpressionModel, get_model
-from squeezefilm.parallel import spread
-from squeezefilm.plans import plan
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.force_model import ExpressionModel, get_model
+from squeezefilm.runs.parallel import spread
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plans import plan
 from squeezefilm.tables import DESIGN_COLUMNS, write_json, write_table
 
 SECTIONS = {

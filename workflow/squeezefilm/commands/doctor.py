@@ -9,10 +9,10 @@ import argparse
 import os
 from pathlib import Path
 
-from squeezefilm import locks
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.provenance import versions
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, describe, device_name, list_devices
+from squeezefilm.runs import locks
+from squeezefilm.runs.provenance import versions
 
 SECTIONS: tuple[str, ...] = ()
 

@@ -13,9 +13,9 @@ import io
 
 import numpy as np
 
-from squeezefilm.atomic import whole_file
 from squeezefilm.errors import InputError
-from squeezefilm.profiles import Sinc
+from squeezefilm.profiles.shapes import Sinc
+from squeezefilm.runs.atomic import whole_file
 
 SECTIONS: tuple[str, ...] = ()
 PROFILE = Sinc(wave_number_per_m=109.8)

@@ -13,12 +13,12 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.explain import Explanation, explain
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.scene import Scene, regime_warnings
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import read_scenes, scene_points, write_table
 
 SECTIONS = ("gas", "actuator", "finger", "solver")

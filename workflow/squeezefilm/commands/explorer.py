@@ -11,12 +11,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from squeezefilm.atomic import whole_file
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.explorer import Study, explorer_page
-from squeezefilm.fitted import read_fit
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.runs.atomic import whole_file
 from squeezefilm.sources import parse_sources
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import read_ok_forces
 
 SECTIONS = ("study", "extrapolation", "validation")

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.atomic import whole_file
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import read_fit
-from squeezefilm.generated_code import c_source, python_source
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.generated_code import c_source, python_source
+from squeezefilm.runs.atomic import whole_file
 
 SECTIONS: tuple[str, ...] = ()
 LANGUAGES = {"c": c_source, "python": python_source}

@@ -11,10 +11,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import read_fit
-from squeezefilm.plans import plan
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.plans import plan
 from squeezefilm.tables import write_table
 
 SECTIONS = ("extrapolation",)

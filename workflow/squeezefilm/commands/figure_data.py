@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.config import load_config
 from squeezefilm.figure_data import figure_data_module
 from squeezefilm.figures import FIGURES
 from squeezefilm.sources import parse_sources
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
 # Those of the figure alone, in its module.

@@ -24,18 +24,18 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm import __version__
-from squeezefilm.atomic import digest
-from squeezefilm.config import load_config
-from squeezefilm.cross_validation import left_out_predictions
+from squeezefilm.designs.experiments import check_columns, factors_of
 from squeezefilm.errors import InputError
-from squeezefilm.experiments import check_columns, factors_of
-from squeezefilm.fit import Fit, fit_by_differential_evolution, fit_model
-from squeezefilm.force_model import POLAR, POSITION, ExpressionModel, Factors
-from squeezefilm.identifiability import check_identifiable
-from squeezefilm.models import model_named
-from squeezefilm.parallel import spread
+from squeezefilm.models.cross_validation import left_out_predictions
+from squeezefilm.models.fit import Fit, fit_by_differential_evolution, fit_model
+from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
+from squeezefilm.models.identifiability import check_identifiable
+from squeezefilm.models.library import model_named
+from squeezefilm.models.validation import error_sizes
+from squeezefilm.runs.atomic import digest
+from squeezefilm.runs.parallel import spread
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import read_json, read_ok_forces, write_json, write_table
-from squeezefilm.validation import error_sizes
 
 SECTIONS = ("fit", "models")
 FOLDS, FOLD_SEED = 5, 1

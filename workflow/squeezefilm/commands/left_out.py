@@ -9,12 +9,12 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm import provenance
-from squeezefilm.config import load_config
 from squeezefilm.errors import RunError
 from squeezefilm.numerics.left_out import Variant, measure
 from squeezefilm.reynolds.device import choose_device, describe
-from squeezefilm.study import scene_of
+from squeezefilm.runs import provenance
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import read_scenes, scene_points, write_table
 
 SECTIONS = ("gas", "actuator", "finger", "solver", "numerics")

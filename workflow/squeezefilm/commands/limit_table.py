@@ -15,12 +15,17 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.commands.limits import DOES_NOT_HOLD, METHODS, with_limits
-from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError
-from squeezefilm.force_model import Factors
-from squeezefilm.limit_table import LARGEST_EPSILON_SQUARE, LimitTable, coefficients_of, nodes
-from squeezefilm.plans import factor_ranges, plan
-from squeezefilm.study import scene_of
+from squeezefilm.models.force_model import Factors
+from squeezefilm.models.limit_table import (
+    LARGEST_EPSILON_SQUARE,
+    LimitTable,
+    coefficients_of,
+    nodes,
+)
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plans import factor_ranges, plan
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import scene_points, write_json
 
 SECTIONS = ("gas", "actuator", "finger", "screen", "positions")

@@ -16,11 +16,11 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config import load_config
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.solver import by_limits
 from squeezefilm.scene import Scene
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table
 
 SECTIONS = ("gas", "actuator", "finger")

@@ -15,8 +15,8 @@ import argparse
 import re
 from pathlib import Path
 
-from squeezefilm.atomic import whole_file
 from squeezefilm.errors import InputError
+from squeezefilm.runs.atomic import whole_file
 
 SECTIONS: tuple[str, ...] = ()
 EXAMPLES = Path(__file__).resolve().parents[3] / "config"

@@ -27,19 +27,19 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.commands.limits import with_limits
-from squeezefilm.config import Config, load_config
-from squeezefilm.continuous_design import ContinuousDesign, optimal_in_box, sensitivity
-from squeezefilm.design import corners
+from squeezefilm.designs.continuous_design import ContinuousDesign, optimal_in_box, sensitivity
+from squeezefilm.designs.design import corners
+from squeezefilm.designs.exact_design import exchange
+from squeezefilm.designs.experiments import check_columns, factors_of
+from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
 from squeezefilm.errors import InputError
-from squeezefilm.exact_design import exchange
-from squeezefilm.experiments import check_columns, factors_of
-from squeezefilm.fitted import FittedModel, read_fit
-from squeezefilm.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.optimal_design import maximin_design, optimal_weights
-from squeezefilm.profile_likelihood import ParameterRange, local_fit, parameter_ranges
+from squeezefilm.models.fitted import FittedModel, read_fit
+from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
+from squeezefilm.models.profile_likelihood import ParameterRange, local_fit, parameter_ranges
 from squeezefilm.sources import parse_sources
-from squeezefilm.space import Space
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.space import Space
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import (
     SCENE_COLUMNS,
     read_json,

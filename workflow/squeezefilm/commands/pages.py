@@ -9,8 +9,8 @@ import argparse
 from pathlib import Path
 
 from squeezefilm.errors import InputError
-from squeezefilm.markdown import write_markdown
-from squeezefilm.page import to_html
+from squeezefilm.pages.markdown import write_markdown
+from squeezefilm.pages.page import to_html
 
 SECTIONS: tuple[str, ...] = ()
 

@@ -16,11 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError
 from squeezefilm.numerics.paper_signature import Chain, families, paper_signature
 from squeezefilm.scene import Scene
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import SCENE_COLUMNS, read_ok_forces, scene_points, write_table
 
 SECTIONS = ("gas", "actuator", "finger", "numerics")

@@ -16,9 +16,9 @@ from collections.abc import Iterable
 
 import pandas as pd
 
-from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError
-from squeezefilm.plans import (
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plans import (
     centred_grid,
     factor_ranges,
     finger_positions,

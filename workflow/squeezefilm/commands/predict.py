@@ -19,8 +19,8 @@ import math
 import numpy as np
 
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import FittedModel, number, read_fit
-from squeezefilm.points import (
+from squeezefilm.models.fitted import FittedModel, number, read_fit
+from squeezefilm.models.points import (
     add_point_options,
     factors_of_points,
     points_of,

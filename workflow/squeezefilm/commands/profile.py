@@ -15,14 +15,14 @@ from dataclasses import asdict, replace
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.figure_data import profile as figure
+from squeezefilm.profiles.scan_tables import points_table, summary_of
+from squeezefilm.profiles.scans import SmoothedScan
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.scan_tables import points_table, summary_of
-from squeezefilm.scans import SmoothedScan
-from squeezefilm.study import scene_of, smoothed_scan_of
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.study import scene_of, smoothed_scan_of
 from squeezefilm.tables import ScenePoint, write_json, write_table
 
 SECTIONS = ("gas", "actuator", "finger", "solver", "screen", "positions")

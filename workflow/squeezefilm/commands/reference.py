@@ -14,8 +14,8 @@ from pathlib import Path
 from squeezefilm.checking.compare import Judgement
 from squeezefilm.checking.reference import differences, read_reference, write_reference
 from squeezefilm.checking.study import study_quantities
-from squeezefilm.config import load_config
 from squeezefilm.errors import RunError
+from squeezefilm.studies.config import load_config
 
 SECTIONS = (
     "gas",

@@ -21,22 +21,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.closed_loop import Goal, Outcome, Pool, Round, run_loop
 from squeezefilm.commands.fit import describe
 from squeezefilm.commands.limits import with_limits
-from squeezefilm.config import Config, load_config
+from squeezefilm.designs.closed_loop import Goal, Outcome, Pool, Round, run_loop
+from squeezefilm.designs.experiments import LIMIT_COLUMNS, check_columns
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.experiments import LIMIT_COLUMNS, check_columns
-from squeezefilm.fit import Fit
-from squeezefilm.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.models import SPACES, model_named
-from squeezefilm.profile_likelihood import parameter_ranges
+from squeezefilm.models.fit import Fit
+from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
+from squeezefilm.models.library import SPACES, model_named
+from squeezefilm.models.profile_likelihood import parameter_ranges
+from squeezefilm.models.weak_spots import in_words, weak_spots
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.space import Space
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.space import Space
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import FACTOR_COLUMNS, FORCE_COLUMNS, scene_points, write_json, write_table
-from squeezefilm.weak_spots import in_words, weak_spots
 
 SECTIONS = (
     "gas",

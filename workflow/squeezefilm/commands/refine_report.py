@@ -18,12 +18,12 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from squeezefilm.continuous_design import sensitivity
-from squeezefilm.experiments import check_columns, factors_of
-from squeezefilm.fitted import FittedModel, read_fit
-from squeezefilm.force_model import ExpressionModel, Factors
-from squeezefilm.markdown import markdown_table, write_markdown
-from squeezefilm.notes import percent
+from squeezefilm.designs.continuous_design import sensitivity
+from squeezefilm.designs.experiments import check_columns, factors_of
+from squeezefilm.models.fitted import FittedModel, read_fit
+from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.pages.markdown import markdown_table, write_markdown
+from squeezefilm.pages.notes import percent
 from squeezefilm.sources import read_columns
 from squeezefilm.tables import FACTOR_COLUMNS, read_json, read_ok_forces, write_table
 

@@ -15,10 +15,10 @@ import shutil
 import sys
 from pathlib import Path
 
-from squeezefilm import locks
-from squeezefilm.atomic import digest
 from squeezefilm.errors import InputError
-from squeezefilm.run_card import made_files
+from squeezefilm.runs import locks
+from squeezefilm.runs.atomic import digest
+from squeezefilm.runs.run_card import made_files
 
 SECTIONS: tuple[str, ...] = ()
 

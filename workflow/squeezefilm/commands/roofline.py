@@ -9,10 +9,10 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm import provenance
-from squeezefilm.config import load_config
 from squeezefilm.numerics.roofline import measure
 from squeezefilm.reynolds.device import choose_device, describe
+from squeezefilm.runs import provenance
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
 SECTIONS = ("solver",)

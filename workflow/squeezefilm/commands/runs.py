@@ -8,8 +8,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from squeezefilm.markdown import write_markdown
-from squeezefilm.runs import to_markdown
+from squeezefilm.pages.markdown import write_markdown
+from squeezefilm.runs.history import to_markdown
 
 SECTIONS: tuple[str, ...] = ()
 

@@ -22,8 +22,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from squeezefilm import node_cache, provenance
-from squeezefilm.config import Config, load_config
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.quantities import quantity
 from squeezefilm.reynolds import Solution, solve
@@ -31,8 +29,10 @@ from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
 from squeezefilm.reynolds.solver import METHODS
+from squeezefilm.runs import node_cache, provenance
 from squeezefilm.scene import Scene, regime_warnings
-from squeezefilm.study import scene_of
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import (
     FORCE_COLUMNS,
     ScenePoint,

@@ -14,11 +14,11 @@ import sys
 
 import pandas as pd
 
-from squeezefilm import provenance
-from squeezefilm.config import load_config
 from squeezefilm.errors import RunError
 from squeezefilm.numerics.stability import cases, explicit_limits, stability
 from squeezefilm.reynolds.device import choose_device, describe
+from squeezefilm.runs import provenance
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
 SECTIONS = ("solver", "numerics")

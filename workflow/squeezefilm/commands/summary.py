@@ -11,10 +11,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from squeezefilm.config import load_config
 from squeezefilm.errors import InputError
-from squeezefilm.markdown import write_markdown
-from squeezefilm.summary import to_markdown
+from squeezefilm.pages.markdown import write_markdown
+from squeezefilm.pages.summary import to_markdown
+from squeezefilm.studies.config import load_config
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
 

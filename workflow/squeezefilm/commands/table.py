@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.markdown import write_markdown
-from squeezefilm.paper_tables import TABLES, table_recipe
+from squeezefilm.pages.markdown import write_markdown
+from squeezefilm.paper.paper_tables import TABLES, table_recipe
 from squeezefilm.sources import parse_sources
 from squeezefilm.tables import write_table
 

@@ -13,9 +13,9 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from squeezefilm.atomic import digest
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.run_card import Made, made_files
+from squeezefilm.runs.atomic import digest
+from squeezefilm.runs.run_card import Made, made_files
 
 SECTIONS: tuple[str, ...] = ()
 

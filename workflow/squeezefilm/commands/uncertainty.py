@@ -11,13 +11,13 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.config import load_config
-from squeezefilm.markdown import write_markdown
+from squeezefilm.pages.markdown import write_markdown
+from squeezefilm.paper.uncertainty import compare, to_markdown
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.scene import Scene
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
-from squeezefilm.uncertainty import compare, to_markdown
 
 SECTIONS = ("gas", "actuator", "finger", "solver", "screen", "extrapolation")
 

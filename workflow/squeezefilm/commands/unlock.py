@@ -8,8 +8,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from squeezefilm import locks
 from squeezefilm.errors import RunError
+from squeezefilm.runs import locks
 
 SECTIONS: tuple[str, ...] = ()
 

@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.config import load_config
+from squeezefilm.designs.experiments import check_columns, factors_of
 from squeezefilm.errors import InputError
-from squeezefilm.experiments import check_columns, factors_of
-from squeezefilm.fitted import read_fit
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.validation import relative_errors, summarise
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import (
     FACTOR_COLUMNS,
     SCENE_COLUMNS,
@@ -21,7 +22,6 @@ from squeezefilm.tables import (
     write_json,
     write_table,
 )
-from squeezefilm.validation import relative_errors, summarise
 
 SECTIONS = ("validation",)
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm import node_cache, provenance
-from squeezefilm.config import load_config
 from squeezefilm.reynolds import device
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
-from squeezefilm.study import scene_of
+from squeezefilm.runs import node_cache, provenance
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import ScenePoint, write_json
 
 SECTIONS = ("gas", "actuator", "finger", "solver")

@@ -15,9 +15,7 @@ import sys
 
 import pandas as pd
 
-from squeezefilm import provenance
-from squeezefilm.config import load_config
-from squeezefilm.fitted import read_fit
+from squeezefilm.models.fitted import read_fit
 from squeezefilm.numerics.work_precision import (
     COLUMNS,
     FILMS,
@@ -26,6 +24,8 @@ from squeezefilm.numerics.work_precision import (
     work_precision,
 )
 from squeezefilm.reynolds.device import choose_device, describe
+from squeezefilm.runs import provenance
+from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
 SECTIONS = ("solver", "numerics")

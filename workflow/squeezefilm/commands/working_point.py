@@ -17,9 +17,9 @@ import pandas as pd
 
 from squeezefilm.commands.predict import expected_error
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import FittedModel, read_fit
-from squeezefilm.force_model import Factors
-from squeezefilm.points import add_point_options, factors_of_points, points_of, show_points
+from squeezefilm.models.fitted import FittedModel, read_fit
+from squeezefilm.models.force_model import Factors
+from squeezefilm.models.points import add_point_options, factors_of_points, points_of, show_points
 from squeezefilm.quantities import quantity
 from squeezefilm.tables import write_table
 

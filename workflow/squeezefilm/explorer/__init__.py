@@ -1,7 +1,7 @@
 """The explorer: one page of HTML in which fitted models can be played with, and nothing else.
 
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
-server. It computes the force itself: model.js is the formula of ``squeezefilm.force_model``.
+server. It computes the force itself: model.js is the formula of ``squeezefilm.models.force_model``.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import Any
 import pandas as pd
 
 from squeezefilm.errors import InputError
-from squeezefilm.fitted import FittedModel
-from squeezefilm.force_model import get_model
+from squeezefilm.models.fitted import FittedModel
+from squeezefilm.models.force_model import get_model
 from squeezefilm.tables import FACTOR_COLUMNS
 
 HERE = Path(__file__).parent

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from squeezefilm.fitted import FittedModel
-from squeezefilm.force_model import Factors
+from squeezefilm.models.fitted import FittedModel
+from squeezefilm.models.force_model import Factors
 
 Inputs = Mapping[str, Path]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config import Config
-from squeezefilm.study import finger_of, profile_of
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.study import finger_of, profile_of
 
 MEASUREMENT_NOTE = "Model only: the measured points of the original figure are not available to us."
 

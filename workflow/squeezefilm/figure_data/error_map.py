@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pandas as pd
 
-from squeezefilm.config import Config
 from squeezefilm.figure_data.common import Inputs, plane_table
 from squeezefilm.figure_data.errors import error_note, error_table
-from squeezefilm.fitted import read_fit
-from squeezefilm.notes import simulations_note
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.pages.notes import simulations_note
+from squeezefilm.studies.config import Config
 from squeezefilm.tables import read_ok_forces
 
 INPUTS = ("fit", "forces", "errors", "validation", "design_forces", "device")

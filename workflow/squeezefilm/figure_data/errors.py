@@ -7,8 +7,8 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm.figure_data.common import micrometres, plane_table
-from squeezefilm.fitted import number
-from squeezefilm.notes import percent
+from squeezefilm.models.fitted import number
+from squeezefilm.pages.notes import percent
 from squeezefilm.sources import read_columns
 from squeezefilm.tables import read_json
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config import Config
 from squeezefilm.figure_data import disc
 from squeezefilm.figure_data.common import Inputs
-from squeezefilm.study import finger_of
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.study import finger_of
 
 INPUTS: tuple[str, ...] = ()
 SECTIONS = ("actuator", "finger")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 
-from squeezefilm.config import Config
 from squeezefilm.figure_data import searches
 from squeezefilm.figure_data.common import Inputs, add_limits, micrometres
-from squeezefilm.notes import one_digit
+from squeezefilm.pages.notes import one_digit
+from squeezefilm.studies.config import Config
 from squeezefilm.tables import read_scenes
 
 INPUTS = searches.INPUTS

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pandas as pd
 
-from squeezefilm.config import Config
 from squeezefilm.figure_data.common import (
     Inputs,
     model_mesh,
     plane_table,
 )
-from squeezefilm.fitted import number, read_fit
-from squeezefilm.notes import percent, simulations_note
+from squeezefilm.models.fitted import number, read_fit
+from squeezefilm.pages.notes import percent, simulations_note
+from squeezefilm.studies.config import Config
 from squeezefilm.tables import read_json, read_ok_forces
 
 INPUTS = ("design_forces", "fit", "control_forces", "validation", "device")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from squeezefilm.config import Config
 from squeezefilm.figure_data import disc
 from squeezefilm.figure_data.common import Inputs
+from squeezefilm.studies.config import Config
 from squeezefilm.tables import read_scenes
 
 INPUTS = ("plan",)

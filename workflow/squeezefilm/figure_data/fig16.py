@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from squeezefilm.config import Config
 from squeezefilm.figure_data.common import Inputs, add_limits, plane_table
+from squeezefilm.studies.config import Config
 from squeezefilm.tables import read_design, read_scenes
 
 INPUTS = ("screen", "plan", "design", "distinct")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pandas as pd
 
-from squeezefilm.config import Config
 from squeezefilm.figure_data.common import Inputs, model_mesh, plane_table
 from squeezefilm.figure_data.errors import error_table
-from squeezefilm.fitted import number, read_fit
-from squeezefilm.notes import percent, rounded_up
+from squeezefilm.models.fitted import number, read_fit
+from squeezefilm.pages.notes import percent, rounded_up
 from squeezefilm.sources import read_columns
+from squeezefilm.studies.config import Config
 from squeezefilm.tables import read_json, read_ok_forces
 
 INPUTS = (

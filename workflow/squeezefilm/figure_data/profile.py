@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.scan_tables import points_table
-from squeezefilm.scans import SmoothedScan
+from squeezefilm.profiles.scan_tables import points_table
+from squeezefilm.profiles.scans import SmoothedScan
 
 RADII, ANGLES = 81, 72
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from squeezefilm.errors import InputError
 from squeezefilm.figure_data.common import Inputs, add_limits, micrometres
-from squeezefilm.notes import one_digit
+from squeezefilm.pages.notes import one_digit
 from squeezefilm.sources import read_columns
 from squeezefilm.tables import read_json, read_scenes
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from squeezefilm.config import Config
 from squeezefilm.figure_data.common import Inputs
 from squeezefilm.sources import read_columns
+from squeezefilm.studies.config import Config
 
 INPUTS = ("table", "curves")
 SECTIONS: tuple[str, ...] = ()

@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from squeezefilm.design import Box, Criterion, coordinates, refine
+from squeezefilm.designs.design import Box, Criterion, coordinates, refine
 from squeezefilm.errors import InputError
-from squeezefilm.fit import fit_model
-from squeezefilm.force_model import TWO_FACTOR, Factors
+from squeezefilm.models.fit import fit_model
+from squeezefilm.models.force_model import TWO_FACTOR, Factors
 
 FORCE_ERRORS = tuple(10.0**-k for k in range(2, 9))
 SUCCESS = 1e-6  # relative, on the global error of the best fit

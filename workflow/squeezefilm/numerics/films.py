@@ -8,7 +8,7 @@ from math import atan2, degrees, hypot, pi
 import numpy as np
 
 from squeezefilm.numerics.yardstick import FloatArray, Fold
-from squeezefilm.profiles import Piston, Profile, Sinc
+from squeezefilm.profiles.shapes import Piston, Profile, Sinc
 from squeezefilm.scene import Actuator, Finger, Gas, Scene
 
 LENGTH_M = 0.01

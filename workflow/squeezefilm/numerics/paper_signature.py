@@ -19,8 +19,8 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.fit import fit_model
-from squeezefilm.force_model import TWO_FACTOR, Factors
+from squeezefilm.models.fit import fit_model
+from squeezefilm.models.force_model import TWO_FACTOR, Factors
 from squeezefilm.numerics import finite_elements, method_of_lines
 from squeezefilm.scene import Scene
 

@@ -21,7 +21,7 @@ from squeezefilm.numerics.explicit_march import step_limit
 from squeezefilm.numerics.films import PISTON, Film, Mirrored, Rough
 from squeezefilm.numerics.fixed_grid import solve_on_grid
 from squeezefilm.numerics.state_checks import check_state, unfold
-from squeezefilm.profiles import Sinc
+from squeezefilm.profiles.shapes import Sinc
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.periodic import Grid, States

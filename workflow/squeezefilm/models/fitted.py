@@ -1,0 +1,153 @@
+"""A fitted model as its file tells it: all that its users need, without the study it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from squeezefilm.errors import InputError
+from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors, get_model, make_model
+from squeezefilm.models.limit_table import LimitTable
+from squeezefilm.tables import read_json
+
+RANGE_SLACK = 1e-9
+
+
+@dataclass(frozen=True)
+class FittedModel:
+    """Parameters (theta4 in 1/m), their number of points, and the residual on those points.
+
+    global_error is |y − η|/|y|, sum_of_squares in N². ranges are the least and the largest value
+    of each factor's column that the model was fitted on; cross_validation holds the errors at
+    points left out, where there are enough of them. values is the whole file.
+    """
+
+    model: str
+    theta: tuple[float, ...]
+    points: int
+    global_error: float
+    sum_of_squares: float
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    cross_validation: Mapping[str, float] | None = None
+    values: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    place: str = "fit"
+
+    @cached_property
+    def force_model(self) -> ExpressionModel:
+        """The model with the formula that the file carries; the library's, if it carries none.
+
+        Raises:
+            InputError: naming the file, for a formula that is refused or an unknown model.
+        """
+        if "expression" not in self.values:
+            return get_model(self.model)
+        names, units = (self.values.get(key) for key in ("parameters", "parameter_units"))
+        if not (isinstance(names, list) and isinstance(units, list) and len(names) == len(units)):
+            raise InputError(
+                f"{self.place}: 'parameters' and 'parameter_units' must be lists of one length"
+            )
+        parameters = dict(zip(map(str, names), map(str, units), strict=True))
+        entry = {"expression": self.values["expression"], "parameters": parameters}
+        model = make_model(self.model, entry, place=self.place)
+        if len(model.parameter_names) != len(self.theta):
+            raise InputError(
+                f"{self.place}: 'theta' has {len(self.theta)} numbers for the parameters "
+                f"{', '.join(model.parameter_names)}"
+            )
+        return model
+
+    def complete(self, factors: Factors) -> Factors:
+        """The factors with the physics limits that the model needs, from the file's own table.
+
+        Raises:
+            InputError: naming the file, where it has no such table.
+        """
+        model = self.force_model
+        if all(name in factors.columns for name in model.column_names):
+            return factors
+        if "limit_table" not in self.values:
+            raise InputError(
+                f"{self.place}: the model {self.model} needs {', '.join(model.column_names)} and "
+                "its file has no table of them; fit it with --limit-table, or give points with "
+                "these columns (`squeezefilm limits`)"
+            )
+        return self.limit_table.complete(factors)
+
+    @cached_property
+    def limit_table(self) -> LimitTable:
+        """The limits that the file carries."""
+        return LimitTable.from_dict(self.values["limit_table"], place=f"{self.place}: limit_table")
+
+    def outside(self, factors: Factors) -> list[str]:
+        """For each point, the factors that lie outside the ranges the model was fitted on."""
+        notes: list[list[str]] = [[] for _ in range(len(factors))]
+        for name, (low, high) in self.ranges.items():
+            if name in COLUMNS.values():
+                continue
+            values = factors.column(name)
+            slack = RANGE_SLACK * max(abs(low), abs(high))
+            for index in np.flatnonzero((values < low - slack) | (values > high + slack)):
+                notes[index].append(f"{name} outside {low:g} … {high:g}")
+        return ["; ".join(each) for each in notes]
+
+    @property
+    def error_n(self) -> float:
+        """The force's error to expect, in newtons: root mean square at points left out of the fit.
+
+        NaN where the file tells none: as many points as parameters leave none to judge by.
+        """
+        crossed = self.cross_validation or {}
+        return float(crossed.get("root_mean_square_n", np.nan))
+
+
+def read_fit(path: Path | str) -> FittedModel:
+    """Read a fit.
+
+    Raises:
+        InputError: naming the file and the entry that is missing or no number.
+    """
+    values = read_json(path)
+    if "refused" in values:
+        raise InputError(f"{path}: there is no fit: {values['refused']}")
+    try:
+        theta = tuple(float(value) for value in values["theta"])
+    except (KeyError, TypeError, ValueError):
+        raise InputError(f"{path}: 'theta' must be a list of numbers") from None
+    crossed = values.get("cross_validation")
+    if crossed is not None and not isinstance(crossed, dict):
+        raise InputError(f"{path}: 'cross_validation' must be a mapping, or null")
+    return FittedModel(
+        model=str(values.get("model")),
+        theta=theta,
+        points=int(number(values, "points", path)),
+        global_error=number(values, "global_error", path),
+        sum_of_squares=number(values, "sum_of_squares", path),
+        ranges=_ranges(values.get("ranges", {}), path),
+        cross_validation=crossed and {key: number(crossed, key, path) for key in crossed},
+        values=values,
+        place=str(path),
+    )
+
+
+def _ranges(values: Any, path: Path | str) -> dict[str, tuple[float, float]]:
+    try:
+        return {str(name): (float(low), float(high)) for name, (low, high) in values.items()}
+    except (AttributeError, TypeError, ValueError):
+        raise InputError(f"{path}: 'ranges' must map columns to [least, largest]") from None
+
+
+def number(values: Mapping[str, Any], key: str, path: Path | str) -> float:
+    """A number of a JSON object.
+
+    Raises:
+        InputError: naming the file and the key.
+    """
+    value = values.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{path}: {key!r} must be a number, not {value!r}")
+    return float(value)

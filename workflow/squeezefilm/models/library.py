@@ -1,0 +1,50 @@
+"""The models of a study: those of the library, and its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from squeezefilm.errors import InputError
+from squeezefilm.models.force_model import ExpressionModel, library, make_model
+
+SPACES = ("two_factor", "four_factor")
+"""Where models are compared: the finger centred, or anywhere."""
+
+
+def model_named(name: str, own: Mapping[str, Any], *, place: object) -> ExpressionModel:
+    """A model by its name; ``two-factor`` is ``two_factor``.
+
+    ``own`` is the section ``models`` of a study's configuration, ``place`` the file for messages.
+
+    Raises:
+        InputError: for an unknown name, and where one of the study's own is refused.
+    """
+    name = name.replace("-", "_")
+    if name in own:
+        return make_model(name, own[name], place=f"{place}: models.{name}")
+    if name in library():
+        return library()[name]
+    known = ", ".join((*own, *library()))
+    raise InputError(f"model {name!r} is unknown; known are {known}")
+
+
+def check_models(own: Mapping[str, Any], comparison: Mapping[str, Any], *, place: object) -> None:
+    """Read every model of a configuration's sections ``models`` and ``comparison``.
+
+    Raises:
+        InputError: naming the place of a formula that is refused, of a name that is the library's,
+            or of a candidate that is unknown.
+    """
+    for name in own:
+        if name in library():
+            raise InputError(
+                f"{place}: models.{name}: the library has a model of this name; take another"
+            )
+        model_named(name, own, place=place)
+    for space in SPACES:
+        for name in comparison[space]:
+            try:
+                model_named(name, own, place=place)
+            except InputError as error:
+                raise InputError(f"{place}: comparison.{space}: {error}") from None

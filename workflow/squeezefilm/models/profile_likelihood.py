@@ -1,0 +1,215 @@
+"""Least squares near a known solution, and how well data fix each parameter.
+
+The range of a parameter is where the sum of squares, minimised over all others, stays below
+
+    S_min (1 + F(1, n - p; level) / (n - p)),
+
+the profile-likelihood interval of nonlinear regression (Bates and Watts, Nonlinear Regression
+Analysis and Its Applications, 1988, section 6.1). There, residuals are noise, and the interval
+holds the true value so many times in a hundred. Simulations have no noise: residuals are the
+model's lack of fit, the same each time, and no value is true. What the interval says here is how
+far a parameter can go while the model describes these points about as well as the best fit does:
+a measure of what the points fix, not of a scatter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+from scipy.optimize import brentq, least_squares
+
+from squeezefilm.errors import InputError
+from squeezefilm.models.force_model import ExpressionModel, Factors
+
+Array = NDArray[np.float64]
+
+UNDEFINED = 1e3
+"""Residual in newtons where a model is undefined: a step that ends there is taken back."""
+
+MOST_STEPS = 60
+"""Doublings and halvings of the step away from the estimate before a range counts as open."""
+
+
+@dataclass(frozen=True)
+class ParameterRange:
+    """A parameter's estimate and range, infinite where the data do not bound it.
+
+    theta_lower and theta_upper are the whole parameter vectors at the ends of the range, those of
+    the last step that was tried where it is open.
+    """
+
+    name: str
+    unit: str
+    estimate: float
+    lower: float
+    upper: float
+    theta_lower: tuple[float, ...]
+    theta_upper: tuple[float, ...]
+
+
+def local_fit(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    start: ArrayLike,
+    *,
+    fixed: dict[int, float] | None = None,
+) -> Array:
+    """Parameters of the least sum of squares next to a start, shape (p,).
+
+    fixed holds parameters, by their place, at given values. force_n has shape (n,).
+    """
+    force = np.asarray(force_n, dtype=float)
+    theta = np.array(start, dtype=float)
+    for place, value in (fixed or {}).items():
+        theta[place] = value
+    free = np.array([index for index in range(len(theta)) if index not in (fixed or {})], dtype=int)
+    if len(free) == 0:
+        return theta
+
+    def whole(part: Array) -> Array:
+        full = theta.copy()
+        full[free] = part
+        return full
+
+    def residuals(part: Array) -> Array:
+        misses = model.evaluate(whole(part), factors) - force
+        return np.where(np.isfinite(misses), misses, UNDEFINED)
+
+    def slopes(part: Array) -> Array:
+        rows = model.gradient(whole(part), factors)[:, free]
+        return np.where(np.isfinite(rows), rows, 0.0)
+
+    if np.any(residuals(theta[free]) == UNDEFINED):
+        return theta
+    if model.is_linear:  # exact in one step, whatever the parameters' sizes
+        rows = slopes(theta[free])
+        size = np.linalg.norm(rows, axis=0)
+        size = np.where(size > 0, size, 1.0)
+        change = np.linalg.lstsq(rows / size, -residuals(theta[free]), rcond=None)[0] / size
+        return whole(theta[free] + change)
+    with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
+        found = least_squares(
+            residuals, theta[free], jac=slopes, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15
+        )
+    return whole(found.x)
+
+
+def sum_of_squares(
+    model: ExpressionModel, factors: Factors, force_n: ArrayLike, theta: ArrayLike
+) -> float:
+    """Sum of squared residuals in N^2; infinite where the model is undefined at a point."""
+    misses = model.evaluate(theta, factors) - np.asarray(force_n, dtype=float)
+    total = float(np.sum(misses**2))
+    return total if np.isfinite(total) else np.inf
+
+
+def parameter_ranges(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    theta: ArrayLike,
+    *,
+    level: float = 0.95,
+) -> list[ParameterRange]:
+    """The range of each parameter of a fit to n points, n above p (see the module).
+
+    theta is the fit. Raises InputError for too few points, or where theta is no minimum: where
+    parameters next to it describe the points better.
+    """
+    theta = np.asarray(theta, dtype=float)
+    least = sum_of_squares(model, factors, force_n, theta)
+    spare = len(factors) - len(theta)
+    if spare < 1:
+        raise InputError(
+            f"profile: {len(factors)} points fix the {len(theta)} parameters of {model.name} "
+            "exactly; a range needs more points than parameters"
+        )
+    again = sum_of_squares(model, factors, force_n, local_fit(model, factors, force_n, theta))
+    if again < least * (1 - 1e-3):
+        raise InputError(f"profile: the parameters of {model.name} are not those of the best fit")
+    allowed = least * (1 + float(stats.f.ppf(level, 1, spare)) / spare)
+    slopes = model.gradient(theta, factors)
+    spread = _standard_errors(slopes) * np.sqrt(least / spare)
+    # Next to the fit the points may say nothing of a parameter, or describe it without a residual.
+    usable = (spread > 1e-12 * np.abs(theta)) & (spread < 1e3 * np.abs(theta))
+    spread = np.where(usable | (theta == 0) & (spread > 0), spread, 0.1 * np.abs(theta) + 1e-6)
+    return [
+        _range(model, factors, np.asarray(force_n, float), theta, place, float(step), allowed)
+        for place, step in enumerate(spread)
+    ]
+
+
+def _standard_errors(slopes: Array) -> Array:
+    """Square roots of the diagonal of (F'F)^-1, with F scaled first."""
+    size = np.linalg.norm(slopes, axis=0)
+    size = np.where(size > 0, size, 1.0)
+    inverse = np.linalg.pinv((slopes / size).T @ (slopes / size))
+    return np.asarray(np.sqrt(np.maximum(np.diagonal(inverse), 0)) / size)
+
+
+def _range(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: Array,
+    theta: Array,
+    place: int,
+    step: float,
+    allowed: float,
+) -> ParameterRange:
+    ends, vectors = [], []
+    for sign in (-1.0, 1.0):
+        end, vector = _end(model, factors, force_n, theta, place, sign * step, allowed)
+        ends.append(end)
+        vectors.append(tuple(float(value) for value in vector))
+    return ParameterRange(
+        name=model.parameter_names[place],
+        unit=model.parameter_units[place],
+        estimate=float(theta[place]),
+        lower=ends[0],
+        upper=ends[1],
+        theta_lower=vectors[0],
+        theta_upper=vectors[1],
+    )
+
+
+def _end(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: Array,
+    theta: Array,
+    place: int,
+    step: float,
+    allowed: float,
+) -> tuple[float, Array]:
+    """Where the profile reaches the allowed sum of squares, on one side, and theta there."""
+    near, known = {0.0: theta}, dict[float, float]()
+
+    def excess(way: float) -> float:
+        if way in known:
+            return known[way]
+        start = near[min(near, key=lambda each: abs(each - way))]
+        value = theta[place] + way * step
+        near[way] = local_fit(model, factors, force_n, start, fixed={place: value})
+        known[way] = sum_of_squares(model, factors, force_n, near[way]) - allowed
+        return known[way]
+
+    inside, way = 0.0, 1.0
+    for _ in range(MOST_STEPS):
+        above = excess(way)
+        if above == np.inf:  # beyond the edge of the region in which the model is defined
+            del near[way]
+            way = (inside + way) / 2
+            if way - inside < 1e-9:
+                return float(theta[place] + inside * step), near[inside]
+        elif above > 0:
+            if excess(inside) >= 0:  # of a fit whose residual is rounding
+                return float(theta[place] + inside * step), near[inside]
+            end = float(brentq(excess, inside, way, xtol=1e-6))
+            return float(theta[place] + end * step), near[end]
+        else:
+            inside, way = way, 2 * way
+    return float(np.copysign(np.inf, step)), near[inside]
