@@ -34,7 +34,7 @@ rule compare_with_reference:
     params:
         settings=settings("commands.check"),
         results=lambda wildcards, output: str(Path(output.csv).parents[1]),
-        reference=relative(REFERENCE),
+        reference=lambda wildcards: relative(REFERENCE),
     message:
         "Every number beside its reference"
     shell:

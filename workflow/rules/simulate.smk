@@ -108,7 +108,8 @@ rule simulate:
     message:
         "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
     shell:
-        "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm simulate {input.scenes} "
+        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
+        "python -m squeezefilm simulate {input.scenes} "
         "--config {input.config} --chunk {wildcards.chunk}/{wildcards.chunks} --keep-going "
         "--output {output.forces} --timings {output.timings} >{log} 2>&1"
 
