@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -91,16 +91,16 @@ def _reached_from(roots: tuple[Path, ...]) -> frozenset[Path]:
 def _named_by(path: Path) -> frozenset[Path]:
     """The files that one file names: imported modules, data, kernels, includes."""
     if path.suffix == ".py":
-        tree = _parse(path)
-        return frozenset([*_imported(tree, path), *_data_files(tree)])
+        nodes = list(ast.walk(_parse(path)))
+        return frozenset([*_imported(nodes, path), *_data_files(nodes)])
     if path.suffix in (".cl", ".h"):
         names = INCLUDE.findall(path.read_text(encoding="utf-8"))
         return frozenset(file for name in names for file in _data_named(name))
     return frozenset()
 
 
-def _imported(tree: ast.Module, path: Path) -> Iterator[Path]:
-    for node in ast.walk(tree):
+def _imported(nodes: Iterable[ast.AST], path: Path) -> Iterator[Path]:
+    for node in nodes:
         if isinstance(node, ast.Import):
             for name in node.names:
                 yield from _with_packages(name.name)
@@ -146,8 +146,8 @@ def _existing(name: str) -> Path:
     return file
 
 
-def _data_files(tree: ast.Module) -> Iterator[Path]:
-    for node in ast.walk(tree):
+def _data_files(nodes: Iterable[ast.AST]) -> Iterator[Path]:
+    for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             yield from _data_named(node.value)
 
