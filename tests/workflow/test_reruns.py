@@ -183,7 +183,7 @@ def others(value: Any) -> Iterator[Any]:
     """Values to try instead of one."""
     if isinstance(value, dict):
         yield {"kind": "piston"}
-        yield {}
+        yield {**value, "another": next(iter(value.values()))}
     elif isinstance(value, bool):
         yield not value
     elif isinstance(value, list):
@@ -196,8 +196,15 @@ def others(value: Any) -> Iterator[Any]:
         yield from (*WORDS, "pocl")
 
 
-# One key of each section: a rule has whole sections among its params.
-PLACES = {place[0]: place for place in reversed([*leaves(STUDY)])}.values()
+def is_number(place: tuple[str, ...]) -> bool:
+    value: Any = STUDY
+    for key in place:
+        value = value[key]
+    return isinstance(value, int | float) or (isinstance(value, str) and value[:1].isdigit())
+
+
+# One key of each section, a number if it has one: a rule has whole sections among its params.
+PLACES = {place[0]: place for place in sorted(leaves(STUDY), key=is_number)}.values()
 
 
 @pytest.mark.parametrize("place", PLACES, ids=".".join)
@@ -232,7 +239,8 @@ def test_jobs_of_another_length_make_anew_what_is_divided_otherwise(
         for output in job.outputs
         if job.rule.startswith("gather") and Path(output).parts[3] in plans
     }
-    assert made - chunks == with_dependents(gathered, jobs)
+    expected = {name for name in with_dependents(gathered, jobs) if "/chunks/" not in name}
+    assert made - chunks == expected
 
 
 def edited_study(path: Path, place: tuple[str, ...], folder: Path) -> str:
