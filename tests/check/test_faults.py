@@ -249,15 +249,17 @@ def test_a_factor_in_the_kernel_is_caught(copy: Path) -> None:
     text = path.read_text(encoding="utf-8")
     assert text.count("p * (1.0 + 0.5 * p)") == 1
     path.write_text(text.replace("1.0 + 0.5 * p", "1.0 + 0.505 * p"), encoding="utf-8")
-    checked = run_check(copy)
+    checked = run_check(copy, "--keep-going")
     assert checked.status != 0
-    assert ("simulations", "screen", "force_n") in checked.failed
-    assert ("simulations", "error_map", "force_n") in checked.failed
+    # The stiff films know better than the kernel, and end the run before there is a table.
+    (log,) = copy.glob("logs/quick/numerics/stability.log")
+    assert "cases failed" in log.read_text(encoding="utf-8")
+    failed = Results(copy / "results" / "quick", copy).failed()
+    assert ("simulations", "screen", "force_n") in failed
+    assert ("simulations", "error_map", "force_n") in failed
     # The settings and what follows from them alone are as they were.
-    assert items(checked.failed, "settings") == set()
-    assert not items(checked.failed, "figure data") & {"fig05", "fig06", "fig07", "fig15"}
-    assert "simulations: screen" in checked.log
-    assert "quantities failed" in checked.log
+    assert items(failed, "settings") == set()
+    assert not items(failed, "figure data") & {"fig05", "fig06", "fig07", "fig15"}
 
 
 def test_a_wrong_seed_is_caught(copy: Path) -> None:
