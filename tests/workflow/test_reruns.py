@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
 from modulefinder import ModuleFinder
@@ -183,7 +184,7 @@ def others(value: Any) -> Iterator[Any]:
     """Values to try instead of one."""
     if isinstance(value, dict):
         yield {"kind": "piston"}
-        yield {**value, "another": next(iter(value.values()))}
+        yield {**value, "another": deepcopy(next(iter(value.values())))}
     elif isinstance(value, bool):
         yield not value
     elif isinstance(value, list):
