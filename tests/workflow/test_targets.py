@@ -76,3 +76,15 @@ def test_the_paper_is_the_default_study(fresh: Planner) -> None:
 def test_a_sweep_is_simulated_in_chunks(fresh: Planner) -> None:
     done = snakemake(fresh.folder, "sweep", "--summary", "--configfile", "config/sweep.yaml")
     assert re.search(r"sweep/chunks/2-of-[2-9]\.parquet", done.stdout)
+
+
+def test_a_study_without_a_reference_can_be_reported(fresh: Planner) -> None:
+    (fresh.folder / "tests/reference/quick").mkdir(parents=True)
+    assert "results/quick/report/check.html" in fresh.made_anew("everything")
+    config = Path("config/quick.yaml")
+    text = (
+        (fresh.folder / config).read_text(encoding="utf-8").replace("study: quick", "study: mine")
+    )
+    planned = fresh.made_anew("everything", edits={config: text})
+    assert "results/mine/report/runs.html" in planned
+    assert "results/mine/report/check.html" not in planned
