@@ -8,7 +8,8 @@ import numpy as np
 
 from squeezefilm.profiles.shapes import Piston, Profile, Sinc
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.periodic import Grid, Problems, States, solve_batch
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic import Problems, States, solve_batch
 from squeezefilm.scene import Actuator, Finger, Gas, Scene
 
 SINC = Sinc(wave_number_per_m=109.8)

@@ -20,6 +20,7 @@ from squeezefilm.numerics.timing import measure
 from squeezefilm.numerics.work_precision import FILMS, work_precision
 from squeezefilm.reynolds import periodic
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import States
 
 Field = np.ndarray
@@ -162,7 +163,7 @@ def test_a_fault_in_a_term_turns_the_films_red_that_have_it(
 def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
     sound = periodic.grid_matrices
 
-    def spoilt(grid: periodic.Grid, *, aspect: float, bearing: bool) -> Field:
+    def spoilt(grid: Grid, *, aspect: float, bearing: bool) -> Field:
         matrices = sound(grid, aspect=aspect, bearing=bearing).copy()
         behind = grid.nt + bearing * grid.nx**2  # harmonics and the derivative along x
         matrices[-behind - grid.nt : -behind] *= -1
@@ -177,15 +178,17 @@ def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPat
 
     sound = periodic.Launch.states
 
-    def rounded(states: States, grid: periodic.Grid) -> States:
+    def rounded(states: States, grid: Grid) -> States:
         pressure = (1 + states.overpressure).astype(np.float32).astype(float) - 1
         weights = np.outer(grid.x.weights, grid.y.weights)
         mean = np.einsum("bxyt,xy->b", pressure, weights) / grid.nt
         return replace(states, overpressure=pressure, mean=mean)
 
-    def spoilt(landing: periodic.Launch) -> list[States]:
-        pairs = zip(sound(landing), landing.batches, strict=True)
-        return [rounded(states, batch.grid) for states, batch in pairs]
+    def spoilt(landing: periodic.Launch) -> list[list[States]]:
+        return [
+            [rounded(states, grid) for states, grid in zip(stages, batch.grids, strict=True)]
+            for stages, batch in zip(sound(landing), landing.batches, strict=True)
+        ]
 
     monkeypatch.setattr(periodic.Launch, "states", spoilt)
     assert red() == {"small"}

@@ -12,7 +12,8 @@ from films import PISTON, SINC, film, mean_overpressure
 from squeezefilm.errors import InputError
 from squeezefilm.profiles.shapes import Profile
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.periodic import Grid, Problems
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic import Problems
 from squeezefilm.reynolds.schemes import SCHEMES, choose, steps_for_stability
 from squeezefilm.reynolds.settling import SettledForce, settle, transient_force
 from squeezefilm.reynolds.transient import March, march

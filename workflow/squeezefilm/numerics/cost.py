@@ -36,7 +36,7 @@ from squeezefilm.numerics.films import Film
 from squeezefilm.numerics.fixed_grid import solve_on_grid
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.periodic import Grid
+from squeezefilm.reynolds.grid import Grid
 device = choose_device({device!r})
 random = np.random.default_rng(1)
 def films(count):

@@ -8,7 +8,8 @@ import numpy as np
 
 from squeezefilm.numerics.films import Film
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.periodic import Grid, Problems, States, solve_batch
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic import Problems, States, solve_batch
 
 
 def solve_on_grid(films: Sequence[Film], *, grid: Grid, tolerance: float, device: Device) -> States:

@@ -18,8 +18,9 @@ import numpy as np
 
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic import Grid, solve_batch
+from squeezefilm.reynolds.periodic import solve_batch
 from squeezefilm.reynolds.refinement import ITERATION_SHARE, problems_of, solve_periodic
 from squeezefilm.scene import Scene
 

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.reynolds.device import Device, kernel
-from squeezefilm.reynolds.periodic import Grid, Problems, grid_matrices, solve_batch
+from squeezefilm.reynolds.grid import Grid, grid_matrices
+from squeezefilm.reynolds.periodic import Problems, solve_batch
 from squeezefilm.reynolds.refinement import iteration_flops
 
 SOURCES = ("linear_algebra.cl", "film_over_period.cl", "roofline.cl")
@@ -65,14 +66,14 @@ def measure(device: Device) -> list[Rate]:
 
     items = device.groups * device.work_items
     rates = []
-    time_s = seconds("multiply_add_peak", np.int32(PEAK_TURNS), sent(np.zeros(items)))
+    time_s = seconds("multiply_add_peak", PEAK_TURNS, sent(np.zeros(items)))
     peak = 2 * 4 * 12 * PEAK_TURNS * items / time_s / 1e9
     rates.append(Rate("multiply-add peak", "", peak, 0.0, "arithmetic", 1.0))
     for name, size in TRIAD_BYTES.items():
         count4 = size // (3 * 32)
         turns = max(1, int(TRIAD_TRAFFIC_BYTES / (96 * count4 * device.groups)))
         fields = [sent(np.ones(4 * count4 * device.groups)) for _ in range(3)]
-        time_s = seconds("stream_triad", np.int32(count4), np.int32(turns), *fields)
+        time_s = seconds("stream_triad", count4, turns, *fields)
         stream = 96 * count4 * turns * device.groups / time_s / 1e9
         rates.append(Rate(f"stream triad {name}", "", 0.0, stream, "memory", 1.0))
     for name, grid in GRIDS.items():
@@ -82,8 +83,7 @@ def measure(device: Device) -> list[Rate]:
         for which, (part, inner) in enumerate((("along x", nx), ("along y", ny), ("along t", nt))):
             flops = 2.0 * nx * ny * nt * inner
             turns = int(PRODUCT_FLOPS / flops)
-            sizes = (np.int32(n) for n in (which, turns, nx, ny, nt))
-            time_s = seconds("panel_products", *sizes, matrices, workspace)
+            time_s = seconds("panel_products", which, turns, nx, ny, nt, matrices, workspace)
             rate = flops * turns * device.groups / time_s / 1e9
             rates.append(Rate(f"product {part}", name, rate, 0.0, "arithmetic", rate / peak))
         rate = _solve_rate(grid, device)

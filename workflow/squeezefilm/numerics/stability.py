@@ -24,7 +24,8 @@ from squeezefilm.numerics.state_checks import check_state, unfold
 from squeezefilm.profiles.shapes import Sinc
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.periodic import Grid, States
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic import States
 from squeezefilm.scene import check_scene
 
 TOLERANCE = 1e-4

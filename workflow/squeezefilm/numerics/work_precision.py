@@ -32,7 +32,7 @@ from squeezefilm.numerics.timing import cold_start, measure
 from squeezefilm.numerics.yardstick import Fold, periods_to_settle
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.periodic import Grid
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.settling import transient_force
 
 FILMS = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,9 @@ from squeezefilm.errors import InputError
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64
-BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable")
+BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable", "-cl-kernel-arg-info")
+# Kernels' arguments that are numbers: told of their types, pyopencl need not try them out.
+NUMBER_TYPES: dict[str, Any] = {"int": np.int32, "ulong": np.uint64, "double": np.float64}
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ class Device:
         groups: work-groups to launch, each with a workspace of its own.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
         memory_bytes: the device's own memory.
+        rooms: where kernels work, once there was one that did.
     """
 
     context: Any
@@ -36,6 +39,7 @@ class Device:
     groups: int
     work_items: int
     memory_bytes: int
+    rooms: list[Any] = field(default_factory=list)
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
@@ -43,10 +47,10 @@ class Device:
         return max(1, min(self.groups, scenes, room))
 
     def sent(self, values: np.ndarray) -> Any:
-        """A read-only buffer that holds ``values``."""
+        """A buffer that holds a copy of ``values``."""
         import pyopencl as cl
 
-        flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
+        flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
         return cl.Buffer(self.context, flags, hostbuf=values)
 
     def shared(self, values: np.ndarray) -> Any:
@@ -74,10 +78,17 @@ class Device:
         mapped.base.release(self.queue)
 
     def room(self, numbers: int) -> Any:
-        """A buffer of doubles for the kernels alone."""
+        """A buffer of so many doubles, or more, for a kernel to work in.
+
+        All kernels get the same one, for the queue runs them one after the other: new room is
+        dear, the system clears its pages first.
+        """
         import pyopencl as cl
 
-        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 8 * numbers)
+        if not self.rooms or self.rooms[0].size < 8 * numbers:
+            flags = cl.mem_flags.READ_WRITE
+            self.rooms[:] = [cl.Buffer(self.context, flags, 8 * numbers)]
+        return self.rooms[0]
 
     @property
     def _in_host_memory(self) -> bool:
@@ -180,7 +191,10 @@ def kernel(device: Device, name: str, *, sources: tuple[str, ...], defines: tupl
 def _kernel(context: Any, name: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
     import pyopencl as cl
 
-    return cl.Kernel(_program(context, sources, defines), name)
+    made = cl.Kernel(_program(context, sources, defines), name)
+    types = (made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args))
+    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(name) for name in types])
+    return made
 
 
 @cache

@@ -55,12 +55,12 @@ static Grid make_grid(int nx, int ny, matrix m)
 
 static void along_x(const Grid *g, matrix a, field in, field out, int add)
 {
-    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, 0, g->ny4, 1, add);
+    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, g->ny4, 1, add);
 }
 
 static void along_y(const Grid *g, matrix transposed, field in, field out, int add)
 {
-    multiply(in, g->nx, g->ny, (matrix4)transposed, (field4)out, 0, g->ny4, 1, add);
+    multiply(in, g->nx, g->ny, (matrix4)transposed, (field4)out, g->ny4, 1, add);
 }
 
 /* The gap H = 1 + excursion · s, and what depends on it alone. Each work-item reads only what it has

@@ -73,18 +73,18 @@ static Grid make_grid(int nx, int ny, int nt, matrix m)
 
 static void along_x(const Grid *g, matrix a, field in, field out, int add)
 {
-    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, 0, g->row4, 1, add);
+    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, g->row4, 1, add);
 }
 
 static void along_y(const Grid *g, matrix a, field in, field out, int add)
 {
-    multiply(a, g->ny, g->ny, (matrix4)in, (field4)out, g->row4, g->nt4, g->nx, add);
+    multiply(a, g->ny, g->ny, (matrix4)in, (field4)out, g->nt4, g->nx, add);
 }
 
 /* out[row][:] = in[row][:] times `transposed` (nt, nt). */
 static void along_t(const Grid *g, matrix transposed, field in, field out, int add)
 {
-    multiply(in, g->rows, g->nt, (matrix4)transposed, (field4)out, 0, g->nt4, 1, add);
+    multiply(in, g->rows, g->nt, (matrix4)transposed, (field4)out, g->nt4, 1, add);
 }
 
 /* modal = (to_modes_x ⊗ to_modes_y ⊗ fourier) values; `values` is overwritten. */

@@ -75,18 +75,19 @@ static inline void multiply_block(matrix a, matrix4 b, field4 c, int stride, int
 /* Columns of the next block when `left` are left: never one alone beside others, which is slow. */
 static inline int block_width(int left) { return left == 5 ? 3 : min(left, 4); }
 
-/* c = a b (+ c) for `panels` panels of b and c, `panel` double4 apart: a is (rows, inner), and a
- * row of b and c has `columns` double4. */
-static void multiply(matrix a, int rows, int inner, matrix4 b, field4 c, int panel, int columns,
-                     int panels, int add)
+/* c = a b (+ c) for some panels of b and c, (inner, columns) and (rows, columns) double4 behind each
+ * other: a is (rows, inner). */
+static void multiply(matrix a, int rows, int inner, matrix4 b, field4 c, int columns, int panels,
+                     int add)
 {
+    const int panel_b = inner * columns, panel_c = rows * columns;
 #if WORK_ITEMS == 1
     for (int p = 0; p < panels; p++)
         for (int row = 0; row < rows; row += 4)
             for (int column = 0; column < columns;) {
                 const int width = block_width(columns - column);
-                multiply_block(a + row * inner, b + p * panel + column,
-                               c + p * panel + row * columns + column, columns, inner, width, add);
+                multiply_block(a + row * inner, b + p * panel_b + column,
+                               c + p * panel_c + row * columns + column, columns, inner, width, add);
                 column += width;
             }
 #else
@@ -96,8 +97,8 @@ static void multiply(matrix a, int rows, int inner, matrix4 b, field4 c, int pan
         const int p = task / (row_blocks * column_blocks);
         const int row = 4 * (task / column_blocks % row_blocks);
         const int column = 4 * (task % column_blocks);
-        multiply_block(a + row * inner, b + p * panel + column,
-                       c + p * panel + row * columns + column, columns, inner,
+        multiply_block(a + row * inner, b + p * panel_b + column,
+                       c + p * panel_c + row * columns + column, columns, inner,
                        min(columns - column, 4), add);
     }
 #endif

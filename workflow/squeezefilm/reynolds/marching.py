@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.galerkin import wants_modes
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs
-from squeezefilm.reynolds.periodic import Grid
 from squeezefilm.reynolds.refinement import grid_for, problems_of
 from squeezefilm.reynolds.settling import SettledForce, transient_force
 from squeezefilm.reynolds.solution import Solution, left_out_text, refusal

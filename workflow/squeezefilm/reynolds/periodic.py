@@ -4,59 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from squeezefilm.reynolds.device import Device, aligned, kernel
+from squeezefilm.reynolds.grid import Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 
 SOURCES = ("linear_algebra.cl", "film_over_period.cl", "krylov.cl", "periodic.cl")
+# Numbers that the device says of a scene beside its state: those of States but the first.
+NUMBERS = 8
+# Numbers of a row of the layout, and what stands for no offset.
+LAYOUT = 9
+NOTHING = -1
 STATUS = ("ok", "Newton's method did not converge", "the pressure became infinite")
 MOST_NEWTON = 40
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
-
-
-@dataclass(frozen=True)
-class Grid:
-    """Collocation points per direction, and which directions are folded by symmetry.
-
-    ``nx`` and ``ny`` count unknowns: a folded axis has half as many as it has nodes.
-    """
-
-    nx: int
-    ny: int
-    nt: int
-    fold_x: bool
-    fold_y: bool
-
-    @property
-    def x(self) -> Axis:
-        return axis(self.nx, self.fold_x)
-
-    @property
-    def y(self) -> Axis:
-        return axis(self.ny, self.fold_y)
-
-    @property
-    def t(self) -> Period:
-        return period(self.nt)
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        return self.nx, self.ny, self.nt
-
-    @property
-    def count(self) -> int:
-        """Number of unknowns."""
-        return self.nx * self.ny * self.nt
-
-    def finer_than(self, other: Grid) -> bool:
-        """In every direction: only then does the difference between two grids show every error."""
-        return all(mine > its for mine, its in zip(self.shape, other.shape, strict=True))
 
 
 @dataclass(frozen=True)
@@ -93,31 +58,43 @@ class Problems:
 
 @dataclass(frozen=True)
 class Batch:
-    """Scenes on one grid.
+    """Scenes on one grid after the other: the state on each is the first guess on the next.
 
-    guess: first guess of the overpressure, shape (scenes, nx, ny, nt); the film at rest if left
-    out.
+    Attributes:
+        grids: each no coarser than the one before.
+        problems: the scenes as they are on each of the grids.
+        guess: first guess of the overpressure on the first grid, shape (scenes, nx, ny, nt); the
+            film at rest if left out.
     """
 
-    problems: Problems
-    grid: Grid
+    grids: Sequence[Grid]
+    problems: Sequence[Problems]
     guess: np.ndarray | None = None
 
     @property
     def scenes(self) -> int:
-        return len(self.problems.epsilon)
+        return len(self.problems[0].epsilon)
 
     @property
-    def most_krylov(self) -> int:
-        """Krylov iterations that a Newton step may take: as many as there is room for."""
-        room = LARGEST_WORKSPACE_BYTES // (8 * self.grid.count) - 8
-        return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
+    def count(self) -> int:
+        """Number of unknowns, of all scenes on all grids."""
+        return self.scenes * sum(grid.count for grid in self.grids)
 
     @property
     def workspace_size(self) -> int:
-        """Numbers that a work-group needs beside the state: fields, Krylov basis, Hessenberg."""
-        fields = 3 * self.problems.flow.shape[1] + 4 + self.most_krylov
-        return self.grid.count * fields + (self.most_krylov + 4) * (self.most_krylov + 1)
+        """Numbers that a work-group needs beside the states: fields, Krylov basis, Hessenberg."""
+        flow_terms = self.problems[0].flow.shape[1]
+        sizes = []
+        for grid in self.grids:
+            most = most_krylov(grid)
+            sizes.append(grid.count * (3 * flow_terms + 4 + most) + (most + 4) * (most + 1))
+        return max(sizes)
+
+
+def most_krylov(grid: Grid) -> int:
+    """Krylov iterations that a Newton step may take: as many as there is room for."""
+    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count) - 8
+    return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
 
 
 @dataclass(frozen=True)
@@ -149,125 +126,152 @@ class States:
 def solve_batch(
     *, problems: Problems, grid: Grid, device: Device, guess: np.ndarray | None = None
 ) -> States:
-    """The periodic states of one batch."""
-    return launch([Batch(problems, grid, guess)], device=device).states()[0]
+    """The periodic states of scenes on one grid."""
+    return launch([Batch([grid], [problems], guess)], device=device).states()[0][0]
 
 
 @dataclass(frozen=True)
 class Launch:
-    """Batches that the device is solving, and the arrays that it leaves its results in."""
+    """Batches that the device is solving, and the array that it leaves its results in."""
 
     batches: Sequence[Batch]
     device: Device
-    arrays: tuple[np.ndarray, ...]
-    buffers: tuple[Any, ...]
+    results: np.ndarray
+    buffer: Any
 
-    def states(self) -> list[States]:
-        """Wait for the device; the states of each batch."""
-        for values, buffer in zip(self.arrays, self.buffers, strict=True):
-            self.device.fetch(values, buffer)
-        state, results, counts, _ = self.arrays
-        states = []
-        first = start = 0
+    def states(self) -> list[list[States]]:
+        """Wait for the device; the states of each batch on each of its grids."""
+        self.device.fetch(self.results, self.buffer)
+        rows = sum(batch.scenes * len(batch.grids) for batch in self.batches)
+        at_state = rows * NUMBERS
+        numbers = self.results[:at_state].reshape(rows, NUMBERS)
+        states: list[list[States]] = []
+        first = 0
         for batch in self.batches:
-            last, stop = first + batch.scenes, start + batch.scenes * batch.grid.count
-            states.append(
-                States(
-                    overpressure=state[start:stop].reshape(-1, *batch.grid.shape),
-                    mean=results[first:last, 0],
-                    residual=results[first:last, 1],
-                    largest=results[first:last, 2],
-                    lowest=results[first:last, 3],
-                    thinnest=results[first:last, 4],
-                    status=counts[first:last, 0],
-                    newton_steps=counts[first:last, 1],
-                    krylov_iterations=counts[first:last, 2],
+            stages = len(batch.grids)
+            last = first + batch.scenes * stages
+            states.append([])
+            for stage, grid in enumerate(batch.grids):
+                end = at_state + batch.scenes * grid.count
+                said = numbers[first + stage : last : stages].T
+                states[-1].append(
+                    States(
+                        self.results[at_state:end].reshape(-1, *grid.shape),
+                        *said[:5],
+                        *said[5:].astype(int),
+                    )
                 )
-            )
-            first, start = last, stop
+                at_state = end
+            first = last
         return states
 
 
 def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     """Let the device solve batches of like terms; each scene is solved on its own.
 
+    All of a scene's grids come in one launch, for the way to the device and back costs as much as
+    a small solve.
+
     The device takes scenes in the given order: put the dearest first.
     """
     import pyopencl as cl
 
-    moving = any(np.any(batch.problems.bearing) for batch in batches)
+    moving = any(np.any(batch.problems[0].bearing) for batch in batches)
     defines = _defines(batches, moving=moving)
     periodic_state = kernel(device, "periodic_state", sources=SOURCES, defines=defines)
     inputs = _inputs(batches, moving=moving)
     scenes = sum(batch.scenes for batch in batches)
-    results = np.empty((scenes, 5))
-    counts = np.empty((scenes, 3), dtype=np.int32)
-    taken = np.zeros(1, dtype=np.int32)
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
-    arrays = inputs.state, results, counts, taken
-    buffers = tuple(device.shared(values) for values in arrays)
+    buffer = device.shared(inputs.results)
     periodic_state(
         device.queue,
         (groups * device.work_items,),
         (device.work_items,),
-        np.int32(scenes),
-        np.int32(MOST_NEWTON),
+        scenes,
+        MOST_NEWTON,
         *(device.sent(values) for values in inputs.read_only),
-        *buffers,
+        buffer,
+        device.sent(np.zeros(1, dtype=np.int32)),
         device.room(workspace_size * groups),
-        np.uint64(workspace_size),
+        workspace_size,
         cl.LocalMemory(8 * device.work_items),
     )
     device.queue.flush()
-    return Launch(batches=batches, device=device, arrays=arrays, buffers=buffers)
+    return Launch(batches=batches, device=device, results=inputs.results, buffer=buffer)
 
 
 @dataclass(frozen=True)
 class _Inputs:
     """A launch's arrays, as periodic.cl describes them.
 
-    read_only: layout, matrices, numbers, profile and schur.
+    read_only: begins, layout, matrices, numbers, profile and schur.
+    results: room for what the device says of the scenes, and their first guesses.
     """
 
     read_only: tuple[np.ndarray, ...]
-    state: np.ndarray
+    results: np.ndarray
+
+
+class _Joined:
+    """Arrays that are put behind each other, and where the next one will begin."""
+
+    def __init__(self) -> None:
+        self.parts: list[np.ndarray] = [np.zeros(0)]
+        self.end = 0
+
+    def add(self, values: np.ndarray) -> int:
+        """Where the values begin."""
+        begin = self.end
+        self.parts.append(values.ravel())
+        self.end += values.size
+        return begin
+
+    @property
+    def values(self) -> np.ndarray:
+        return np.concatenate(self.parts) if self.end else np.zeros(1)
 
 
 def _inputs(batches: Sequence[Batch], *, moving: bool) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
-    layout: list[tuple[int, ...]] = []
-    matrices, numbers, profile, schur = [], [], [], []
-    at_matrices = at_profile = at_schur = at_state = 0
-    state = aligned(sum(batch.scenes * batch.grid.count for batch in batches))
+    stages = np.concatenate([np.full(batch.scenes, len(batch.grids)) for batch in batches])
+    begins = np.concatenate([[0], np.cumsum(stages)])
+    at_state = NUMBERS * int(begins[-1])
+    results = aligned(at_state + sum(batch.count for batch in batches))
+    matrices, profile, schur = _Joined(), _Joined(), _Joined()
+    layouts, numbers = [], []
     for batch in batches:
-        problems, grid = batch.problems, batch.grid
-        matrices.append(grid_matrices(grid, aspect=problems.aspect, bearing=moving))
-        numbers.append(_numbers(problems))
-        fields = profile_fields(problems, grid, slope=moving)
-        profile.append(fields.ravel())
-        form_size = 0
-        if moving:
-            schur.append(_schur_forms(problems, grid).ravel())
-            form_size = 3 * grid.nx**2
-        end = at_state + batch.scenes * grid.count
-        state[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
-        for place in problems.places:
-            at_place = at_profile + int(place) * fields[0].size
-            offsets = at_matrices, at_place, at_schur, at_state
-            layout.append((*grid.shape, batch.most_krylov, *offsets))
-            at_schur += form_size
-            at_state += grid.count
-        at_matrices += matrices[-1].size
-        at_profile += fields.size
+        layout = np.empty((batch.scenes, len(batch.grids), LAYOUT), dtype=np.int64)
+        coarser = None
+        for stage, (grid, problems) in enumerate(zip(batch.grids, batch.problems, strict=True)):
+            of_grid = grid_matrices(grid, aspect=problems.aspect, bearing=moving)
+            fields = profile_fields(problems, grid, slope=moving)
+            row = layout[:, stage].T
+            row[:3] = np.array(grid.shape)[:, None]
+            row[3] = most_krylov(grid)
+            row[4] = matrices.add(of_grid)
+            row[5] = matrices.add(carrying_matrices(coarser, grid)) if coarser else NOTHING
+            row[6] = profile.add(fields) + problems.places * fields[0].size
+            row[7] = 0
+            if moving:
+                each = 3 * grid.nx**2 * np.arange(batch.scenes)
+                row[7] = schur.add(_schur_forms(problems, grid)) + each
+            row[8] = at_state + grid.count * np.arange(batch.scenes)
+            end = at_state + batch.scenes * grid.count
+            if coarser is None:
+                results[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
+            at_state, coarser = end, grid
+        layouts.append(layout.reshape(-1, LAYOUT))
+        numbers.append(np.stack([_numbers(each) for each in batch.problems], axis=1).ravel())
     read_only = (
-        np.array(layout, dtype=np.int64),
-        np.concatenate(matrices),
+        begins.astype(np.int32),
+        np.concatenate(layouts),
+        matrices.values,
         np.concatenate(numbers),
-        np.concatenate(profile),
-        np.concatenate(schur) if moving else np.zeros(1),
+        profile.values,
+        schur.values,
     )
-    return _Inputs(read_only=read_only, state=state)
+    return _Inputs(read_only=read_only, results=results)
 
 
 def _numbers(problems: Problems) -> np.ndarray:
@@ -286,10 +290,10 @@ def _numbers(problems: Problems) -> np.ndarray:
 
 def _defines(batches: Sequence[Batch], *, moving: bool) -> tuple[str, ...]:
     """The terms that the batches need; the others are not compiled."""
-    defines = [f"FLOW_TERMS={batches[0].problems.flow.shape[1]}", "PROFILE_FIELDS=3"]
+    defines = [f"FLOW_TERMS={batches[0].problems[0].flow.shape[1]}", "PROFILE_FIELDS=3"]
     if moving:
         defines[1:] = ["PROFILE_FIELDS=4", "BEARING"]
-    if any(np.any(batch.problems.inverse_exponent != 1) for batch in batches):
+    if any(np.any(batch.problems[0].inverse_exponent != 1) for batch in batches):
         defines.append("POLYTROPIC")
     return tuple(defines)
 
@@ -326,33 +330,6 @@ def warm(device: Device, needs: Needs) -> None:
         tolerance=1.0,
     )
     solve_batch(problems=problems, grid=grid, device=device)
-
-
-@lru_cache(maxsize=256)
-def grid_matrices(grid: Grid, *, aspect: float, bearing: bool) -> np.ndarray:
-    """The batch's matrices in one array, in the order in which make_grid reads them."""
-    values_x, vectors_x, inverse_x = grid.x.modes
-    values_y, vectors_y, inverse_y = grid.y.modes
-    parts = [
-        grid.x.second_derivative,
-        vectors_x,
-        inverse_x,
-        grid.y.second_derivative / aspect**2,
-        vectors_y,
-        inverse_y,
-        grid.t.fourier,
-        grid.t.fourier.T,
-        grid.t.derivative.T,
-        np.add.outer(values_x, values_y / aspect**2),
-        values_y / aspect**2,
-        np.outer(grid.x.weights, grid.y.weights),
-        np.tile(np.arange(grid.nt // 2), 2),
-        np.sin(grid.t.nodes),
-        np.cos(grid.t.nodes),
-    ]
-    if bearing:
-        parts.append(grid.x.first_derivative)
-    return np.concatenate([np.ascontiguousarray(part).ravel() for part in parts])
 
 
 def profile_fields(problems: Problems, grid: Grid, *, slope: bool) -> np.ndarray:

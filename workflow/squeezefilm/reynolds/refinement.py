@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic import STATUS, Batch, Grid, Launch, Problems, States, launch
+from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, Problems, States, launch
 from squeezefilm.reynolds.resolution import (
     MOMENT_FACTOR,
     MOMENTS,
@@ -38,17 +39,16 @@ LAUNCH_BYTES = 256 * 2**20
 class _Progress:
     """A scene on its way through the grids.
 
-    first: the grid to go to from a start grid; None once it has been reached.
+    Attributes:
+        grids: those of the next launch; the last two tell the error.
+        overpressure: the state on the first of them, if it is known already.
     """
 
     index: int
     scene: Scene
     needs: Needs
-    grid: Grid
-    first: Grid | None = None
-    grid_before: Grid | None = None
+    grids: tuple[Grid, ...]
     overpressure: np.ndarray | None = None
-    mean_before: np.ndarray | None = None
     newton_steps: int = 0
     krylov_iterations: int = 0
     work: float = 0.0
@@ -81,8 +81,8 @@ def solve_periodic(
             break
         groups, landing = flying.popleft()
         unfinished = []
-        for group, states in zip(groups, landing.states(), strict=True):
-            judged = _judge(group, states, tolerance=tolerance)
+        for group, stages in zip(groups, landing.states(), strict=True):
+            judged = _judge(group, stages, tolerance=tolerance)
             for progress, solution in zip(group, judged, strict=True):
                 if solution is None:
                     unfinished.append(progress)
@@ -94,11 +94,11 @@ def solve_periodic(
 
 
 def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float) -> _Progress:
+    """The first launch: a start, and the two grids that it takes to know the error."""
     first = grid_for(scene, needs, tolerance=tolerance)
-    start = start_grid(first)
-    if start is None:
-        return _Progress(index=index, scene=scene, needs=needs, grid=first)
-    return _Progress(index=index, scene=scene, needs=needs, grid=start, first=first)
+    wanted = start_grid(first), first, finer_grid(first)
+    grids = tuple(grid for grid in wanted if grid is not None)
+    return _Progress(index=index, scene=scene, needs=needs, grids=grids)
 
 
 def grid_for(scene: Scene, needs: Needs, *, tolerance: float) -> Grid:
@@ -113,34 +113,35 @@ def grid_for(scene: Scene, needs: Needs, *, tolerance: float) -> Grid:
 
 
 def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
-    """Scenes in groups of one grid and finger shape; groups of like terms are launched together.
+    """Scenes of the same grids and finger shape in groups, groups of like terms in launches.
 
     The dearest grids come first, so that no long solve is left over at the end.
     """
     launches: list[dict[object, list[_Progress]]] = []
     current: dict[object, dict[object, list[_Progress]]] = {}
     filled: dict[object, int] = {}
-    for progress in sorted(waiting, key=lambda progress: -iteration_flops(progress.grid)):
+    for progress in sorted(waiting, key=lambda progress: -iteration_flops(progress.grids[-1])):
         needs = progress.needs
         terms = (needs.bearing, needs.flow_terms, needs.polytropic)
-        size = 8 * progress.grid.count
+        size = 8 * sum(grid.count for grid in progress.grids)
         if terms not in current or filled[terms] + size > LAUNCH_BYTES:
             current[terms], filled[terms] = defaultdict(list), 0
             launches.append(current[terms])
         filled[terms] += size
-        starts = progress.first is not None
-        grids = (progress.grid, progress.grid_before, starts, progress.scene.aspect)
-        current[terms][grids].append(progress)
+        alike = (progress.grids, progress.overpressure is None, progress.scene.aspect)
+        current[terms][alike].append(progress)
     return [list(groups.values()) for groups in launches]
 
 
 def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
-    grid = group[0].grid
+    scenes = [progress.scene for progress in group]
+    grids = group[0].grids
     left = ITERATION_SHARE * tolerance
-    if group[0].first is not None:
-        left = max(left, START_TOLERANCE)
-    problems = problems_of([progress.scene for progress in group], grid, tolerance=left)
-    return Batch(problems=problems, grid=grid, guess=_first_guess(group))
+    shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * 2
+    on_grids = zip(grids, shares[-len(grids) :], strict=True)
+    problems = [problems_of(scenes, grid, tolerance=share) for grid, share in on_grids]
+    known = [progress.overpressure for progress in group if progress.overpressure is not None]
+    return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
 
 
 def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
@@ -161,7 +162,7 @@ def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Pro
 
 def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The profile on all nodes at each place of the finger, and each scene's place."""
-    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
+    x, y = grid.positions
     profiles: list[np.ndarray] = []
     known: dict[object, int] = {}
     for scene in scenes:
@@ -171,60 +172,35 @@ def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> tuple[np.ndarray, np.nda
     return np.stack(profiles), np.array([known[scene.place] for scene in scenes])
 
 
-def _first_guess(group: Sequence[_Progress]) -> np.ndarray | None:
-    """The states on the coarser grid, interpolated; the film at rest on the first grid."""
-    coarse, fine = group[0].grid_before, group[0].grid
-    if coarse is None:
-        return None
-    states = np.stack([p.overpressure for p in group if p.overpressure is not None])
-    along_t = states.reshape(-1, coarse.nt) @ coarse.t.interpolation_to(fine.t).T
-    along_x = coarse.x.interpolation_to(fine.x) @ along_t.reshape(len(group), coarse.nx, -1)
-    panels = along_x.reshape(-1, coarse.ny, fine.nt)
-    return (coarse.y.interpolation_to(fine.y) @ panels).reshape(len(group), *fine.shape)
-
-
 def _judge(
-    group: Sequence[_Progress], states: States, *, tolerance: float
+    group: Sequence[_Progress], stages: Sequence[States], *, tolerance: float
 ) -> list[Solution | None]:
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
-    coarse, grid = group[0].grid_before, group[0].grid
-    mean_pressure = states.overpressure @ np.full(grid.nt, 1 / grid.nt)
+    grids, states = group[0].grids, stages[-1]
     floor = ROUND_OFF * states.largest
     error = np.full(len(group), np.inf)
-    if coarse is not None and grid.finer_than(coarse):
+    if len(grids) > 1 and grids[-1].finer_than(grids[-2]):
         epsilon = np.array([progress.scene.epsilon for progress in group])
-        before = np.stack([p.mean_before for p in group if p.mean_before is not None])
-        change = _change(before, coarse, mean_pressure, grid)
+        change = _change(stages[-2], grids[-2], states, grids[-1])
         error = MOMENT_FACTOR * change + states.residual / (1 - epsilon) + floor
     enough = error <= tolerance * np.abs(states.mean) + floor
     return [
         _judge_scene(
-            progress,
-            states,
-            position,
-            error=float(error[position]),
-            enough=bool(enough[position]),
-            mean_pressure=mean_pressure[position],
+            progress, stages, position, error=float(error[position]), enough=bool(enough[position])
         )
         for position, progress in enumerate(group)
     ]
 
 
 def _judge_scene(
-    progress: _Progress,
-    states: States,
-    position: int,
-    *,
-    error: float,
-    enough: bool,
-    mean_pressure: np.ndarray,
+    progress: _Progress, stages: Sequence[States], position: int, *, error: float, enough: bool
 ) -> Solution | None:
-    scene, grid = progress.scene, progress.grid
-    krylov = int(states.krylov_iterations[position])
-    newton = int(states.newton_steps[position])
-    progress.newton_steps += newton
-    progress.krylov_iterations += krylov
-    progress.work += (krylov + newton) * iteration_flops(grid)
+    scene, states, grid = progress.scene, stages[-1], progress.grids[-1]
+    for each, its_grid in zip(stages, progress.grids, strict=True):
+        newton, krylov = int(each.newton_steps[position]), int(each.krylov_iterations[position])
+        progress.newton_steps += newton
+        progress.krylov_iterations += krylov
+        progress.work += (krylov + newton) * iteration_flops(its_grid)
 
     def finished(*, status: str, force: float = np.nan, error: float = np.nan) -> Solution:
         return Solution(
@@ -242,11 +218,9 @@ def _judge_scene(
             work=progress.work,
         )
 
-    if states.status[position] != 0 and progress.first is not None:
-        progress.grid, progress.first = progress.first, None
-        return None
-    if states.status[position] != 0:
-        return finished(status=f"{STATUS[states.status[position]]} ({_size(grid)})")
+    for each, its_grid in list(zip(stages, progress.grids, strict=True))[-2:]:
+        if each.status[position] != 0:
+            return finished(status=f"{STATUS[each.status[position]]} ({_size(its_grid)})")
     thinnest = scene.inverse_knudsen * float(states.thinnest[position])
     if scene.gas.rarefaction == "fukui-kaneko" and thinnest < FUKUI_KANEKO_LEAST_D:
         return finished(
@@ -254,13 +228,12 @@ def _judge_scene(
         )
     if enough:
         return finished(status="ok", force=float(states.mean[position]), error=error)
-    finer = progress.first or finer_grid(grid)
+    finer = finer_grid(grid)
     if finer is None:
         return finished(
             status=f"tolerance not reached on the finest grid ({_size(grid)}): error {error:.1e}"
         )
-    progress.overpressure, progress.mean_before = states.overpressure[position], mean_pressure
-    progress.grid_before, progress.grid, progress.first = grid, finer, None
+    progress.grids, progress.overpressure = (grid, finer), states.overpressure[position]
     return None
 
 
@@ -270,14 +243,15 @@ def iteration_flops(grid: Grid) -> float:
     return 2.0 * nx * ny * nt * (3 * nx + 3 * ny + 2 * nt)
 
 
-def _change(before: np.ndarray, coarse: Grid, after: np.ndarray, fine: Grid) -> np.ndarray:
+def _change(before: States, coarse: Grid, after: States, fine: Grid) -> np.ndarray:
     """Largest change, from grid to grid, of the mean pressure's lowest cosine moments, per scene.
 
-    before, after: mean overpressure, shape (scenes, nx, ny) of the coarse and the fine grid. The
-    first of the moments is the force.
+    The first of the moments is the force.
     """
-    carried = coarse.x.interpolation_to(fine.x) @ before @ coarse.y.interpolation_to(fine.y).T
-    moments = fine.x.moments(MOMENTS) @ (after - carried) @ fine.y.moments(MOMENTS).T
+    on_coarse = before.overpressure @ np.full(coarse.nt, 1 / coarse.nt)
+    on_fine = after.overpressure @ np.full(fine.nt, 1 / fine.nt)
+    carried = coarse.x.interpolation_to(fine.x) @ on_coarse @ coarse.y.interpolation_to(fine.y).T
+    moments = fine.x.moments(MOMENTS) @ (on_fine - carried) @ fine.y.moments(MOMENTS).T
     return np.abs(moments).max(axis=(1, 2))
 
 

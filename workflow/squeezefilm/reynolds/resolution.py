@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from math import asinh, ceil, log, log10, sqrt
 
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic import Grid
 
 # Grids beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112 × 112 × 112.
 MOST_SPACE = 160

@@ -13,7 +13,8 @@ from math import pi, sqrt
 import numpy as np
 
 from squeezefilm.errors import InputError
-from squeezefilm.reynolds.periodic import Grid, Problems
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic import Problems
 
 LEAST_STEPS = 8
 # Cost of solving for a stage in units of evaluating one, measured on 16 × 16 nodes.

@@ -12,7 +12,8 @@ from math import pi
 import numpy as np
 
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.periodic import Grid, Problems
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic import Problems
 from squeezefilm.reynolds.resolution import MOMENT_FACTOR, MOMENTS, ROUND_OFF, finer_grid
 from squeezefilm.reynolds.schemes import SCHEMES, Choice, choose, steps_for_stability
 from squeezefilm.reynolds.transient import STATUS, march

@@ -14,7 +14,8 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.device import Device, aligned, kernel
-from squeezefilm.reynolds.periodic import Grid, Problems, profile_fields
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic import Problems, profile_fields
 from squeezefilm.reynolds.schemes import SCHEMES, Scheme, steps_for_stability
 
 EXPLICIT_SOURCES = ("linear_algebra.cl", "film_at_instant.cl", "transient.cl")
@@ -158,7 +159,6 @@ def march(
     results = np.empty((scenes, periods, 3))
     counts = np.empty((scenes, 3), dtype=np.int32)
 
-    taken = np.zeros(1, dtype=np.int32)
     march_films = kernel(
         device,
         "march_films",
@@ -171,17 +171,21 @@ def march(
         device.queue,
         (groups * device.work_items,),
         (device.work_items,),
-        *(np.int32(n) for n in (scenes, grid.nx, grid.ny, periods, first_period)),
-        np.float64(ramp_periods),
-        np.int32(method.stages),
+        scenes,
+        grid.nx,
+        grid.ny,
+        periods,
+        first_period,
+        ramp_periods,
+        method.stages,
         device.sent(method.table),
         device.sent(matrices),
         device.sent(numbers),
         device.sent(profile_fields(problems, grid, slope=moving)[problems.places]),
         *shared,
         device.room(size * groups),
-        np.uint64(size),
-        device.shared(taken),
+        size,
+        device.sent(np.zeros(1, dtype=np.int32)),
         cl.LocalMemory(8 * device.work_items),
     )
     for values, buffer in zip((state, mean, results, counts), shared, strict=True):
