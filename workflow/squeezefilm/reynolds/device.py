@@ -192,8 +192,8 @@ def _kernel(context: Any, name: str, sources: tuple[str, ...], defines: tuple[st
     import pyopencl as cl
 
     made = cl.Kernel(_program(context, sources, defines), name)
-    types = (made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args))
-    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(name) for name in types])
+    types = [made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args)]
+    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(name)) for name in types])
     return made
 
 

@@ -94,11 +94,18 @@ def solve_periodic(
 
 
 def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float) -> _Progress:
-    """The first launch: a start, and the two grids that it takes to know the error."""
+    grids = first_grids(scene, needs, tolerance=tolerance)
+    return _Progress(index=index, scene=scene, needs=needs, grids=grids)
+
+
+def first_grids(scene: Scene, needs: Needs, *, tolerance: float) -> tuple[Grid, ...]:
+    """Those of the first launch: a start, if it pays, and the two that it takes to know the error.
+
+    The finer one is missing where the first is the finest that there is.
+    """
     first = grid_for(scene, needs, tolerance=tolerance)
     wanted = start_grid(first), first, finer_grid(first)
-    grids = tuple(grid for grid in wanted if grid is not None)
-    return _Progress(index=index, scene=scene, needs=needs, grids=grids)
+    return tuple(grid for grid in wanted if grid is not None)
 
 
 def grid_for(scene: Scene, needs: Needs, *, tolerance: float) -> Grid:
