@@ -4,13 +4,21 @@ Reference values are those of the film on the unit square: s = 1 (a piston) or t
 """
 
 import math
+import os
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from squeezefilm.errors import RunError
-from squeezefilm.numerics import chebyshev_march, finite_elements, method_of_lines, numpy_periodic
+from squeezefilm.numerics import (
+    chebyshev_march,
+    finite_elements,
+    freefem,
+    method_of_lines,
+    numpy_periodic,
+)
 from squeezefilm.numerics.yardstick import (
     FloatArray,
     graded_edges,
@@ -275,6 +283,30 @@ def test_folding_changes_nothing(fold: tuple[bool, bool]) -> None:
             peer.periodic_force(**scene, **settings, fold=f).force for f in (CENTRED, fold)
         )
         assert whole == pytest.approx(folded, rel=1e-6), peer.__name__
+
+
+@pytest.mark.skipif(not freefem.installed(), reason="needs FreeFEM")
+@pytest.mark.parametrize("fold", [CENTRED, (False, True), (False, False)])
+def test_freefem_gives_what_the_same_scheme_gives(fold: tuple[bool, bool]) -> None:
+    """Triangles and another rule for the gap's powers: not the same, but nearer with each cell."""
+    settings = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc, "steps": 8, "periods": 3}
+    apart = [
+        freefem.periodic_force(**settings, cells=cells, fold=fold).force
+        / finite_elements.periodic_force(**settings, cells=cells, fold=fold).force
+        - 1
+        for cells in (2, 4)
+    ]
+    assert abs(apart[0]) < 1e-2
+    assert abs(apart[1]) < abs(apart[0]) / 8
+
+
+def test_a_freefem_that_fails_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = tmp_path / freefem.PROGRAM
+    program.write_text("#!/bin/sh\necho no licence\nexit 1\n", encoding="utf-8")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    with pytest.raises(RunError, match="FreeFEM stopped: no licence"):
+        freefem.periodic_force(epsilon=0.4, sigma=20.0, amplitude=sinc)
 
 
 def test_finite_elements_agree_on_the_bearing_term() -> None:

@@ -16,13 +16,8 @@ import sys
 import pandas as pd
 
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.numerics.work_precision import (
-    COLUMNS,
-    FILMS,
-    cold_starts,
-    missing_peers,
-    work_precision,
-)
+from squeezefilm.numerics import freefem
+from squeezefilm.numerics.work_precision import COLUMNS, FILMS, cold_starts, work_precision
 from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.runs import provenance
 from squeezefilm.studies.config import load_config
@@ -63,8 +58,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _note(repeats: int, device: str) -> str:
-    missing = missing_peers()
-    left_out = f" Not installed and left out: {', '.join(missing)}." if missing else ""
+    left_out = "" if freefem.installed() else " FreeFEM is not installed and left out."
     return (
         f"Centred sinc; off centre: by 2.9 mm. Warm, median of {repeats}; processor time of all "
         f"threads. OpenCL: {device}; a batch has {BATCH} films. CN: Crank–Nicolson. Runs longer "

@@ -69,6 +69,12 @@ STYLES: dict[tuple[str, str, bool], tuple[str, str, str, str]] = {
         "-",
         "finite elements, CN from rest",
     ),
+    ("finite elements, Crank–Nicolson from rest, FreeFEM", "balanced", False): (
+        style.VERMILLION,
+        "P",
+        "--",
+        "finite elements, CN from rest, FreeFEM",
+    ),
     ("finite volumes, BDF from rest", "balanced", False): (
         style.PURPLE,
         "h",

@@ -27,6 +27,12 @@ class Timed(Generic[Result]):
     repeats: int
 
 
+def processor_seconds() -> float:
+    """Processor time of this process, its threads and the processes that it has waited for."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
 def measure(
     call: Callable[[], Result], *, repeats: int, long_seconds: float = 0.2
 ) -> Timed[Result]:
@@ -38,9 +44,9 @@ def measure(
     cpu: list[float] = []
     wall: list[float] = []
     for index in range(repeats + 1):
-        wall_start, cpu_start = time.perf_counter(), time.process_time()
+        wall_start, cpu_start = time.perf_counter(), processor_seconds()
         result = call()
-        cpu_spent, wall_spent = time.process_time() - cpu_start, time.perf_counter() - wall_start
+        cpu_spent, wall_spent = processor_seconds() - cpu_start, time.perf_counter() - wall_start
         if index > 0 or wall_spent > long_seconds:
             cpu.append(cpu_spent)
             wall.append(wall_spent)
@@ -55,7 +61,7 @@ def cold_start(code: str, *, environment: dict[str, str] | None = None) -> tuple
     environment: variables on top of those of this process.
     Raises RunError when the code fails.
     """
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    before, start = processor_seconds(), time.perf_counter()
     run = subprocess.run(
         [sys.executable, "-c", code],
         env={**os.environ, **(environment or {})},
@@ -63,8 +69,7 @@ def cold_start(code: str, *, environment: dict[str, str] | None = None) -> tuple
         text=True,
         check=False,
     )
-    wall = time.perf_counter() - start
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    wall, cpu = time.perf_counter() - start, processor_seconds() - before
     if run.returncode:
         raise RunError(f"a cold start failed: {run.stderr.strip().splitlines()[-1]}")
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall
+    return cpu, wall

@@ -7,9 +7,7 @@ longer than a given time is the last of its path.
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -22,6 +20,7 @@ from squeezefilm.errors import RunError
 from squeezefilm.numerics import (
     chebyshev_march,
     finite_elements,
+    freefem,
     method_of_lines,
     numpy_periodic,
 )
@@ -177,6 +176,8 @@ def _paths(film: Film, *, batch: int, rungs: int, device: Device) -> Iterator[It
     yield _marched(film, rungs=rungs, device=device)
     for peer in (_numpy, _chebyshev, _elements_anderson, _elements_marched, _volumes):
         yield _peer(film, peer, rungs)
+    if freefem.installed():
+        yield _peer(film, _freefem, rungs)
 
 
 # The solver of this project
@@ -332,6 +333,11 @@ def _elements_marched(film: Film, level: int) -> tuple[str, Any, Mapping[str, An
     )
 
 
+def _freefem(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
+    method, _, settings = _elements_marched(film, level)
+    return f"{method}, FreeFEM", freefem, settings
+
+
 def _elements_anderson(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
     """The change over a period stands for an error that is larger by the number of e-folds."""
     tolerance = 1e-3 * film.epsilon**2 / 4**level
@@ -352,15 +358,6 @@ def _volumes(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
         "fold": film.fold,
     }
     return "finite volumes, BDF from rest", method_of_lines, settings
-
-
-def missing_peers() -> list[str]:
-    """Finite-element packages that could stand beside scikit-fem and are not installed."""
-    found = {
-        "FEniCSx": importlib.util.find_spec("dolfinx") is not None,
-        "FreeFEM": shutil.which("FreeFem++") is not None,
-    }
-    return [name for name, there in found.items() if not there]
 
 
 # Cold starts

@@ -39,7 +39,7 @@ class Device:
     groups: int
     work_items: int
     memory_bytes: int
-    rooms: list[Any] = field(default_factory=list)
+    rooms: list[Any] = field(default_factory=list, compare=False)
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
@@ -86,8 +86,8 @@ class Device:
         import pyopencl as cl
 
         if not self.rooms or self.rooms[0].size < 8 * numbers:
-            flags = cl.mem_flags.READ_WRITE
-            self.rooms[:] = [cl.Buffer(self.context, flags, 8 * numbers)]
+            self.rooms.clear()
+            self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 8 * numbers))
         return self.rooms[0]
 
     @property
