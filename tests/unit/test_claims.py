@@ -121,7 +121,7 @@ def test_what_is_saved_is_said(claims: pd.DataFrame) -> None:
 
 def test_a_guess_is_called_one(claims: pd.DataFrame) -> None:
     for claim_id in ("band_small", "smallest_force"):
-        assert "A guess, not tested here" in claims.loc[claim_id, "explanation"]
+        assert "A guess:" in claims.loc[claim_id, "explanation"]
 
 
 def test_small_forces_go_with_the_square_of_the_amplitude(claims: pd.DataFrame) -> None:

@@ -33,8 +33,9 @@ COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation
 
 TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
-NOT_TESTED = (
-    "A guess, not tested here: the paper's time marching, whose error would drown small forces"
+GUESS = (
+    "A guess: the paper's marching in time was stopped before the film had settled; "
+    "docs/numerics.md tries this and other shortcuts, and none gives all of its numbers"
 )
 
 
@@ -262,7 +263,7 @@ def _band_smallest(results: Results) -> Finding:
         ours=f"{100 * worst:.2g}",
         explanation=(
             f"Largest relative error at hv = {1e6 * errors['hv_m'].min():g} µm, the screen's "
-            f"smallest. {NOT_TESTED}."
+            f"smallest. {GUESS}."
         ),
     )
 
@@ -277,7 +278,7 @@ def _smallest_force(results: Results) -> Finding:
         explanation=(
             f"Smallest force of the screen, at h0 = {1e6 * row['h0_m']:g} µm, "
             f"hv = {1e6 * row['hv_m']:g} µm; small forces go with hv², so 90 ppm would belong to "
-            f"hv = {needed_um:.2g} µm. {NOT_TESTED}."
+            f"hv = {needed_um:.2g} µm. {GUESS}."
         ),
     )
 
@@ -418,7 +419,7 @@ def _seconds(results: Results) -> Finding:
 
 _FORCES_CONVERGED = (
     "our forces are converged and smooth, so that what is left is the misfit of the model alone; "
-    "why the paper's residuals are larger is not tested here"
+    "docs/numerics.md tries what would make the paper's residuals larger"
 )
 
 CLAIMS = (
