@@ -15,7 +15,7 @@ from squeezefilm.reynolds.needs import Needs
 SOURCES = ("linear_algebra.cl", "film_over_period.cl", "krylov.cl", "periodic.cl")
 # Numbers that the device says of a scene beside its state: those of States but the first.
 NUMBERS = 8
-# Numbers of a row of the layout, and what stands for no offset.
+# Numbers of a row of the layout, as periodic.cl lists them, and what stands for no offset.
 LAYOUT = 9
 NOTHING = -1
 STATUS = ("ok", "Newton's method did not converge", "the pressure became infinite")
@@ -244,19 +244,19 @@ def _inputs(batches: Sequence[Batch], *, moving: bool) -> _Inputs:
         layout = np.empty((batch.scenes, len(batch.grids), LAYOUT), dtype=np.int64)
         coarser = None
         for stage, (grid, problems) in enumerate(zip(batch.grids, batch.problems, strict=True)):
-            of_grid = grid_matrices(grid, aspect=problems.aspect, bearing=moving)
+            each = np.arange(batch.scenes)
             fields = profile_fields(problems, grid, slope=moving)
-            row = layout[:, stage].T
-            row[:3] = np.array(grid.shape)[:, None]
-            row[3] = most_krylov(grid)
-            row[4] = matrices.add(of_grid)
-            row[5] = matrices.add(carrying_matrices(coarser, grid)) if coarser else NOTHING
-            row[6] = profile.add(fields) + problems.places * fields[0].size
-            row[7] = 0
-            if moving:
-                each = 3 * grid.nx**2 * np.arange(batch.scenes)
-                row[7] = schur.add(_schur_forms(problems, grid)) + each
-            row[8] = at_state + grid.count * np.arange(batch.scenes)
+            parts = (
+                *grid.shape,
+                most_krylov(grid),
+                matrices.add(grid_matrices(grid, aspect=problems.aspect, bearing=moving)),
+                matrices.add(carrying_matrices(coarser, grid)) if coarser else NOTHING,
+                profile.add(fields) + problems.places * fields[0].size,
+                schur.add(_schur_forms(problems, grid)) + 3 * grid.nx**2 * each if moving else 0,
+                at_state + grid.count * each,
+            )
+            for column, value in enumerate(parts):
+                layout[:, stage, column] = value
             end = at_state + batch.scenes * grid.count
             if coarser is None:
                 results[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
