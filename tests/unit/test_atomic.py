@@ -15,7 +15,7 @@ import pytest
 from squeezefilm.errors import InputError
 from squeezefilm.figures import style
 from squeezefilm.pages.markdown import write_markdown
-from squeezefilm.runs import atomic, provenance
+from squeezefilm.runs import atomic, job
 from squeezefilm.runs.atomic import whole_file
 from squeezefilm.tables import write_json, write_table
 
@@ -113,11 +113,11 @@ def test_a_job_whose_run_was_followed_by_another_writes_nothing(
 ) -> None:
     run = tmp_path / "run_cards" / "first"
     path = tmp_path / "forces.csv"
-    monkeypatch.setenv(provenance.RUN_VARIABLE, str(run))
-    write_markdown(json.dumps({"run": "first"}), run.parent / provenance.CURRENT)
+    monkeypatch.setenv(job.RUN_VARIABLE, str(run))
+    write_markdown(json.dumps({"run": "first"}), run.parent / job.CURRENT)
     write_markdown("of the first run", path)
     write_markdown(json.dumps({"run": "second"}), tmp_path / "new")
-    (tmp_path / "new").replace(run.parent / provenance.CURRENT)
-    with pytest.raises(provenance.Superseded, match="second has begun: nothing is written"):
+    (tmp_path / "new").replace(run.parent / job.CURRENT)
+    with pytest.raises(job.Superseded, match="second has begun: nothing is written"):
         write_markdown("late", path)
     assert path.read_text() == "of the first run"

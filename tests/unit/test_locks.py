@@ -14,7 +14,7 @@ import pytest
 from squeezefilm.cli import main
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.runs import locks
-from squeezefilm.runs.provenance import CURRENT
+from squeezefilm.runs.job import CURRENT
 
 Capture = pytest.CaptureFixture[str]
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from squeezefilm.cli import main
-from squeezefilm.runs import locks, provenance, run_card
+from squeezefilm.runs import job as this_job
+from squeezefilm.runs import locks, run_card
 from squeezefilm.studies.config import Config, load_config
 
 Capture = pytest.CaptureFixture[str]
@@ -34,14 +35,14 @@ def start(cards: Path, config: Config, monkeypatch: pytest.MonkeyPatch) -> Start
     numbers = iter(range(1000))
 
     def start() -> locks.Owner:
-        monkeypatch.delenv(provenance.RUN_VARIABLE, raising=False)
+        monkeypatch.delenv(this_job.RUN_VARIABLE, raising=False)
         one = locks.new_owner()
         owner = locks.Owner(f"{next(numbers):03}", one.host, one.process, one.started)
         locks.hold(cards, owner).close()
         run_card.begin(
             cards, owner, config=config, config_path=config.path, command=["snakemake"], cores=2
         )
-        monkeypatch.setenv(provenance.RUN_VARIABLE, str(cards / owner.run))
+        monkeypatch.setenv(this_job.RUN_VARIABLE, str(cards / owner.run))
         return owner
 
     return start
@@ -52,9 +53,9 @@ def job(config: Config, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """A job of the run: a real command, as in a process of its own."""
 
     def job(*words: str) -> None:
-        monkeypatch.setattr(provenance, "_notes", {})
-        monkeypatch.setattr(provenance, "_written", {})
-        monkeypatch.setattr(provenance, "_started", time.time())
+        monkeypatch.setattr(this_job, "notes", {})
+        monkeypatch.setattr(this_job, "written", {})
+        monkeypatch.setattr(this_job, "started", time.time())
         study = () if words[0] == "gather" else ("--config", str(config.path))
         assert main([*words, *study]) == 0
 

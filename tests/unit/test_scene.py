@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.profiles.shapes import Piston, Sinc, make_profile
+from squeezefilm.profiles.choice import make_profile
+from squeezefilm.profiles.shapes import Piston, Sinc
 from squeezefilm.scene import Scene, check_scene, regime_warnings
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.runs import provenance
+from squeezefilm.runs import job, provenance
 
 COMMANDS = {
     "new": "begin a study of your own actuator: a commented configuration and an example scan",
@@ -86,7 +86,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         status = int(options.run(options) or 0)
         provenance.finish(words)
         return status
-    except provenance.Superseded as end:
+    except job.Superseded as end:
         print(f"squeezefilm: {end}", file=sys.stderr)
         return 0
     except InputError as error:

@@ -13,7 +13,7 @@ import sys
 
 from squeezefilm.numerics.cost import cost, sizes
 from squeezefilm.reynolds.device import choose_device, describe
-from squeezefilm.runs import provenance
+from squeezefilm.runs import job
 from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     settings, wanted = config["numerics"], config["solver"]["device"]
     name = choose_device(wanted).name
-    provenance.note(device=describe(wanted))
+    job.note(device=describe(wanted))
     table = cost(
         sizes(full=settings["extent"] == "full"),
         repeats=settings["repeats"],

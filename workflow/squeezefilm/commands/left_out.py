@@ -12,7 +12,7 @@ import pandas as pd
 from squeezefilm.errors import RunError
 from squeezefilm.numerics.left_out import Variant, measure
 from squeezefilm.reynolds.device import choose_device, describe
-from squeezefilm.runs import provenance
+from squeezefilm.runs import job
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import read_scenes, scene_points, write_table
@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     device = choose_device(config["solver"]["device"])
-    provenance.note(device=describe(config["solver"]["device"]))
+    job.note(device=describe(config["solver"]["device"]))
     points = [point for path in options.scenes for point in scene_points(read_scenes(path))]
     variants = measure(
         [scene_of(point, config) for point in points],

@@ -11,7 +11,7 @@ import pandas as pd
 
 from squeezefilm.numerics.roofline import measure
 from squeezefilm.reynolds.device import choose_device, describe
-from squeezefilm.runs import provenance
+from squeezefilm.runs import job
 from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     wanted = load_config(options.config).only(SECTIONS)["solver"]["device"]
     device = choose_device(wanted)
-    provenance.note(device=describe(wanted))
+    job.note(device=describe(wanted))
     table = pd.DataFrame([vars(rate) for rate in measure(device)]).assign(device=device.name)
     write_table(table, options.output)
     print(table.drop(columns="device").to_string(index=False, float_format="{:.2f}".format))

@@ -29,7 +29,7 @@ from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.runs import node_cache, provenance
+from squeezefilm.runs import job, node_cache
 from squeezefilm.scene import Scene, regime_warnings
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import scene_of
@@ -144,7 +144,7 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Setti
         _scenes(piece, config, path=options.scenes)  # refused before anything is solved
     with node_cache.one_build_at_a_time():
         device = choose_device(settings.device)
-        provenance.note(device=describe(settings.device))
+        job.note(device=describe(settings.device))
         warm(device, needs_of(_scenes(pieces[0], config, path=options.scenes)[0]))
     failures: list[str] = []
     seconds = 0.0

@@ -17,7 +17,7 @@ import pandas as pd
 from squeezefilm.errors import RunError
 from squeezefilm.numerics.stability import cases, explicit_limits, stability
 from squeezefilm.reynolds.device import choose_device, describe
-from squeezefilm.runs import provenance
+from squeezefilm.runs import job
 from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     full = config["numerics"]["extent"] == "full"
-    provenance.note(device=describe(config["solver"]["device"]))
+    job.note(device=describe(config["solver"]["device"]))
     judged = stability(
         [case for case in cases() if full or case.in_sample],
         device=choose_device(config["solver"]["device"]),

@@ -12,7 +12,7 @@ import argparse
 from squeezefilm.reynolds import device
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
-from squeezefilm.runs import node_cache, provenance
+from squeezefilm.runs import job, node_cache
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import ScenePoint, write_json
@@ -32,6 +32,6 @@ def run(options: argparse.Namespace) -> None:
     with node_cache.one_build_at_a_time():
         warm(device.choose_device(wanted), needs_of(scene_of(at_rest, config)))
     facts = device.describe(wanted)
-    provenance.note(device=dict(facts))
+    job.note(device=dict(facts))
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     write_json(facts, options.output)

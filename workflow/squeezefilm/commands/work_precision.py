@@ -19,7 +19,7 @@ from squeezefilm.models.fitted import read_fit
 from squeezefilm.numerics import freefem
 from squeezefilm.numerics.work_precision import COLUMNS, FILMS, cold_starts, work_precision
 from squeezefilm.reynolds.device import choose_device, describe
-from squeezefilm.runs import provenance
+from squeezefilm.runs import job
 from squeezefilm.studies.config import load_config
 from squeezefilm.tables import write_table
 
@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
     settings = config["numerics"]
     full = settings["extent"] == "full"
     device = choose_device(config["solver"]["device"])
-    provenance.note(device=describe(config["solver"]["device"]))
+    job.note(device=describe(config["solver"]["device"]))
     model_error = read_fit(options.fit).global_error
     warm = work_precision(
         FILMS if full else SAMPLE,

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import cos, isfinite, pi, radians, sin
-from pathlib import Path
-from typing import Any, Protocol
+from math import cos, pi, radians, sin
+from typing import Protocol
 
 import numpy as np
 
-from squeezefilm.errors import InputError
 from squeezefilm.models.expressions import Expression, parse
 
 
@@ -76,7 +74,7 @@ class BesselMode:
             wave_number_rad_per_m=self.wave_number_rad_per_m,
             edge_share=self.edge_share,
         )
-        return radial * np.cos(self.nodal_diameters * angle) / _largest_radial(self)
+        return radial * np.cos(self.nodal_diameters * angle) / largest_radial(self)
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,7 @@ class Formula:
     surface_radius_m: float
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        return _value_of_formula(self.expression, x_m, y_m) / _largest_of_formula(self)
+        return _value_of_formula(self.expression, x_m, y_m) / largest_of_formula(self)
 
 
 @dataclass(frozen=True)
@@ -107,46 +105,6 @@ class Modes:
         x, y = np.broadcast_arrays(x_m, y_m)
         modes = modes_at(self.orders, x=x / self.surface_radius_m, y=y / self.surface_radius_m)
         return modes @ np.array(self.coefficients)
-
-
-def make_profile(*, kind: str, surface_radius_m: float, folder: Path, **settings: Any) -> Profile:
-    """The profile of a config's ``actuator.profile`` section, whose keys the schema has checked.
-
-    Args:
-        surface_radius_m: radius of the actuator's disc, over which a profile has its maximum.
-        folder: where a measured profile's file is looked for: the folder of the configuration.
-
-    Raises:
-        InputError: for a formula or a scan that is no profile, naming the place.
-    """
-    if kind == "measured":
-        from squeezefilm.profiles.scans import smoothed_scan
-
-        path = folder / settings.pop("file")
-        return smoothed_scan(path, surface_radius_m=surface_radius_m, **settings).profile
-    if kind in ("bessel", "formula"):
-        settings["surface_radius_m"] = surface_radius_m
-    profile: Profile = KINDS[kind](**settings)
-    size = 1.0
-    if isinstance(profile, Formula):
-        size = _largest_of_formula(profile)
-    if isinstance(profile, BesselMode):
-        size = _largest_radial(profile)
-    if not (isfinite(size) and size > 0):
-        raise InputError(
-            f"actuator.profile: the {kind} has no finite value everywhere on the disc of "
-            f"{surface_radius_m * 1e3:g} mm, or is zero on all of it"
-        )
-    return profile
-
-
-KINDS: dict[str, type] = {
-    "sinc": Sinc,
-    "piston": Piston,
-    "standing-wave": StandingWave,
-    "bessel": BesselMode,
-    "formula": Formula,
-}
 
 
 def largest_magnitude(
@@ -188,7 +146,8 @@ def _radial_mode(
 
 
 @lru_cache(maxsize=16)
-def _largest_radial(mode: BesselMode) -> float:
+def largest_radial(mode: BesselMode) -> float:
+    """Largest |amplitude| of a mode on the disc before it is scaled to 1."""
     # Along the direction of the antinode; the cosine is 1 there.
     return largest_magnitude(
         lambda x_m, y_m: _radial_mode(
@@ -213,7 +172,8 @@ def _value_of_formula(expression: str, x_m: np.ndarray, y_m: np.ndarray) -> np.n
 
 
 @lru_cache(maxsize=16)
-def _largest_of_formula(formula: Formula) -> float:
+def largest_of_formula(formula: Formula) -> float:
+    """Largest |value| of a formula on the disc; its amplitude is that share of it."""
     return largest_magnitude(
         lambda x_m, y_m: _value_of_formula(formula.expression, x_m, y_m),
         radius_m=formula.surface_radius_m,

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from squeezefilm.errors import InputError
-from squeezefilm.runs import provenance
+from squeezefilm.runs import job
 
 PART = ".part"
 
@@ -42,13 +42,13 @@ def whole_file(path: Path | str) -> Iterator[Path]:
             os.fsync(handle.fileno())
         part.chmod(0o644)
         sha256 = digest(part)
-        provenance.check_wanted()
+        job.check_wanted()
         part.replace(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
         part.unlink(missing_ok=True)
-    provenance.note_file(path, sha256=sha256)
+    job.note_file(path, sha256=sha256)
 
 
 def digest(path: Path) -> str:

@@ -22,7 +22,8 @@ from typing import IO
 
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.runs.atomic import whole_file
-from squeezefilm.runs.provenance import CURRENT, timestamp
+from squeezefilm.runs.job import CURRENT
+from squeezefilm.runs.provenance import timestamp
 
 LOCK = "lock"
 SNAKEMAKE_LOCKS = Path(".snakemake") / "locks"

@@ -20,8 +20,9 @@ from pathlib import Path
 from typing import Any
 
 from squeezefilm.runs.atomic import digest
+from squeezefilm.runs.job import jobs_folder
 from squeezefilm.runs.locks import Owner
-from squeezefilm.runs.provenance import jobs_folder, timestamp, versions
+from squeezefilm.runs.provenance import timestamp, versions
 
 LIBRARY = Path(__file__).resolve().parents[1]
 CODE = LIBRARY.parent

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from squeezefilm.errors import InputError
-from squeezefilm.profiles.shapes import Profile, make_profile
+from squeezefilm.profiles.choice import make_profile
+from squeezefilm.profiles.shapes import Profile
 from squeezefilm.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.studies.config import Config
 from squeezefilm.tables import ScenePoint
