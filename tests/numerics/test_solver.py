@@ -11,7 +11,10 @@ from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 from squeezefilm.profiles.shapes import Sinc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic import Batch, Launch, launch
+from squeezefilm.reynolds.refinement import problems_of
 from squeezefilm.scene import Scene
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
@@ -120,6 +123,23 @@ def test_scenes_of_different_surfaces_and_fingers_can_be_solved_together(
     alone = [solve([s], tolerance=1e-6, method="periodic")[0] for s in (scene, other_wave, small)]
     assert [s.force_n for s in together] == [s.force_n for s in alone]
     assert len({s.force_n for s in together}) == 3
+
+
+def test_what_is_done_can_be_judged_while_the_device_is_at_the_next() -> None:
+    """Results are fetched as soon as their launch is done, not behind the one that followed."""
+    import pyopencl as cl
+
+    def launched(grid: Grid, scenes: int) -> Launch:
+        like = [film(epsilon=0.5, sigma=100.0)] * scenes
+        batch = Batch([grid], [problems_of(like, grid, tolerance=1e-12)])
+        return launch([batch], device=choose_device())
+
+    launched(Grid(4, 4, 8, True, True), 1).states()  # the kernels are built
+    small = launched(Grid(4, 4, 8, True, True), 1)
+    large = launched(Grid(32, 32, 32, False, False), 16)
+    assert small.states()[0][0].status.tolist() == [0]
+    assert large.done.command_execution_status != cl.command_execution_status.COMPLETE
+    assert set(large.states()[0][0].status) == {0}
 
 
 def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved() -> None:

@@ -16,13 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.errors import RunError
+from squeezefilm.numerics.finite_elements import NEWTON_STEPS, NEWTON_TOLERANCE
 from squeezefilm.numerics.timing import processor_seconds
 from squeezefilm.numerics.yardstick import Amplitude, Fold, YardstickResult, graded_edges
 
 PROGRAM = "FreeFem++"
 SCRIPT = Path(__file__).with_name("freefem.edp")
-NEWTON_STEPS = 40
-NEWTON_TOLERANCE = 1e-9  # on u, of order epsilon
 
 
 def installed() -> bool:

@@ -160,8 +160,14 @@ def _row(
         "cpu_seconds": timed.cpu_seconds / rung.batch,
         "wall_seconds": timed.wall_seconds / rung.batch,
         "repeats": timed.repeats,
-        "device": device.name if rung.method in OWN else "NumPy, SciPy",
+        "device": _device_of(rung.method, device),
     }
+
+
+def _device_of(method: str, device: Device) -> str:
+    if method in OWN:
+        return device.name
+    return "FreeFEM" if method.endswith("FreeFEM") else "NumPy, SciPy"
 
 
 def _paths(film: Film, *, batch: int, rungs: int, device: Device) -> Iterator[Iterator[Rung]]:

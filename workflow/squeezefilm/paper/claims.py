@@ -278,7 +278,8 @@ def _smallest_force(results: Results) -> Finding:
         explanation=(
             f"Smallest force of the screen, at h0 = {1e6 * row['h0_m']:g} µm, "
             f"hv = {1e6 * row['hv_m']:g} µm; small forces go with hv², so 90 ppm would belong to "
-            f"hv = {needed_um:.2g} µm. {GUESS}."
+            f"hv = {needed_um:.2g} µm. None of the shortcuts "
+            "that docs/numerics.md tries gives it."
         ),
     )
 

@@ -25,16 +25,18 @@ class Device:
     """An OpenCL device with a queue, and how the solver spreads over it.
 
     Attributes:
-        context, queue: pyopencl objects.
+        context, queue: pyopencl objects; the queue runs kernels one after the other.
+        transfers: a queue for what comes back, which need not wait for kernels behind its own.
         name: platform and device name, as reported by ``doctor`` and kept with results.
         groups: work-groups to launch, each with a workspace of its own.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
         memory_bytes: the device's own memory.
-        rooms: where kernels work, once there was one that did.
+        rooms: the buffer that kernels work in, kept from launch to launch.
     """
 
     context: Any
     queue: Any
+    transfers: Any
     name: str
     groups: int
     work_items: int
@@ -64,24 +66,30 @@ class Device:
         kind = cl.mem_flags.USE_HOST_PTR if self._in_host_memory else cl.mem_flags.COPY_HOST_PTR
         return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | kind, hostbuf=values)
 
-    def fetch(self, values: np.ndarray, buffer: Any) -> None:
-        """Wait for the queue and bring a shared buffer's contents into its array."""
+    def fetch(self, values: np.ndarray, buffer: Any, *, after: Any) -> None:
+        """Wait for the event of a kernel and bring a shared buffer's contents into its array."""
         import pyopencl as cl
 
         if not self._in_host_memory:
-            cl.enqueue_copy(self.queue, values, buffer)
+            cl.enqueue_copy(self.transfers, values, buffer, wait_for=[after])
             return
-        read = cl.map_flags.READ
         mapped, _ = cl.enqueue_map_buffer(
-            self.queue, buffer, read, 0, values.shape, values.dtype, is_blocking=True
+            self.transfers,
+            buffer,
+            cl.map_flags.READ,
+            0,
+            values.shape,
+            values.dtype,
+            wait_for=[after],
+            is_blocking=True,
         )
-        mapped.base.release(self.queue)
+        mapped.base.release(self.transfers)
 
     def room(self, numbers: int) -> Any:
         """A buffer of so many doubles, or more, for a kernel to work in.
 
-        All kernels get the same one, for the queue runs them one after the other: new room is
-        dear, the system clears its pages first.
+        All kernels get the same one, for the queue runs them one after the other, and it is kept:
+        new room is dear, the system clears its pages first.
         """
         import pyopencl as cl
 
@@ -141,6 +149,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
     return Device(
         context=context,
         queue=cl.CommandQueue(context),
+        transfers=cl.CommandQueue(context),
         name=device_name(device),
         groups=device.max_compute_units * (4 if on_gpu else 1),
         work_items=work_items or (128 if on_gpu else 1),
@@ -193,7 +202,7 @@ def _kernel(context: Any, name: str, sources: tuple[str, ...], defines: tuple[st
 
     made = cl.Kernel(_program(context, sources, defines), name)
     types = [made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args)]
-    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(name)) for name in types])
+    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(each)) for each in types])
     return made
 
 

@@ -93,7 +93,7 @@ def _in_modes(scene: Scene, need: Needs, terms: Sequence[str], *, tolerance: flo
     """The way of a scene that is solved in the modes of its pad."""
     first = galerkin.first_resolution(scene, need, tolerance=tolerance)
     finest = first.finer
-    work = _expected_iterations(scene.closure()) * first.flops
+    work = _iterations_in_modes(scene.closure()) * first.flops
     return Explanation(
         method=galerkin.METHOD,
         domain=("whole", "half", "quarter")[first.pad.fold_x + first.pad.fold_y],
@@ -108,17 +108,19 @@ def _in_modes(scene: Scene, need: Needs, terms: Sequence[str], *, tolerance: flo
 
 
 def _expected_flops(epsilon: float, grids: Sequence[Grid], *, tolerance: float) -> float:
-    """Of the first launch. Krylov iterations and Newton steps fitted to 500 random films (ε
-    0.01–0.98, σ 0.1–1e6): from rest to a start, from there to the tolerance, and on the finer grid.
+    """Floating-point operations of the first launch.
+
+    Krylov iterations and Newton steps are fitted to 500 random films (ε 0.01–0.98, σ 0.1–1e6): from
+    rest to a loose start, from there to the tolerance, and on the finer grid.
     """
     from_rest = 4 + 10 * epsilon / sqrt(1 - epsilon)
     refining = from_rest * log10(1 / tolerance) / 4
     iterations = [from_rest, refining, 0.7 * refining][-len(grids) :]
-    if len(grids) < 3:  # without a start
+    if len(grids) < 3:  # the first of them goes from rest to the tolerance
         iterations[0] += from_rest
     return sum(n * iteration_flops(grid) for n, grid in zip(iterations, grids, strict=True))
 
 
-def _expected_iterations(epsilon: float) -> float:
+def _iterations_in_modes(epsilon: float) -> float:
     """Krylov iterations and Newton steps from rest on the first grid (fitted, ε 0.05–0.95)."""
     return 8 + 15 * epsilon / (1 - epsilon) ** 0.5

@@ -121,9 +121,9 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             break;
         int status = CONVERGED;
         for (int row = begins[scene]; row < begins[scene + 1]; row++) {
-            __global const long *lies = layout + row * LAYOUT;
-            const int most_krylov = lies[MOST_KRYLOV];
-            Grid g = make_grid(lies[NX], lies[NY], lies[NT], matrices + lies[MATRICES]);
+            __global const long *entry = layout + row * LAYOUT;
+            const int most_krylov = entry[MOST_KRYLOV];
+            Grid g = make_grid(entry[NX], entry[NY], entry[NT], matrices + entry[MATRICES]);
             Film film;
             field space = workspace + get_group_id(0) * workspace_size;
             for (int k = 0; k < FLOW_TERMS; k++) {
@@ -145,21 +145,21 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             film.inverse_exponent = number[4];
             for (int k = 0; k < FLOW_TERMS; k++)
                 film.flow[k] = number[5 + k];
-            film.amplitude = profile + lies[PROFILE];
+            film.amplitude = profile + entry[PROFILE];
             film.gradient_squared = film.amplitude + g.rows;
             film.laplacian = film.amplitude + 2 * g.rows;
             film.slope_x = film.amplitude + (PROFILE_FIELDS - 1) * g.rows;
-            film.p = (field4)(results + lies[STATE]);
+            film.p = (field4)(results + entry[STATE]);
 #ifdef BEARING
-            g.modes_x = schur + lies[SCHUR];
+            g.modes_x = schur + entry[SCHUR];
             g.to_modes_x = g.modes_x + g.nx * g.nx;
             g.schur = g.to_modes_x + g.nx * g.nx;
 #endif
-            if (lies[CARRY] >= 0 && status == CONVERGED) {
-                __global const long *before = lies - LAYOUT;
-                carry(&g, before[NX], before[NY], before[NT], matrices + lies[CARRY],
+            if (entry[CARRY] >= 0 && status == CONVERGED) {
+                __global const long *before = entry - LAYOUT;
+                carry(&g, before[NX], before[NY], before[NT], matrices + entry[CARRY],
                       results + before[STATE], (field)film.p, film.work_a, film.work_b);
-            } else if (lies[CARRY] >= 0) {
+            } else if (entry[CARRY] >= 0) {
                 FOR_EACH(i, g.count4) film.p[i] = (double4)(0.0);
                 SYNC;
             }

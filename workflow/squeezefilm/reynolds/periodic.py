@@ -132,16 +132,20 @@ def solve_batch(
 
 @dataclass(frozen=True)
 class Launch:
-    """Batches that the device is solving, and the array that it leaves its results in."""
+    """Batches that the device is solving, and the array that it leaves its results in.
+
+    done: the kernel's event.
+    """
 
     batches: Sequence[Batch]
     device: Device
     results: np.ndarray
     buffer: Any
+    done: Any
 
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
-        self.device.fetch(self.results, self.buffer)
+        self.device.fetch(self.results, self.buffer, after=self.done)
         rows = sum(batch.scenes * len(batch.grids) for batch in self.batches)
         at_state = rows * NUMBERS
         numbers = self.results[:at_state].reshape(rows, NUMBERS)
@@ -184,7 +188,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
     buffer = device.shared(inputs.results)
-    periodic_state(
+    done = periodic_state(
         device.queue,
         (groups * device.work_items,),
         (device.work_items,),
@@ -198,7 +202,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         cl.LocalMemory(8 * device.work_items),
     )
     device.queue.flush()
-    return Launch(batches=batches, device=device, results=inputs.results, buffer=buffer)
+    return Launch(batches, device, results=inputs.results, buffer=buffer, done=done)
 
 
 @dataclass(frozen=True)
@@ -244,7 +248,7 @@ def _inputs(batches: Sequence[Batch], *, moving: bool) -> _Inputs:
         layout = np.empty((batch.scenes, len(batch.grids), LAYOUT), dtype=np.int64)
         coarser = None
         for stage, (grid, problems) in enumerate(zip(batch.grids, batch.problems, strict=True)):
-            each = np.arange(batch.scenes)
+            scene = np.arange(batch.scenes)
             fields = profile_fields(problems, grid, slope=moving)
             parts = (
                 *grid.shape,
@@ -252,8 +256,8 @@ def _inputs(batches: Sequence[Batch], *, moving: bool) -> _Inputs:
                 matrices.add(grid_matrices(grid, aspect=problems.aspect, bearing=moving)),
                 matrices.add(carrying_matrices(coarser, grid)) if coarser else NOTHING,
                 profile.add(fields) + problems.places * fields[0].size,
-                schur.add(_schur_forms(problems, grid)) + 3 * grid.nx**2 * each if moving else 0,
-                at_state + grid.count * each,
+                (schur.add(_schur_forms(problems, grid)) + 3 * grid.nx**2 * scene) if moving else 0,
+                at_state + grid.count * scene,
             )
             for column, value in enumerate(parts):
                 layout[:, stage, column] = value

@@ -101,7 +101,7 @@ def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float) -> _Prog
 def first_grids(scene: Scene, needs: Needs, *, tolerance: float) -> tuple[Grid, ...]:
     """Those of the first launch: a start, if it pays, and the two that it takes to know the error.
 
-    The finer one is missing where the first is the finest that there is.
+    Without a finer one, where the first is the finest that there is, the start takes its part.
     """
     first = grid_for(scene, needs, tolerance=tolerance)
     wanted = start_grid(first), first, finer_grid(first)
@@ -209,7 +209,9 @@ def _judge_scene(
         progress.krylov_iterations += krylov
         progress.work += (krylov + newton) * iteration_flops(its_grid)
 
-    def finished(*, status: str, force: float = np.nan, error: float = np.nan) -> Solution:
+    def finished(
+        *, status: str, grid: Grid = grid, force: float = np.nan, error: float = np.nan
+    ) -> Solution:
         return Solution(
             force_n=force * scene.force_scale_n,
             force_error_n=error * scene.force_scale_n,
@@ -227,7 +229,8 @@ def _judge_scene(
 
     for each, its_grid in list(zip(stages, progress.grids, strict=True))[-2:]:
         if each.status[position] != 0:
-            return finished(status=f"{STATUS[each.status[position]]} ({_size(its_grid)})")
+            reason = f"{STATUS[each.status[position]]} ({_size(its_grid)})"
+            return finished(status=reason, grid=its_grid)
     thinnest = scene.inverse_knudsen * float(states.thinnest[position])
     if scene.gas.rarefaction == "fukui-kaneko" and thinnest < FUKUI_KANEKO_LEAST_D:
         return finished(
@@ -240,7 +243,7 @@ def _judge_scene(
         return finished(
             status=f"tolerance not reached on the finest grid ({_size(grid)}): error {error:.1e}"
         )
-    progress.grids, progress.overpressure = (grid, finer), states.overpressure[position]
+    progress.grids, progress.overpressure = (grid, finer), states.overpressure[position].copy()
     return None
 
 

@@ -23,8 +23,7 @@ LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "mat
 METHODS = ("auto", *LIMITS, "periodic", "march")
 # The fast limit is not worth choosing: its error estimate needs the boundary layer's correction.
 CHOSEN_LIMITS = tuple(name for name in LIMITS if name != "fast-limit")
-# Below this the matched limit's grid makes it as dear as a periodic state, as dear as one on a
-# quarter of the finger it always is.
+# Below this the matched limit's grid makes it as dear as a periodic state.
 MATCHED_LEAST_TOLERANCE = 5e-4
 # Scenes whose fields are held at a time; more would fall out of the caches.
 LIMIT_BATCH = 256
@@ -71,9 +70,10 @@ def solve(
     Args:
         tolerance: relative error asked for.
         method: one of METHODS. ``auto`` takes the first limit whose error estimate holds the
-            tolerance, else the periodic state, on a grid or, where that does not know the finger,
-            in its modes (galerkin.py). A limit asked for by name always gives its force; the status
-            then says where its estimate is above the tolerance.
+            tolerance, of those that may by their order, else the periodic state, on a grid or,
+            where that does not know the finger, in its modes (galerkin.py). A limit asked for by
+            name always gives its force; the status then says where its estimate is above the
+            tolerance.
         device: an OpenCL device; the default one if left out.
         report: called with the number of scenes that were finished, as they are.
     """
@@ -145,12 +145,13 @@ def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
     """Whether the limit may hold the tolerance and is worth its cost.
 
     The orders are those of the error estimates. Their factors are about the smallest that 2400
-    random films had (ε 0.01–0.98, σ 0.1–1e6, sides 1:10 to 10:1, sinc and piston).
+    random films had (ε 0.01–0.98, σ 0.1–1e6, sides 1:10 to 10:1), of the paper's sinc and of a
+    piston. A profile between the two may be sent on although a limit would do.
     """
     if name == "matched-limit" and tolerance < MATCHED_LEAST_TOLERANCE:
         return False
     if name == "matched-limit" and needs.fold_x and needs.fold_y:
-        return False
+        return False  # the periodic state on a quarter costs no more
     order = {
         "closed-form": 0.3 * scene.sigma**-0.5,
         "boundary-layer": (0.3 if needs.uniform else 100) * scene.sigma**-1.5,

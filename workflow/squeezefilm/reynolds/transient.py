@@ -165,9 +165,10 @@ def march(
         sources=IMPLICIT_SOURCES if method.implicit else EXPLICIT_SOURCES,
         defines=_defines(method, moving),
     )
-    shared = [device.shared(values) for values in (state, mean, results, counts)]
+    returned: tuple[np.ndarray, ...] = state, mean, results, counts
+    shared = [device.shared(values) for values in returned]
     matrices = _matrices(grid, aspect=problems.aspect, bearing=moving, implicit=method.implicit)
-    march_films(
+    done = march_films(
         device.queue,
         (groups * device.work_items,),
         (device.work_items,),
@@ -188,8 +189,8 @@ def march(
         device.sent(np.zeros(1, dtype=np.int32)),
         cl.LocalMemory(8 * device.work_items),
     )
-    for values, buffer in zip((state, mean, results, counts), shared, strict=True):
-        device.fetch(values, buffer)
+    for values, buffer in zip(returned, shared, strict=True):
+        device.fetch(values, buffer, after=done)
     return March(
         mean_by_period=results[..., 0],
         lowest_by_period=results[..., 1],

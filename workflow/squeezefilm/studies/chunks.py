@@ -16,7 +16,7 @@ from squeezefilm.tables import scene_points
 
 # One thread of the processor that docs/cluster.md was measured on.
 MFLOP_PER_SECOND = 20_000.0
-SECONDS_PER_SCENE = 1e-4  # besides the operations: preparing and collecting
+SECONDS_PER_SCENE = 1.5e-4  # besides the operations: preparing and collecting
 SAMPLE = 32
 MOST_CHUNKS = 20_000
 CENTRED = ("screen", "error_map")
