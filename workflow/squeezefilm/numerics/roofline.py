@@ -21,7 +21,7 @@ from squeezefilm.reynolds.periodic import Problems, solve_batch
 from squeezefilm.reynolds.refinement import iteration_flops
 
 SOURCES = ("linear_algebra.cl", "film_over_period.cl", "roofline.cl")
-REPEATS = 7
+REPEATS = 5
 PEAK_TURNS = 1_000_000
 TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}
 TRIAD_TRAFFIC_BYTES = 4e9
