@@ -99,11 +99,12 @@ def draw(data: pd.DataFrame) -> Figure:
 
 
 def _plain_ticks(axes: Axes, sizes: pd.Series) -> None:
-    """Ticks at the sizes themselves, and whole decades of seconds with room above."""
+    """Ticks at the sizes themselves, and whole decades of seconds with some room."""
     if len(set(sizes)) <= 7 and max(sizes) < 1000:
         ticks = sorted(set(sizes))
         axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.xaxis.set_minor_locator(NullLocator())
     axes.margins(x=0.1)
     low, high = axes.dataLim.intervaly
-    axes.set_ylim(10 ** math.floor(math.log10(low)), 10 ** math.ceil(math.log10(high) + 0.3))
+    bottom, top = math.floor(math.log10(low) - 0.1), math.ceil(math.log10(high) + 0.3)
+    axes.set_ylim(10**bottom, 10**top)
