@@ -137,10 +137,24 @@ def parameter_ranges(
     # Next to the fit the points may say nothing of a parameter, or describe it without a residual.
     usable = (spread > 1e-12 * np.abs(theta)) & (spread < 1e3 * np.abs(theta))
     spread = np.where(usable | (theta == 0) & (spread > 0), spread, 0.1 * np.abs(theta) + 1e-6)
-    return [
-        _range(model, factors, np.asarray(force_n, float), theta, place, float(step), allowed)
-        for place, step in enumerate(spread)
-    ]
+    ranges = []
+    for place, step in enumerate(spread):
+        (lower, theta_lower), (upper, theta_upper) = (
+            _end(model, factors, force_n, theta, place, sign * float(step), allowed)
+            for sign in (-1.0, 1.0)
+        )
+        ranges.append(
+            ParameterRange(
+                name=model.parameter_names[place],
+                unit=model.parameter_units[place],
+                estimate=float(theta[place]),
+                lower=lower,
+                upper=upper,
+                theta_lower=tuple(theta_lower.tolist()),
+                theta_upper=tuple(theta_upper.tolist()),
+            )
+        )
+    return ranges
 
 
 def _standard_errors(slopes: Array) -> Array:
@@ -151,35 +165,10 @@ def _standard_errors(slopes: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.diagonal(inverse), 0)) / size)
 
 
-def _range(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: Array,
-    theta: Array,
-    place: int,
-    step: float,
-    allowed: float,
-) -> ParameterRange:
-    ends, vectors = [], []
-    for sign in (-1.0, 1.0):
-        end, vector = _end(model, factors, force_n, theta, place, sign * step, allowed)
-        ends.append(end)
-        vectors.append(tuple(float(value) for value in vector))
-    return ParameterRange(
-        name=model.parameter_names[place],
-        unit=model.parameter_units[place],
-        estimate=float(theta[place]),
-        lower=ends[0],
-        upper=ends[1],
-        theta_lower=vectors[0],
-        theta_upper=vectors[1],
-    )
-
-
 def _end(
     model: ExpressionModel,
     factors: Factors,
-    force_n: Array,
+    force_n: ArrayLike,
     theta: Array,
     place: int,
     step: float,
