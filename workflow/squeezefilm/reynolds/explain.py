@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import log10, sqrt
+from dataclasses import dataclass, replace
+from math import log10, nan, sqrt
 
-from squeezefilm.reynolds import galerkin
+from squeezefilm.reynolds import galerkin, marching
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import first_grids, iteration_flops
-from squeezefilm.reynolds.solver import by_limits
+from squeezefilm.reynolds.solver import LimitResult, Way, each_on_its_own, unexpected, ways_of
 from squeezefilm.scene import Scene
 
 
@@ -20,84 +20,122 @@ class Explanation:
 
     Attributes:
         method: name of the method.
-        domain: ``whole``, ``half`` or ``quarter`` of the finger.
+        status: that of the solution as far as it is known before solving: ``ok``, why there will
+            be no force, or how far a limit asked for by name is from the tolerance. What only
+            solving shows are a tolerance not reached, Newton's failure and a gas too rarefied.
+        domain: ``whole``, ``half`` or ``quarter`` of the finger; empty where nothing is solved.
         terms: the terms of the equation that are solved.
         nx, ny, nt: points across the finger and over the period, on the finest grid expected; for
-            an elliptical finger along a radius and around.
+            an elliptical finger along a radius and around, for a march steps over the period.
         left_out: what the scene does not need, with the reasons.
-        expected_error: relative; a limit's own estimate, else the tolerance.
-        expected_mflop: millions of floating-point operations, to within a factor of about two.
+        expected_error: relative; a limit's own estimate, else the tolerance; NaN without a force.
+        expected_mflop: millions of floating-point operations, to within a factor of about two, of
+            a march to the order of magnitude.
     """
 
     method: str
-    domain: str
-    terms: tuple[str, ...]
-    nx: int
-    ny: int
-    nt: int
-    left_out: tuple[LeftOut, ...]
-    expected_error: float
-    expected_mflop: float
+    status: str = "ok"
+    domain: str = ""
+    terms: tuple[str, ...] = ()
+    nx: int = 0
+    ny: int = 0
+    nt: int = 0
+    left_out: tuple[LeftOut, ...] = ()
+    expected_error: float = nan
+    expected_mflop: float = 0.0
 
 
 def explain(
     scenes: Sequence[Scene], *, tolerance: float, method: str = "auto"
 ) -> list[Explanation]:
-    """How ``solve`` would treat the scenes; its arguments."""
-    needs = [needs_of(scene) for scene in scenes]
-    limits = by_limits(scenes, needs, tolerance=tolerance, method=method)
-    explanations = []
-    for index, (scene, need) in enumerate(zip(scenes, needs, strict=True)):
-        terms = ["squeeze"]
-        terms += ["bearing"] * need.bearing
-        terms += [scene.gas.rarefaction] * (need.flow_terms > 1)
-        terms += ["polytropic gas"] * need.polytropic
-        if index in limits:
-            result = limits[index]
-            explanations.append(
-                Explanation(
-                    method=result.method,
-                    domain="whole",
-                    terms=tuple(terms),
-                    nx=result.nx,
-                    ny=result.ny,
-                    nt=0,
-                    left_out=(result.left_out, *need.terms_left_out),
-                    expected_error=result.error / abs(result.mean),
-                    expected_mflop=result.flops / 1e6,
-                )
-            )
-            continue
-        if galerkin.wants_modes(scene):
-            explanations.append(_in_modes(scene, need, terms, tolerance=tolerance))
-            continue
-        grids = first_grids(scene, need, tolerance=tolerance)
-        finest = grids[-1]
-        explanations.append(
-            Explanation(
-                method="periodic",
-                domain=("whole", "half", "quarter")[need.fold_x + need.fold_y],
-                terms=tuple(terms),
-                nx=finest.x.full_points,
-                ny=finest.y.full_points,
-                nt=finest.nt,
-                left_out=need.halves_left_out + need.terms_left_out,
-                expected_error=tolerance,
-                expected_mflop=_expected_flops(scene.epsilon, grids, tolerance=tolerance) / 1e6,
-            )
-        )
-    return explanations
+    """How ``solve`` will treat the scenes; its arguments."""
+
+    def ways(some: Sequence[Scene]) -> list[Explanation]:
+        needs = [needs_of(scene) for scene in some]
+        decided = ways_of(some, needs, tolerance=tolerance, method=method)
+        return [
+            _explanation(scene, need, way, tolerance=tolerance)
+            for scene, need, way in zip(some, needs, decided, strict=True)
+        ]
+
+    def failed(error: Exception) -> Explanation:
+        return Explanation(method, status=unexpected(error))
+
+    return each_on_its_own(ways, scenes, failed=failed)
 
 
-def _in_modes(scene: Scene, need: Needs, terms: Sequence[str], *, tolerance: float) -> Explanation:
+def _explanation(scene: Scene, need: Needs, way: Way, *, tolerance: float) -> Explanation:
+    if way.refused:
+        return Explanation(way.method, status=way.refused)
+    if way.limit is not None:
+        explanation = _by_limit(need, way.limit, tolerance=tolerance)
+    elif way.method == galerkin.METHOD:
+        explanation = _in_modes(scene, need, tolerance=tolerance)
+    elif way.method == "periodic":
+        explanation = _on_grids(scene, need, tolerance=tolerance)
+    else:
+        explanation = _marched(scene, need, tolerance=tolerance)
+    terms = ["squeeze"]
+    terms += ["bearing"] * need.bearing
+    terms += [scene.gas.rarefaction] * (need.flow_terms > 1)
+    terms += ["polytropic gas"] * need.polytropic
+    return replace(explanation, terms=tuple(terms))
+
+
+def _by_limit(need: Needs, result: LimitResult, *, tolerance: float) -> Explanation:
+    return Explanation(
+        method=result.method,
+        status=result.status(tolerance),
+        domain="whole",
+        nx=result.nx,
+        ny=result.ny,
+        left_out=(result.left_out, *need.terms_left_out),
+        expected_error=result.relative_error,
+        expected_mflop=result.flops / 1e6,
+    )
+
+
+def _on_grids(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
+    grids = first_grids(scene, need, tolerance=tolerance)
+    finest = grids[-1]
+    return Explanation(
+        method="periodic",
+        domain=_domain(need.fold_x, need.fold_y),
+        nx=finest.x.full_points,
+        ny=finest.y.full_points,
+        nt=finest.nt,
+        left_out=need.halves_left_out + need.terms_left_out,
+        expected_error=tolerance,
+        expected_mflop=_expected_flops(scene.epsilon, grids, tolerance=tolerance) / 1e6,
+    )
+
+
+def _marched(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
+    march = marching.plan(scene, need, tolerance=tolerance)
+    return Explanation(
+        method=march.method,
+        domain=_domain(need.fold_x, need.fold_y),
+        nx=march.grid.x.full_points,
+        ny=march.grid.y.full_points,
+        nt=march.steps,
+        left_out=marching.left_out_by(march.choice.left_out, need),
+        expected_error=tolerance,
+        expected_mflop=march.flops / 1e6,
+    )
+
+
+def _domain(fold_x: bool, fold_y: bool) -> str:
+    return ("whole", "half", "quarter")[fold_x + fold_y]
+
+
+def _in_modes(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
     """The way of a scene that is solved in the modes of its pad."""
     first = galerkin.first_resolution(scene, need, tolerance=tolerance)
     finest = first.finer
     work = _iterations_in_modes(scene.closure()) * first.flops
     return Explanation(
         method=galerkin.METHOD,
-        domain=("whole", "half", "quarter")[first.pad.fold_x + first.pad.fold_y],
-        terms=tuple(terms),
+        domain=_domain(first.pad.fold_x, first.pad.fold_y),
         nx=finest.pad.points[0],
         ny=finest.pad.points[1],
         nt=finest.instants,

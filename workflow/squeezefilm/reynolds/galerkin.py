@@ -30,7 +30,7 @@ from squeezefilm.reynolds.resolution import (
     ROUND_OFF,
     first_grid,
 )
-from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
+from squeezefilm.reynolds.solution import Solution, left_out_text
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
@@ -105,11 +105,7 @@ def solve_in_modes(
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
     solutions = []
     for scene, need in zip(scenes, needs, strict=True):
-        if abs(scene.bearing_number) > LARGEST_BEARING:
-            reason = f"bearing numbers up to {LARGEST_BEARING:g} only under this finger"
-            solutions.append(refusal(reason, method=METHOD))
-        else:
-            solutions.append(_solve(scene, need, tolerance=tolerance))
+        solutions.append(_solve(scene, need, tolerance=tolerance))
         report(1)
     return solutions
 
@@ -117,6 +113,21 @@ def solve_in_modes(
 def wants_modes(scene: Scene) -> bool:
     """Whether the kernels' grid does not know this finger."""
     return scene.finger.shape != "rectangle" or not scene.finger.gap.flat
+
+
+def refused(scene: Scene, needs: Needs, *, tolerance: float) -> str:
+    """Why a scene has no force in modes, as far as that is known before solving; else empty."""
+    if abs(scene.bearing_number) > LARGEST_BEARING:
+        return f"bearing numbers up to {LARGEST_BEARING:g} only under this finger"
+    first = first_resolution(scene, needs, tolerance=tolerance)
+    for resolution in (first, first.finer):  # it takes two to know the error
+        if not resolution.fits:
+            return too_many(resolution)
+    return ""
+
+
+def too_many(resolution: Resolution) -> str:
+    return f"tolerance not reached: modes of degree {resolution.pad.degree} are too many"
 
 
 def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolution:
@@ -155,7 +166,7 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
     residual = 0.0
     while True:
         if not resolution.fits:
-            status = f"tolerance not reached: modes of degree {resolution.pad.degree} are too many"
+            status = too_many(resolution)
             break
         guess = None
         if before is not None:

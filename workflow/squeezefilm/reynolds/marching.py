@@ -4,18 +4,30 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.galerkin import wants_modes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs
 from squeezefilm.reynolds.refinement import grid_for, problems_of
-from squeezefilm.reynolds.settling import SettledForce, transient_force
-from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
+from squeezefilm.reynolds.resolution import finer_grid
+from squeezefilm.reynolds.schemes import SCHEMES, Choice, choose
+from squeezefilm.reynolds.settling import (
+    NO_FINER_GRID,
+    SettledForce,
+    method_name,
+    steps_on,
+    too_many_steps,
+    transient_force,
+)
+from squeezefilm.reynolds.solution import Solution, left_out_text
 from squeezefilm.scene import Scene
 
 # Neither scheme is preconditioned for sliding: beyond this, steps become many or slow.
 LARGEST_BEARING = 30.0
+# Periods that a grid takes to settle on, about: 3 to 20 for films of ε 0.05–0.9, σ 1–5000.
+PERIODS = 8
 
 
 def solve_marching(
@@ -30,11 +42,6 @@ def solve_marching(
     solutions: dict[int, Solution] = {}
     groups: dict[object, list[int]] = defaultdict(list)
     for index, (scene, need) in enumerate(zip(scenes, needs, strict=True)):
-        reason = _refused(scene, need)
-        if reason is not None:
-            solutions[index] = refusal(reason, method="march")
-            report(1)
-            continue
         grid = grid_for(scene, need, tolerance=tolerance)
         groups[grid.nx, grid.ny, grid.fold_x, grid.fold_y, scene.aspect, need.bearing].append(index)
     for group in groups.values():
@@ -53,26 +60,76 @@ def solve_marching(
     return [solutions[index] for index in range(len(scenes))]
 
 
-def _refused(scene: Scene, needs: Needs) -> str | None:
-    """Why a scene cannot be marched, if so."""
+@dataclass(frozen=True)
+class Plan:
+    """How a scene is marched, on the two grids that it takes at least to know its error.
+
+    Attributes:
+        choice: the scheme, and why.
+        grid: the finer of the two grids.
+        steps: per period on it.
+        refused: why the scene is not marched; empty where it is.
+    """
+
+    choice: Choice
+    grid: Grid
+    steps: int
+    refused: str
+
+    @property
+    def method(self) -> str:
+        return "march" if self.refused else method_name(self.choice)
+
+    @property
+    def flops(self) -> float:
+        """Floating-point operations, to the order of magnitude."""
+        nx, ny, _ = self.grid.shape
+        step = SCHEMES[self.choice.scheme].step_cost * 4.0 * nx * ny * (nx + ny)
+        return 2 * PERIODS * self.steps * step
+
+
+def plan(scene: Scene, needs: Needs, *, tolerance: float) -> Plan:
+    """How a scene is marched, or why not, as far as that is known before."""
+    first = replace(grid_for(scene, needs, tolerance=tolerance), nt=4)
+    problems = problems_of([scene], first, tolerance=tolerance)
+    (choice,) = choose(problems=problems, grid=first, tolerance=tolerance)
+    grid, steps, refused = first, 0, _unknown(scene, needs)
+    for level, finer in enumerate((first, finer_grid(first))):
+        if refused:
+            break
+        if finer is None:
+            refused = NO_FINER_GRID
+            break
+        grid, problems = finer, problems_of([scene], finer, tolerance=tolerance)
+        steps = int(steps_on(grid, level, [choice], problems=problems, scheme=choice.scheme)[0])
+        refused = too_many_steps(steps)
+    return Plan(choice, grid, steps, refused)
+
+
+def _unknown(scene: Scene, needs: Needs) -> str:
+    """What of a scene cannot be marched at all; empty where all can."""
     if wants_modes(scene):
         return "march knows rectangular fingers with a flat gap only"
     if needs.flow_terms > 1 or needs.polytropic:
         return "march knows viscous isothermal flow only"
     if abs(scene.bearing_number) > LARGEST_BEARING:
         return f"march takes bearing numbers up to {LARGEST_BEARING:g}"
-    return None
+    return ""
+
+
+def left_out_by(why: str, needs: Needs) -> tuple[LeftOut, ...]:
+    """What a march leaves out: the steps of the other kind, mirror halves and terms."""
+    return (LeftOut(why, "cheaper"), *needs.halves_left_out, *needs.terms_left_out)
 
 
 def _solution(scene: Scene, needs: Needs, force: SettledForce) -> Solution:
     grid: Grid = force.grid
-    left_out = (LeftOut(force.left_out, "cheaper"), *needs.halves_left_out, *needs.terms_left_out)
     return Solution(
         force_n=force.mean * scene.force_scale_n,
         force_error_n=force.error * scene.force_scale_n,
         status=force.status,
         method=force.method,
-        left_out=left_out_text(left_out),
+        left_out=left_out_text(left_out_by(force.left_out, needs)),
         nx=grid.x.full_points,
         ny=grid.y.full_points,
         nt=force.steps_per_period,

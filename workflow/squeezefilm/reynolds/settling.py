@@ -5,7 +5,7 @@ It knows nothing of the periodic solver's time collocation, which makes it that 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 
@@ -26,6 +26,7 @@ SETTLING_SHARE = 0.03
 STEP_RATIO = 1.5
 # Beyond this many steps per period a scene is refused.
 MOST_STEPS = 30_000
+NO_FINER_GRID = "tolerance not reached on the finest grid"
 
 
 @dataclass(frozen=True)
@@ -223,12 +224,9 @@ def transient_force(
                 for index, force in enumerate(forces)
                 if force is None and choices[index].scheme == name
             ]
-            stable = steps_for_stability(problems=problems, grid=grid, scheme=name)
-            accurate = np.array([choice.accurate_steps for choice in choices])
-            steps_of_all = np.maximum(np.ceil(accurate * STEP_RATIO**level), stable).astype(int)
+            steps_of_all = steps_on(grid, level, choices, problems=problems, scheme=name)
             for index in group:
-                if steps_of_all[index] > MOST_STEPS:
-                    reason = f"it would take {steps_of_all[index]} steps per period"
+                if reason := too_many_steps(steps_of_all[index]):
                     forces[index] = _settled(progress[index], grid, 0, status=reason)
             group = [index for index in group if forces[index] is None]
             if not group:
@@ -252,9 +250,27 @@ def transient_force(
         finer = finer_grid(grid)
         level += 1
     return [
-        force or _settled(one, grid, 0, status="tolerance not reached on the finest grid")
+        force or _settled(one, grid, 0, status=NO_FINER_GRID)
         for one, force in zip(progress, forces, strict=True)
     ]
+
+
+def steps_on(
+    grid: Grid, level: int, choices: Sequence[Choice], *, problems: Problems, scheme: str
+) -> np.ndarray:
+    """Steps per period of each scene on a grid, the ``level``-th after the first."""
+    stable = steps_for_stability(problems=problems, grid=grid, scheme=scheme)
+    accurate = np.array([choice.accurate_steps for choice in choices])
+    return np.maximum(np.ceil(accurate * STEP_RATIO**level), stable).astype(int)
+
+
+def method_name(choice: Choice) -> str:
+    return f"march, {choice.scheme}"
+
+
+def too_many_steps(steps: int) -> str:
+    """Why a scene that would take so many steps is refused; empty where it is not."""
+    return f"it would take {steps} steps per period" if steps > MOST_STEPS else ""
 
 
 def _carried(overpressure: np.ndarray | None, coarse: Grid, fine: Grid) -> np.ndarray:
@@ -312,7 +328,7 @@ def _settled(
         mean=mean,
         error=error,
         status=status,
-        method=f"march, {one.choice.scheme}",
+        method=method_name(one.choice),
         left_out=one.choice.left_out,
         grid=grid,
         steps_per_period=int(steps),

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf, isfinite
+from typing import TypeVar
 
 import numpy as np
 
-from squeezefilm.reynolds import limits
+from squeezefilm.errors import InputError
+from squeezefilm.reynolds import galerkin, limits, marching
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.galerkin import solve_in_modes, wants_modes
 from squeezefilm.reynolds.limits import LimitForces, limit_axis, limit_points
@@ -30,6 +33,8 @@ LIMIT_BATCH = 256
 # Which squeeze number a limit's grid must resolve layers of, if any.
 RESOLVES_LAYERS = {"small-amplitude", "matched-limit"}
 
+Result = TypeVar("Result")
+
 
 @dataclass(frozen=True)
 class LimitResult:
@@ -47,12 +52,42 @@ class LimitResult:
         return 40.0 * self.nx * self.ny * (self.nx + self.ny)
 
     @property
+    def relative_error(self) -> float:
+        """The error over the mean; 0 for a film that is at rest and bears nothing."""
+        if self.error == 0:
+            return 0.0
+        return self.error / abs(self.mean) if self.mean else inf
+
+    @property
     def left_out(self) -> LeftOut:
-        return LeftOut("time", f"the {self.method} is good to {self.error / abs(self.mean):.1e}")
+        return LeftOut("time", f"the {self.method} is good to {self.relative_error:.1e}")
 
     def holds(self, tolerance: float) -> bool:
         """Whether the estimate meets a relative tolerance; ``nan`` does not."""
         return self.error <= tolerance * abs(self.mean)
+
+    def status(self, tolerance: float) -> str:
+        """``ok``, or what is wrong with the estimate."""
+        if not isfinite(self.error):
+            return f"{self.method} says nothing of its error here"
+        if not self.holds(tolerance):
+            return f"{self.method} is good to {self.relative_error:.1e} only"
+        return "ok"
+
+
+@dataclass(frozen=True)
+class Way:
+    """How a scene is treated, decided before anything is solved: ``explain`` shows it.
+
+    Attributes:
+        method: by which its force is computed, or would be.
+        limit: the force by a limit; None where the full equation is solved.
+        refused: why there will be no force; empty where it is tried.
+    """
+
+    method: str
+    limit: LimitResult | None = None
+    refused: str = ""
 
 
 def solve(
@@ -65,7 +100,8 @@ def solve(
 ) -> list[Solution]:
     """Mean forces of scenes: |error| ≤ tolerance · |force| + round-off floor, or a reason why not.
 
-    Each scene is solved by itself: its result does not depend on the others.
+    Each scene is solved by itself: its result does not depend on the others, and an unexpected
+    error in one, which becomes its status, does not touch theirs.
 
     Args:
         tolerance: relative error asked for.
@@ -75,40 +111,124 @@ def solve(
             name always gives its force; the status then says where its estimate is above the
             tolerance.
         device: an OpenCL device; the default one if left out.
-        report: called with the number of scenes that were finished, as they are.
+        report: called with the number of scenes that were finished, as they are; with a negative
+            number for those that an unexpected error asks to be solved again.
     """
+
+    def attempt(some: Sequence[Scene]) -> list[Solution]:
+        finished = 0
+
+        def count(more: int) -> None:
+            nonlocal finished
+            finished += more
+            report(more)
+
+        try:
+            return _solve(some, tolerance=tolerance, method=method, device=device, report=count)
+        except Exception:
+            report(-finished)
+            raise
+
+    def failed(error: Exception) -> Solution:
+        report(1)
+        return refusal(unexpected(error), method=method)
+
+    return each_on_its_own(attempt, scenes, failed=failed)
+
+
+def each_on_its_own(
+    work: Callable[[Sequence[Scene]], list[Result]],
+    scenes: Sequence[Scene],
+    *,
+    failed: Callable[[Exception], Result],
+) -> list[Result]:
+    """``work`` on all scenes; where it ends in an unexpected error, that of one scene alone.
+
+    Raises:
+        InputError: that of ``work``, such as a device that is not there: it concerns all scenes.
+    """
+    try:
+        return work(scenes)
+    except InputError:
+        raise
+    except Exception as error:
+        if len(scenes) == 1:
+            return [failed(error)]
+    half = len(scenes) // 2
+    halves = (scenes[:half], scenes[half:])
+    return [result for some in halves for result in each_on_its_own(work, some, failed=failed)]
+
+
+def unexpected(error: Exception) -> str:
+    """The status of a scene that ended in an error which no method foresees."""
+    return " ".join(f"unexpected error: {type(error).__name__}: {error}".split())
+
+
+def _solve(
+    scenes: Sequence[Scene],
+    *,
+    tolerance: float,
+    method: str,
+    device: Device | None,
+    report: Callable[[int], object],
+) -> list[Solution]:
     needs = [needs_of(scene) for scene in scenes]
     solutions: dict[int, Solution] = {}
-    for index, result in by_limits(scenes, needs, tolerance=tolerance, method=method).items():
-        solutions[index] = _limit_solution(scenes[index], needs[index], result, tolerance)
-        report(1)
-    if method in LIMITS:
-        for index in set(range(len(scenes))) - set(solutions):
-            reason = f"{method} does not know this scene's finger, profile or terms"
-            solutions[index] = refusal(reason, method=method)
-            report(1)
-    left = [index for index in range(len(scenes)) if index not in solutions]
-    if method != "march":
-        others = [index for index in left if wants_modes(scenes[index])]
-        rest = solve_in_modes(
-            [scenes[index] for index in others],
-            [needs[index] for index in others],
-            tolerance=tolerance,
-            report=report,
-        )
-        solutions.update(zip(others, rest, strict=True))
-        left = [index for index in left if index not in solutions]
-    if left:
-        on_device = solve_marching if method == "march" else solve_periodic
-        rest = on_device(
-            [scenes[index] for index in left],
-            [needs[index] for index in left],
-            tolerance=tolerance,
-            device=device or choose_device(),
-            report=report,
-        )
-        solutions.update(zip(left, rest, strict=True))
+    groups: dict[str, list[int]] = defaultdict(list)
+    ways = ways_of(scenes, needs, tolerance=tolerance, method=method)
+    for index, way in enumerate(ways):
+        if way.refused:
+            solutions[index] = refusal(way.refused, method=way.method)
+        elif way.limit is not None:
+            limit = way.limit
+            solutions[index] = _limit_solution(scenes[index], needs[index], limit, tolerance)
+        else:
+            groups[way.method].append(index)
+    report(len(solutions))
+    for name, group in groups.items():
+        some, theirs = [scenes[index] for index in group], [needs[index] for index in group]
+        if name == galerkin.METHOD:
+            rest = solve_in_modes(some, theirs, tolerance=tolerance, report=report)
+        else:
+            on_device = solve_periodic if name == "periodic" else solve_marching
+            chosen = device or choose_device()
+            try:
+                rest = on_device(some, theirs, tolerance=tolerance, device=chosen, report=report)
+            except Exception:
+                chosen.queue.finish()  # kernels under way write into arrays that this sets free
+                raise
+        solutions.update(zip(group, rest, strict=True))
     return [solutions[index] for index in range(len(scenes))]
+
+
+def ways_of(
+    scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
+) -> list[Way]:
+    """How ``solve`` treats each scene, as far as that is decided before solving."""
+    limit_results = by_limits(scenes, needs, tolerance=tolerance, method=method)
+    return [
+        _way(scene, need, limit_results.get(index), tolerance=tolerance, method=method)
+        for index, (scene, need) in enumerate(zip(scenes, needs, strict=True))
+    ]
+
+
+def _way(
+    scene: Scene, needs: Needs, limit: LimitResult | None, *, tolerance: float, method: str
+) -> Way:
+    if not isfinite(needs.curvature_x + needs.curvature_y):
+        return Way(method, refused="the profile is not a finite number all over the finger")
+    if limit is not None:
+        return Way(limit.method, limit=limit)
+    if method in LIMITS:
+        reason = f"{method} does not know this scene's finger, profile or terms"
+        return Way(method, refused=reason)
+    if method == "march":
+        march = marching.plan(scene, needs, tolerance=tolerance)
+        return Way(march.method, refused=march.refused)
+    if wants_modes(scene):
+        refused = galerkin.refused(scene, needs, tolerance=tolerance)
+        return Way(galerkin.METHOD, refused=refused)
+    return Way("periodic")
 
 
 def by_limits(
@@ -207,16 +327,11 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
 
 
 def _limit_solution(scene: Scene, needs: Needs, result: LimitResult, tolerance: float) -> Solution:
-    status = "ok"
-    if not np.isfinite(result.error):
-        status = f"{result.method} says nothing of its error here"
-    elif not result.holds(tolerance):
-        status = f"{result.method} is good to {result.error / abs(result.mean):.1e} only"
-    finite = np.isfinite(result.error)
+    finite = isfinite(result.error)
     return Solution(
         force_n=result.mean * scene.force_scale_n if finite else np.nan,
         force_error_n=result.error * scene.force_scale_n if finite else np.nan,
-        status=status,
+        status=result.status(tolerance),
         method=result.method,
         left_out=left_out_text((result.left_out, *needs.terms_left_out)),
         nx=result.nx,
