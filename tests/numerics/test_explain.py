@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
-from films import PISTON, film
+from films import PISTON, SINC, film
 
 from squeezefilm.cli import main
-from squeezefilm.reynolds import solve
+from squeezefilm.profiles.shapes import Profile, StandingWave
+from squeezefilm.reynolds import settling, solve
 from squeezefilm.reynolds.explain import explain
+from squeezefilm.reynolds.solver import METHODS
+from squeezefilm.scene import GapShape, Scene
 from squeezefilm.studies.plans import plan
 from squeezefilm.tables import write_table
 
@@ -36,6 +41,84 @@ def test_method_domain_and_what_is_left_out_are_those_of_the_solution(tolerance:
         assert all(part.why for part in explanation.left_out)
         assert explanation.expected_error <= tolerance
         assert explanation.nx <= 2 * solution.nx
+
+
+PROFILES: tuple[Profile, ...] = (SINC, PISTON, StandingWave(0.02, 30.0, 0.001))
+# What only solving shows.
+FOUND_OUT = ("tolerance not reached on the finest grid", "gas too rarefied", "not settled")
+
+
+def random_scene(random: np.random.Generator) -> Scene:
+    """Any finger, gas, motion and profile that a study can say, not too hard to solve."""
+    x, y = random.choice([0.0, 0.2], 2)
+    scene = film(
+        epsilon=float(random.choice([0.0, 1e-3, random.uniform(0.05, 0.6)])),
+        sigma=float(10 ** random.uniform(0, 6)),
+        profile=PROFILES[random.integers(3)],
+        x=float(x),
+        y=float(y),
+        bearing=float(random.choice([0.0, 0.0, 2.0, 31.0])),
+        aspect=float(random.choice([1.0, 0.5])),
+        rarefaction=str(random.choice(["none", "none", "slip", "fukui-kaneko"])),
+        polytropic_exponent=float(random.choice([1.0, 1.0, 1.4])),
+    )
+    shape = str(random.choice(["rectangle", "rectangle", "rectangle", "ellipse"]))
+    gap = GapShape(tilt_x_m=float(random.choice([0.0, 0.0, 0.0, 1e-6])))
+    return replace(scene, finger=replace(scene.finger, shape=shape, gap=gap))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("tolerance", [1e-1, 3e-3])
+def test_every_method_does_what_is_explained_on_random_scenes(
+    method: str, tolerance: float
+) -> None:
+    random = np.random.default_rng(20261122)
+    scenes = [random_scene(random) for _ in range(8 if method == "march" else 40)]
+    explanations = explain(scenes, tolerance=tolerance, method=method)
+    solutions = solve(scenes, tolerance=tolerance, method=method)
+    for explanation, solution in zip(explanations, solutions, strict=True):
+        assert explanation.method == solution.method
+        assert "; ".join(part.what for part in explanation.left_out) == solution.left_out
+        if solution.status.startswith(FOUND_OUT):
+            assert explanation.status == "ok"
+        else:
+            assert explanation.status == solution.status
+        assert (explanation.domain == "") == (solution.nx == 0)
+        assert (explanation.expected_mflop > 0) == (solution.work > 0)
+    assert len({each.status for each in explanations}) > 1 or method in ("auto", "periodic")
+
+
+def test_a_march_that_would_take_too_many_steps_is_refused_before_it_begins(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stiff = film(epsilon=0.3, sigma=1e-3)
+    (explanation,) = explain([stiff], tolerance=1e-6, method="march")
+    monkeypatch.setattr(settling, "march", None)
+    (solution,) = solve([stiff], tolerance=1e-6, method="march")
+    assert explanation.status == solution.status
+    assert "steps per period" in solution.status
+
+
+def test_a_tolerance_of_nothing_is_refused_and_not_taken_for_the_study_s(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenes = tmp_path / "scenes.csv"
+    write_table(plan(h0_m=[5e-6], hv_m=[2e-6]), scenes)
+    arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--tolerance", "0"]
+    assert main(arguments) == 2
+    assert "tolerance 0 must lie between" in capsys.readouterr().err
+
+
+def test_the_command_names_the_scenes_that_will_have_no_force(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenes, output = tmp_path / "scenes.csv", tmp_path / "explained.csv"
+    write_table(plan(h0_m=[5e-6, 6e-6], hv_m=[2e-6, 2e-6]), scenes)
+    arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--output", str(output)]
+    assert main([*arguments, "--method", "closed-form"]) == 0
+    reason = "closed-form does not know this scene's finger, profile or terms"
+    assert set(pd.read_csv(output)["status"]) == {reason}
+    assert f"2 scenes, such as point 1: {reason}" in capsys.readouterr().out
 
 
 def test_expected_cost_is_right_to_a_factor_of_three() -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from squeezefilm.cli import main
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
 
@@ -22,6 +23,26 @@ def test_the_environment_goes_before_the_configuration(monkeypatch: pytest.Monke
     monkeypatch.setenv(DEVICE_VARIABLE, "no such device")
     with pytest.raises(InputError, match="no such device"):
         choose_device("auto")
+
+
+def test_an_option_goes_before_the_environment(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(DEVICE_VARIABLE, "no such device")
+    one = ["simulate", "--h0", "5um", "--hv", "1um", "--tolerance", "1e-4"]
+    assert main([*one, "--device", "auto"]) == 0
+    assert main(["doctor", "--device", "portable computing"]) == 0
+    capsys.readouterr()
+    assert main([*one, "--device", "another"]) == 2
+    assert "matches 'another'" in capsys.readouterr().err
+    assert main(one) == 2
+    assert "matches 'no such device'" in capsys.readouterr().err
+
+
+def test_an_empty_variable_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(DEVICE_VARIABLE, "")
+    with pytest.raises(InputError, match="no such device"):
+        choose_device("no such device")
 
 
 def test_groups_stay_within_the_scenes_and_half_the_memory() -> None:

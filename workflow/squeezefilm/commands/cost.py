@@ -28,17 +28,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     settings, wanted = config["numerics"], config["solver"]["device"]
-    name = choose_device(wanted).name
-    job.note(device=describe(wanted))
+    device = choose_device(wanted)
+    job.note(device=describe(device))
     table = cost(
         sizes(full=settings["extent"] == "full"),
         repeats=settings["repeats"],
         device=wanted,
-        device_name=name,
+        device_name=device.name,
         log=lambda text: print(text, file=sys.stderr, flush=True),
     )
     note = (
-        f"Warm, median of {settings['repeats']}; {name}. Scenes: random points of the paper's "
-        "space, at a tolerance of 1e-3; cores and scenes a call: at 1e-6."
+        f"Warm, median of {settings['repeats']}; {device.name}. Scenes: random points of the "
+        "paper's space, at a tolerance of 1e-3; cores and scenes a call: at 1e-6."
     )
     write_table(table.assign(note=note), options.output)

@@ -10,7 +10,13 @@ import os
 from pathlib import Path
 
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.reynolds.device import DEVICE_VARIABLE, describe, device_name, list_devices
+from squeezefilm.reynolds.device import (
+    DEVICE_VARIABLE,
+    choose_device,
+    describe,
+    device_name,
+    list_devices,
+)
 from squeezefilm.runs import locks
 from squeezefilm.runs.provenance import versions
 
@@ -18,7 +24,9 @@ SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--device", default="auto", help="part of the wanted device's name")
+    parser.add_argument(
+        "--device", help="part of the wanted device's name, instead of SQUEEZEFILM_DEVICE"
+    )
     parser.add_argument(
         "--folder", type=Path, default=Path("."), help="where snakemake runs; here if left out"
     )
@@ -30,7 +38,7 @@ def run(options: argparse.Namespace) -> None:
     _section("workflow", {"lock": lock_state(options.folder)})
     try:
         _section("devices", {device_name(device): _kind(device) for device in list_devices()})
-        _section("chosen device", describe(options.device))
+        _section("chosen device", describe(choose_device(option=options.device)))
     except ImportError as error:
         raise RunError(
             f'pyopencl cannot be imported ({error}); install it: pip install "pyopencl[pocl]"'

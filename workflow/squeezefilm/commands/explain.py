@@ -15,9 +15,9 @@ import pandas as pd
 
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.explain import Explanation, explain
-from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.scene import Scene, regime_warnings
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import add_solver_arguments, solver_settings
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import read_scenes, scene_points, write_table
 
@@ -28,26 +28,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", metavar="EXPLAINED.csv", help="table to write, with every row")
-    parser.add_argument("--tolerance", type=float, help="instead of the config's solver.tolerance")
-    parser.add_argument("--method", choices=METHODS, help="instead of the config's solver.method")
+    add_solver_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    tolerance = options.tolerance or config["solver"]["tolerance"]
-    method = options.method or config["solver"]["method"]
+    settings = solver_settings(options, config)
     points = scene_points(read_scenes(options.scenes))
     try:
         scenes = [scene_of(point, config) for point in points]
     except InputError as error:
         raise InputError(f"{options.scenes}: {error}") from None
-    explanations = explain(scenes, tolerance=tolerance, method=method)
+    explanations = explain(scenes, tolerance=settings.tolerance, method=settings.method)
     table = pd.DataFrame(
         [_row(scene, each) for scene, each in zip(scenes, explanations, strict=True)]
     )
     if options.output is not None:
         write_table(table, options.output)
-    print(_summary(table, tolerance=tolerance))
+    print(_summary(table, tolerance=settings.tolerance))
 
 
 def _row(scene: Scene, explanation: Explanation) -> dict[str, object]:
@@ -59,6 +57,7 @@ def _row(scene: Scene, explanation: Explanation) -> dict[str, object]:
         "knudsen": scene.knudsen,
         "modified_reynolds": scene.modified_reynolds,
         "method": explanation.method,
+        "status": explanation.status,
         "domain": explanation.domain,
         "terms": "; ".join(explanation.terms),
         "nx": explanation.nx,
@@ -88,6 +87,13 @@ def _summary(table: pd.DataFrame, *, tolerance: float) -> str:
     notes = table.loc[table["notes"] != "", "notes"]
     lines = [f"{len(table)} scenes at tolerance {tolerance:g}:", ""]
     lines.append(summary.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
+    doubtful = table[table["status"] != "ok"]
+    if len(doubtful):
+        lines += ["", f"{len(doubtful)} scenes end otherwise than ok:"]
+        lines += [
+            f"  {len(alike)} scenes, such as point {alike['point_id'].iloc[0]}: {status}"
+            for status, alike in doubtful.groupby("status", sort=False)
+        ]
     if len(notes):
         lines += ["", f"{len(notes)} scenes carry notes, such as: {notes.iloc[0]}"]
     return "\n".join(lines)

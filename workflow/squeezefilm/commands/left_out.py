@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     device = choose_device(config["solver"]["device"])
-    job.note(device=describe(config["solver"]["device"]))
+    job.note(device=describe(device))
     points = [point for path in options.scenes for point in scene_points(read_scenes(path))]
     variants = measure(
         [scene_of(point, config) for point in points],

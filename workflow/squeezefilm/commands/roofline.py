@@ -24,9 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    wanted = load_config(options.config).only(SECTIONS)["solver"]["device"]
-    device = choose_device(wanted)
-    job.note(device=describe(wanted))
+    config = load_config(options.config).only(SECTIONS)
+    device = choose_device(config["solver"]["device"])
+    job.note(device=describe(device))
     table = pd.DataFrame([vars(rate) for rate in measure(device)]).assign(device=device.name)
     write_table(table, options.output)
     print(table.drop(columns="device").to_string(index=False, float_format="{:.2f}".format))

@@ -15,7 +15,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from math import isfinite
 from pathlib import Path
@@ -28,10 +27,14 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
-from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.runs import job, node_cache
 from squeezefilm.scene import Scene, regime_warnings
 from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.solver_settings import (
+    SolverSettings,
+    add_solver_arguments,
+    solver_settings,
+)
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import (
     FORCE_COLUMNS,
@@ -44,18 +47,8 @@ from squeezefilm.tables import (
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
-TOLERANCES = (1e-10, 0.1)
 # Scenes whose results are held before they are written.
 PIECE = 4096
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How to solve: the config's solver section, unless the command line says otherwise."""
-
-    tolerance: float
-    method: str
-    device: str
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,9 +58,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--output", metavar="FORCES.csv", help="table of forces to write")
     parser.add_argument("--timings", metavar="TIMINGS.csv", help="table of run times to write")
-    parser.add_argument("--tolerance", type=float, help="instead of the config's solver.tolerance")
-    parser.add_argument("--method", choices=METHODS, help="instead of the config's solver.method")
-    parser.add_argument("--device", help="instead of the config's solver.device")
+    add_solver_arguments(parser)
+    parser.add_argument(
+        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
+    )
     parser.add_argument("--chunk", metavar="I/N", help="only the I-th of N parts of the table")
     parser.add_argument(
         "--keep-going", action="store_true", help="exit with 0 although a scene has no force"
@@ -81,23 +75,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    tolerance = config["solver"]["tolerance"] if options.tolerance is None else options.tolerance
-    if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
-        raise InputError(
-            f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
-        )
-    settings = Settings(
-        tolerance=tolerance,
-        method=options.method or config["solver"]["method"],
-        device=options.device or config["solver"]["device"],
-    )
+    settings = solver_settings(options, config)
     if options.h0 is not None or options.hv is not None:
         _simulate_one(options, config, settings)
     else:
         _simulate_table(options, config, settings)
 
 
-def _simulate_one(options: argparse.Namespace, config: Config, settings: Settings) -> None:
+def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
     if options.scenes is not None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.h0 is None or options.hv is None:
@@ -110,7 +95,7 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: Setting
         phi_deg=quantity(options.phi, option="--phi", unit="deg"),
     )
     scene = scene_of(point, config)
-    device = choose_device(settings.device)
+    device = choose_device(config["solver"]["device"], option=options.device)
     (solution,) = solve(
         [scene], tolerance=settings.tolerance, method=settings.method, device=device
     )
@@ -132,7 +117,7 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: Setting
         raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
 
 
-def _simulate_table(options: argparse.Namespace, config: Config, settings: Settings) -> None:
+def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
     from tqdm import tqdm
 
     if options.scenes is None or options.output is None:
@@ -143,8 +128,8 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Setti
     for piece in pieces:
         _scenes(piece, config, path=options.scenes)  # refused before anything is solved
     with node_cache.one_build_at_a_time():
-        device = choose_device(settings.device)
-        job.note(device=describe(settings.device))
+        device = choose_device(config["solver"]["device"], option=options.device)
+        job.note(device=describe(device))
         warm(device, needs_of(_scenes(pieces[0], config, path=options.scenes)[0]))
     failures: list[str] = []
     seconds = 0.0

@@ -41,10 +41,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     full = config["numerics"]["extent"] == "full"
-    job.note(device=describe(config["solver"]["device"]))
+    device = choose_device(config["solver"]["device"])
+    job.note(device=describe(device))
     judged = stability(
         [case for case in cases() if full or case.in_sample],
-        device=choose_device(config["solver"]["device"]),
+        device=device,
         log=lambda text: print(text, file=sys.stderr, flush=True),
     )
     table = pd.concat([judged, explicit_limits()], ignore_index=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.reynolds import device
+from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
 from squeezefilm.runs import job, node_cache
@@ -27,11 +27,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    wanted = config["solver"]["device"]
     at_rest = ScenePoint("any", h0_m=5e-6, hv_m=0.0, phi_r_m=0.0, phi_deg=0.0)
     with node_cache.one_build_at_a_time():
-        warm(device.choose_device(wanted), needs_of(scene_of(at_rest, config)))
-    facts = device.describe(wanted)
+        device = choose_device(config["solver"]["device"])
+        warm(device, needs_of(scene_of(at_rest, config)))
+    facts = describe(device)
     job.note(device=dict(facts))
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     write_json(facts, options.output)

@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
     settings = config["numerics"]
     full = settings["extent"] == "full"
     device = choose_device(config["solver"]["device"])
-    job.note(device=describe(config["solver"]["device"]))
+    job.note(device=describe(device))
     model_error = read_fit(options.fit).global_error
     warm = work_precision(
         FILMS if full else SAMPLE,

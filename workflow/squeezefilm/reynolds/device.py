@@ -110,16 +110,18 @@ def aligned(count: int) -> np.ndarray:
     return room[start : start + count]
 
 
-def choose_device(wanted: str = "auto", *, work_items: int | None = None) -> Device:
-    """The device whose platform or name contains ``wanted`` (any case); ``auto`` takes the first.
+def choose_device(
+    configured: str = "auto", *, option: str | None = None, work_items: int | None = None
+) -> Device:
+    """The device whose platform or name contains what is asked for (any case).
 
-    The environment variable SQUEEZEFILM_DEVICE goes before ``wanted``. Among the matching devices
-    those of GPU type go first.
+    The command line's ``option`` goes before the environment variable SQUEEZEFILM_DEVICE, and that
+    before what is ``configured``. ``auto`` takes any device. Among those that match, GPUs go first.
 
     Raises:
         InputError: when no matching device computes in double precision.
     """
-    return _choose_device(os.environ.get(DEVICE_VARIABLE, wanted), work_items)
+    return _choose_device(option or os.environ.get(DEVICE_VARIABLE) or configured, work_items)
 
 
 @cache
@@ -172,9 +174,8 @@ def device_name(device: Any) -> str:
     return f"{device.platform.name.strip()}: {device.name.strip()}"
 
 
-def describe(wanted: str = "auto") -> dict[str, Any]:
+def describe(device: Device) -> dict[str, Any]:
     """What ``doctor`` and a run card say of the device."""
-    device = choose_device(wanted)
     handle = device.context.devices[0]
     return {
         "device": device.name,
