@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 
+from squeezefilm.cli import main
 from squeezefilm.profiles.shapes import Sinc
-from squeezefilm.reynolds import solve
+from squeezefilm.reynolds import refinement, solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import Batch, Launch, launch
 from squeezefilm.reynolds.refinement import problems_of
+from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.scene import Scene
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.plans import plan
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint
+from squeezefilm.tables import ScenePoint, write_table
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +102,83 @@ def test_a_limit_that_does_not_know_a_term_refuses_the_scene() -> None:
     (solution,) = solve([sliding], tolerance=1e-2, method="boundary-layer")
     assert "does not know" in solution.status
     assert solve([sliding], tolerance=1e-2)[0].method == "periodic"
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A spot 20 mm off the disc's centre, which is exactly nothing under a finger at the centre."""
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        return np.exp(-((x_m - 0.02) ** 2 + y_m**2) / 5e-4**2)
+
+
+@dataclass(frozen=True)
+class Broken:
+    """A profile that ends in an error which nobody foresees, or in no number."""
+
+    fails: bool
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        if self.fails:
+            raise np.linalg.LinAlgError("singular\nmatrix")
+        return np.full(np.broadcast(x_m, y_m).shape, np.nan)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_film_at_rest_bears_nothing_and_does_not_touch_the_others(method: str) -> None:
+    good = [film(epsilon=0.2, sigma=583.0, profile=PISTON, x=x) for x in (0.0, 0.2)]
+    scenes = [good[0], film(epsilon=0.2, sigma=583.0, profile=Spot()), good[1]]
+    first, still, last = solve(scenes, tolerance=1e-2, method=method)
+    assert [first, last] == solve(good, tolerance=1e-2, method=method)
+    if method == "closed-form":
+        assert "does not know" in still.status
+    else:
+        assert (still.status, still.force_n) == ("ok", 0)
+    assert explain(scenes, tolerance=1e-2, method=method)[1].status == still.status
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
+def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance: float) -> None:
+    good = [film(epsilon=0.2, sigma=583.0, x=x) for x in (0.0, 0.1, 0.2, 0.3)]
+    raises, no_number = (
+        film(epsilon=0.2, sigma=583.0, profile=Broken(fails)) for fails in (True, False)
+    )
+    scenes = [good[0], raises, good[1], good[2], no_number, good[3]]
+    finished: list[int] = []
+    solutions = solve(scenes, tolerance=tolerance, report=finished.append)
+    assert [solutions[index] for index in (0, 2, 3, 5)] == solve(good, tolerance=tolerance)
+    assert solutions[1].status == "unexpected error: LinAlgError: singular matrix"
+    assert solutions[4].status == "the profile is not a finite number all over the finger"
+    assert np.isnan([solutions[1].force_n, solutions[4].force_n]).all()
+    assert sum(finished) == len(scenes)
+    explained = [each.status for each in explain(scenes, tolerance=tolerance)]
+    assert explained == [each.status for each in solutions]
+
+
+def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def out_of_memory(*args: object, **options: object) -> None:
+        raise MemoryError("no room")
+
+    monkeypatch.setattr(refinement, "launch", out_of_memory)
+    scenes = [film(epsilon=0.2, sigma=583.0, x=x) for x in (0.0, 0.1, 0.2)]
+    statuses = [each.status for each in solve(scenes, tolerance=1e-6)]
+    assert statuses == ["unexpected error: MemoryError: no room"] * 3
+
+
+def test_a_table_keeps_its_good_rows_beside_a_finger_that_feels_nothing(tmp_path: Path) -> None:
+    text = Path("config/paper.yaml").read_text(encoding="utf-8")
+    spot = "{kind: formula, expression: 'exp(-((x - 0.009)**2 + y**2)/2.5e-7)'}"
+    config, scenes, forces = (tmp_path / name for name in ("c.yaml", "scenes.csv", "forces.csv"))
+    profile = re.compile(r"profile:\n    kind: sinc\n    wave_number_per_m: [0-9.]+.*")
+    changed, count = profile.subn(f"profile: {spot}", text)
+    assert count == 1
+    config.write_text(changed, encoding="utf-8")
+    write_table(plan(h0_m=[5e-6, 5e-6], hv_m=[2e-6, 2e-6], phi_r_m=[0.0, 3.5e-3]), scenes)
+    command = ["simulate", str(scenes), f"--config={config}", f"--output={forces}"]
+    assert main([*command, "--tolerance=1e-2", "--keep-going"]) == 0
+    table = pd.read_csv(forces)
+    assert len(table) == 2
+    assert table["force_n"][0] == 0
 
 
 def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order() -> None:

@@ -8,6 +8,8 @@ from films import PISTON, film, mean_overpressure, periodic_state
 from scipy.optimize import brentq
 
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.galerkin import _periodic_state, first_resolution
+from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.scene import Scene
 
 
@@ -103,6 +105,27 @@ def test_a_gas_too_rarefied_for_the_flow_factor_is_refused() -> None:
     (solution,) = solve([scene], tolerance=1e-3)
     assert "rarefied" in solution.status
     assert np.isnan(solution.force_n)
+
+
+@pytest.mark.parametrize("modes", [False, True])
+def test_rarefaction_goes_by_the_density_wherever_it_enters(modes: bool) -> None:
+    """λ ~ 1/ρ in the flow, so that D = √π ρ H/(2 Kn), not P H, decides whether it may be used."""
+    scene = film(
+        epsilon=0.5, sigma=150.0, rarefaction="fukui-kaneko", knudsen=0.02, polytropic_exponent=1.4
+    )
+    if modes:
+        resolution = first_resolution(scene, needs_of(scene), tolerance=1e-3)
+        state = _periodic_state(scene, resolution, guess=None, tolerance=1e-4)
+        pressure, thinnest = 1 + state.pressure, state.thinnest
+        s = scene.amplitude(state.modes.x, state.modes.y)[:, None]
+        instants = 2 * np.pi * np.arange(resolution.instants) / resolution.instants
+    else:
+        grid, states = periodic_state(scene, points=24, instants=24)
+        pressure, thinnest = 1 + states.overpressure[0], states.thinnest[0]
+        x, y = np.meshgrid(grid.x.nodes, grid.y.nodes, indexing="ij")
+        s, instants = scene.amplitude(x, y)[..., None], grid.t.nodes
+    gap = 1 + scene.epsilon * s * np.sin(instants)
+    assert thinnest == pytest.approx(float((pressure ** (1 / 1.4) * gap).min()), rel=1e-12)
 
 
 @pytest.mark.parametrize("bearing", [0.0, 100.0, 1000.0])

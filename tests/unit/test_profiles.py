@@ -64,6 +64,8 @@ def raster(points: int = 25) -> tuple[np.ndarray, np.ndarray]:
 
 ANALYTIC = [
     {"kind": "standing-wave", "wavelength_m": 0.012, "direction_deg": 30, "crest_m": 0.002},
+    {"kind": "standing-wave", "wavelength_m": 0.08, "direction_deg": 30, "crest_m": 0.015},
+    {"kind": "standing-wave", "wavelength_m": 10.0, "direction_deg": 0, "crest_m": -2.5},
     {"kind": "formula", "expression": "3 * cos(500*x) * exp(-(r/0.01)**2)"},
     *(
         {

@@ -12,7 +12,7 @@ import pytest
 from squeezefilm.errors import InputError
 from squeezefilm.profiles.choice import make_profile
 from squeezefilm.profiles.shapes import Piston, Sinc
-from squeezefilm.scene import Scene, check_scene, regime_warnings
+from squeezefilm.scene import Scene, check_scene
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import ScenePoint
@@ -36,11 +36,6 @@ def test_dimensionless_numbers_of_the_paper(scene: Scene) -> None:
     assert scene.bearing_number == 0
     stroking = replace(scene, finger=replace(scene.finger, speed_x_m_per_s=0.1))
     assert stroking.bearing_number == pytest.approx(0.043, abs=0.0005)
-
-
-def test_warnings_come_where_the_equation_is_stretched(scene: Scene) -> None:
-    assert [warning.split()[0] for warning in regime_warnings(scene)] == ["slip"]
-    assert [w.split()[0] for w in regime_warnings(replace(scene, h0_m=10e-6))] == ["inertia"]
 
 
 def test_sinc_is_one_in_the_middle_and_zero_at_its_node() -> None:

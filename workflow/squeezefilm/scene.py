@@ -23,8 +23,9 @@ class Gas:
 
     ``rarefaction`` is ``none`` (viscous flow), ``slip`` (first order) or ``fukui-kaneko``.
     The density follows the pressure as ρ ~ p^(1/n) with the ``polytropic_exponent`` n: 1 for an
-    isothermal film, the ratio of specific heats for an adiabatic one. Density and, without
-    rarefaction, mean free path only enter the regime warnings.
+    isothermal film, the ratio of specific heats for an adiabatic one. The mean free path is given
+    at ambient density and goes like 1/ρ, as for molecules of a fixed size. Density and, without
+    rarefaction, mean free path only enter the notes of regime.py.
     """
 
     viscosity_pa_s: float
@@ -36,8 +37,8 @@ class Gas:
 
 
 # Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
-# inverse Knudsen number D = √π P H / (2 Kn): Fukui and Kaneko, J. Tribology 112 (1990), 78–83, the
-# branch for D ≥ 5.
+# inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
+# J. Tribology 112 (1990), 78–83, the branch for D ≥ 5.
 FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
 FUKUI_KANEKO_LEAST_D = 5.0
 
@@ -181,19 +182,20 @@ class Scene:
 
     @property
     def knudsen(self) -> float:
-        """Knudsen number: mean free path over mean gap, at ambient pressure."""
+        """Knudsen number: mean free path over mean gap, at ambient density."""
         return self.gas.mean_free_path_m / self.h0_m
 
     @property
     def inverse_knudsen(self) -> float:
-        """D = √π / (2 Kn) at the mean gap and ambient pressure (Fukui and Kaneko)."""
+        """D = √π / (2 Kn) at the mean gap and ambient density (Fukui and Kaneko)."""
         return sqrt(pi) / (2 * self.knudsen)
 
     @property
     def flow_coefficients(self) -> tuple[float, ...]:
         """Coefficients c_k of the mass flux Σ c_k H^(3−k) ρ^(1−k) ∇P, the first being 1.
 
-        Slip of first order adds 6 Kn H² (Burgdorfer 1959).
+        Slip of first order adds 6 Kn H² (Burgdorfer 1959). The mean free path's 1/ρ is in the
+        powers of ρ.
         """
         if self.gas.rarefaction == "slip":
             return (1.0, 6 * self.knudsen)
@@ -296,17 +298,3 @@ def check_scene(scene: Scene) -> None:
             f"point {scene.point_id}: at h0_m = {scene.h0_m:g}, hv_m = {scene.hv_m:g} the tilted "
             "or bulging finger touches the surface; finger.gap leaves too little there"
         )
-
-
-def regime_warnings(scene: Scene) -> list[str]:
-    """Where the isothermal Reynolds equation of this study is stretched: inertia, rarefaction."""
-    warnings = []
-    if scene.modified_reynolds > 1:
-        warnings.append(
-            f"inertia not negligible (modified Reynolds number {scene.modified_reynolds:.2g})"
-        )
-    if scene.knudsen > 0.01 and scene.gas.rarefaction == "none":
-        warnings.append(
-            f"slip of order {6 * scene.knudsen:.0%} of the flow (Kn {scene.knudsen:.2g})"
-        )
-    return warnings

@@ -15,7 +15,8 @@ import pandas as pd
 
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.explain import Explanation, explain
-from squeezefilm.scene import Scene, regime_warnings
+from squeezefilm.reynolds.regime import regime_notes
+from squeezefilm.scene import Scene
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import add_solver_arguments, solver_settings
 from squeezefilm.studies.study import scene_of
@@ -67,7 +68,7 @@ def _row(scene: Scene, explanation: Explanation) -> dict[str, object]:
         "why": "; ".join(f"{part.what}: {part.why}" for part in explanation.left_out),
         "expected_error": explanation.expected_error,
         "expected_mflop": explanation.expected_mflop,
-        "notes": "; ".join(regime_warnings(scene)),
+        "notes": "; ".join(regime_notes(scene)),
     }
 
 

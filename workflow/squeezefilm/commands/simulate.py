@@ -27,8 +27,9 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
+from squeezefilm.reynolds.regime import regime_notes
 from squeezefilm.runs import job, node_cache
-from squeezefilm.scene import Scene, regime_warnings
+from squeezefilm.scene import Scene
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
@@ -111,8 +112,8 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         f"{solution.krylov_iterations} Krylov iterations; left out: {solution.left_out}; "
         f"{device.name}"
     )
-    for warning in regime_warnings(scene):
-        print(f"note: {warning}")
+    for note in regime_notes(scene):
+        print(f"note: {note}")
     if solution.status != "ok":
         raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
 

@@ -41,7 +41,7 @@ def make_profile(*, kind: str, surface_radius_m: float, folder: Path, **settings
     if kind == "measured":
         path = folder / settings.pop("file")
         return smoothed_scan(path, surface_radius_m=surface_radius_m, **settings).profile
-    if kind in ("bessel", "formula"):
+    if kind in ("standing-wave", "bessel", "formula"):
         settings["surface_radius_m"] = surface_radius_m
     profile: Profile = KINDS[kind](**settings)
     size = 1.0

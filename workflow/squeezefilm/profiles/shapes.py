@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import cos, pi, radians, sin
+from math import cos, inf, pi, radians, sin
 from typing import Protocol
 
 import numpy as np
@@ -41,15 +41,30 @@ class Piston:
 
 @dataclass(frozen=True)
 class StandingWave:
-    """s = cos(2π u/λ), u the distance along ``direction_deg`` from a crest at ``crest_m``."""
+    """s ~ cos(2π u/λ), u the distance along ``direction_deg`` from a crest at ``crest_m``.
+
+    Over its largest magnitude on the disc, which is below the crest's where no crest or trough lies
+    on it; on a disc without bounds, if its radius is left out.
+    """
 
     wavelength_m: float
     direction_deg: float
     crest_m: float
+    surface_radius_m: float = inf
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
-        return np.cos(2 * pi * (along - self.crest_m) / self.wavelength_m)
+        wave: np.ndarray = np.cos(2 * pi * (along - self.crest_m) / self.wavelength_m)
+        return wave / self.largest
+
+    @property
+    def largest(self) -> float:
+        """Largest magnitude on the disc: 1 if the phase passes a multiple of π there."""
+        middle = -2 * pi * self.crest_m / self.wavelength_m
+        reach = 2 * pi * self.surface_radius_m / self.wavelength_m
+        if abs(middle - pi * round(middle / pi)) <= reach:
+            return 1.0
+        return max(abs(cos(middle - reach)), abs(cos(middle + reach)))
 
 
 @dataclass(frozen=True)

@@ -271,7 +271,7 @@ def _periodic_state(
         mass=mass,
         pressure=film.pressure,
         largest=float(np.abs(film.pressure).max()),
-        thinnest=float(((1 + film.pressure) * film.gap).min()),
+        thinnest=float((film.density * film.gap).min()),
         residual=size,
         newton_steps=newton,
         krylov_iterations=krylov,

@@ -173,7 +173,8 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
                 const double4 p = film.p[i], pressure = 1.0 + p;
                 size = larger(size, fabs(p));
                 deficit = larger(deficit, -pressure);
-                thinness = larger(thinness, -pressure * gap_at(&g, &film, place, t));
+                const double4 density = 1.0 + density_rise(&film, p);
+                thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
             }
             const double largest = max_over_group(max_of(size), scratch);
             const double lowest = -max_over_group(max_of(deficit), scratch);

@@ -107,7 +107,7 @@ class States:
         residual: preconditioned residual, an estimate of the mass error left by the iteration.
         largest: largest |p|.
         lowest: smallest pressure P.
-        thinnest: smallest product P H, by which the local Knudsen number grows.
+        thinnest: smallest product ρ H, by which the local Knudsen number grows.
         status: index into STATUS.
         newton_steps, krylov_iterations: work done.
     """
