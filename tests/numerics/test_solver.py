@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import Batch, Launch, launch
 from squeezefilm.reynolds.refinement import problems_of
+from squeezefilm.reynolds.solution import Solution
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.scene import Scene
 from squeezefilm.studies.config import load_config
@@ -124,12 +124,19 @@ class Broken:
         return np.full(np.broadcast(x_m, y_m).shape, np.nan)
 
 
+def alike(some: list[Solution], others: list[Solution]) -> bool:
+    """The same but for rounding, which in the limits depends on how many are solved together."""
+    forces = [[each.force_n for each in solutions] for solutions in (some, others)]
+    ways = [[(each.method, each.status) for each in solutions] for solutions in (some, others)]
+    return ways[0] == ways[1] and np.allclose(*forces, rtol=1e-12, atol=0, equal_nan=True)
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_film_at_rest_bears_nothing_and_does_not_touch_the_others(method: str) -> None:
     good = [film(epsilon=0.2, sigma=583.0, profile=PISTON, x=x) for x in (0.0, 0.2)]
     scenes = [good[0], film(epsilon=0.2, sigma=583.0, profile=Spot()), good[1]]
     first, still, last = solve(scenes, tolerance=1e-2, method=method)
-    assert [first, last] == solve(good, tolerance=1e-2, method=method)
+    assert alike([first, last], solve(good, tolerance=1e-2, method=method))
     if method == "closed-form":
         assert "does not know" in still.status
     else:
@@ -146,7 +153,7 @@ def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance: float) -> Non
     scenes = [good[0], raises, good[1], good[2], no_number, good[3]]
     finished: list[int] = []
     solutions = solve(scenes, tolerance=tolerance, report=finished.append)
-    assert [solutions[index] for index in (0, 2, 3, 5)] == solve(good, tolerance=tolerance)
+    assert alike([solutions[at] for at in (0, 2, 3, 5)], solve(good, tolerance=tolerance))
     assert solutions[1].status == "unexpected error: LinAlgError: singular matrix"
     assert solutions[4].status == "the profile is not a finite number all over the finger"
     assert np.isnan([solutions[1].force_n, solutions[4].force_n]).all()
@@ -167,18 +174,18 @@ def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch: pytest.Monke
 
 def test_a_table_keeps_its_good_rows_beside_a_finger_that_feels_nothing(tmp_path: Path) -> None:
     text = Path("config/paper.yaml").read_text(encoding="utf-8")
-    spot = "{kind: formula, expression: 'exp(-((x - 0.009)**2 + y**2)/2.5e-7)'}"
+    spot = "{kind: formula, expression: 'exp(-((x - 0.008)**2 + y**2)/6e-8)'}"
     config, scenes, forces = (tmp_path / name for name in ("c.yaml", "scenes.csv", "forces.csv"))
-    profile = re.compile(r"profile:\n    kind: sinc\n    wave_number_per_m: [0-9.]+.*")
-    changed, count = profile.subn(f"profile: {spot}", text)
-    assert count == 1
+    changed = text.replace("{kind: sinc, wave_number_per_m: 109.8}", spot)
+    changed = changed.replace("length_x_m: 0.01", "length_x_m: 0.002")
+    changed = changed.replace("length_y_m: 0.01", "length_y_m: 0.002")
     config.write_text(changed, encoding="utf-8")
-    write_table(plan(h0_m=[5e-6, 5e-6], hv_m=[2e-6, 2e-6], phi_r_m=[0.0, 3.5e-3]), scenes)
+    write_table(plan(h0_m=[5e-6, 5e-6], hv_m=[1e-6, 1e-6], phi_r_m=[0.0, 0.008]), scenes)
     command = ["simulate", str(scenes), f"--config={config}", f"--output={forces}"]
-    assert main([*command, "--tolerance=1e-2", "--keep-going"]) == 0
+    assert main([*command, "--tolerance=1e-2"]) == 0
     table = pd.read_csv(forces)
-    assert len(table) == 2
     assert table["force_n"][0] == 0
+    assert table["force_n"][1] > 0
 
 
 def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order() -> None:
