@@ -180,7 +180,7 @@ def test_a_table_keeps_its_good_rows_beside_a_finger_that_feels_nothing(tmp_path
     changed = changed.replace("length_x_m: 0.01", "length_x_m: 0.002")
     changed = changed.replace("length_y_m: 0.01", "length_y_m: 0.002")
     config.write_text(changed, encoding="utf-8")
-    write_table(plan(h0_m=[5e-6, 5e-6], hv_m=[1e-6, 1e-6], phi_r_m=[0.0, 0.008]), scenes)
+    write_table(plan(h0_m=[5e-6, 5e-6], hv_m=[4e-7, 4e-7], phi_r_m=[0.0, 0.008]), scenes)
     command = ["simulate", str(scenes), f"--config={config}", f"--output={forces}"]
     assert main([*command, "--tolerance=1e-2"]) == 0
     table = pd.read_csv(forces)
