@@ -64,9 +64,9 @@ def _thin(scene: Scene) -> str:
 def slip_share(scene: Scene) -> float:
     """What slip would change of the mean force, relative, to second order in ε; NaN of no force.
 
-    Within a quarter of the solver's own difference up to ε = 0.4 and within a factor of 2.3 up to 0.8
-    (sinc and piston, σ 2–2331). An ellipse is taken as the square inside it, any gap as flat, the
-    finger as at rest.
+    Within a quarter of the solver's own difference up to ε = 0.4 and within a factor of 2.3 up to
+    0.8 (sinc and piston, σ 2–2331). An ellipse is taken as the square inside it, any gap as flat,
+    the finger as at rest.
     """
     side = np.sqrt(0.5) if scene.finger.shape == "ellipse" else 1.0
     nodes = [
