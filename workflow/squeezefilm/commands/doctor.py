@@ -45,8 +45,8 @@ def run(options: argparse.Namespace) -> None:
         ) from None
     except InputError as error:
         raise RunError(
-            f"{error}. A device is chosen by solver.device of the configuration or by the "
-            f"environment variable {DEVICE_VARIABLE}"
+            f"{error}. A device is chosen by --device, by the environment variable "
+            f"{DEVICE_VARIABLE}, or by solver.device of the configuration"
         ) from None
     print("\nall well: simulations can run")
 
