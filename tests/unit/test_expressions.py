@@ -143,7 +143,9 @@ def test_the_slope_of_sinc_is_exact_down_to_zero() -> None:
     np.testing.assert_allclose(slope, series, rtol=1e-14, atol=0)
 
 
-@pytest.mark.parametrize("text", ["abs(a)", "sqrt(a)", "sqrt(a**2)", "a**0.5", "abs(a - x)", "x**a"])
+@pytest.mark.parametrize(
+    "text", ["abs(a)", "sqrt(a)", "sqrt(a**2)", "a**0.5", "abs(a - x)", "x**a"]
+)
 def test_a_kink_or_a_vertical_tangent_has_no_derivative(text) -> None:
     (slope,) = Program([derivative(read(text).root, "a")]).run({"a": 0.0, "x": 0.0})
     assert not np.isfinite(slope)

@@ -14,8 +14,9 @@ def derivative(root: Node, name: str) -> Node:
     """The derivative with respect to a named quantity, as a formula; parts are shared.
 
     It is exact at removable singularities: the slope of sinc at 0 is 0, and ``sqrt(a*x)``,
-    ``abs(a*x)`` and ``x**a`` do not change with a at x = 0. It is not finite at a kink or a vertical
-    tangent, even where the rest of the formula makes that smooth, as in ``abs(a)**2`` at a = 0.
+    ``abs(a*x)`` and ``x**a`` do not change with a at x = 0. It is not finite at a kink or a
+    vertical tangent, even where the rest of the formula makes that smooth, as in ``abs(a)**2`` at
+    a = 0.
     """
     varies = _variation(name)
 

@@ -239,8 +239,11 @@ class ExpressionModel:
             raise InputError(f"gradient takes one theta, not a population of {len(theta)}")
         values = self._slopes.run(self._inputs(theta, factors))
         rows = np.array([np.broadcast_to(value, len(factors)) for value in values]).T
-        defined, known = np.isfinite(rows[:, 0]), np.isfinite(rows[:, 1:])
-        wrong = np.argwhere(defined[:, None] & ~known)
+        known = np.isfinite(rows)
+        if known.all():
+            return rows[:, 1:]
+        defined = known[:, 0]
+        wrong = np.argwhere(defined[:, None] & ~known[:, 1:])
         if len(wrong):
             row, column = wrong[0]
             raise InputError(
@@ -254,7 +257,8 @@ class ExpressionModel:
         names = (*self.factor_names, *self.column_names)
         point = ", ".join(f"{name} {factors.column(name)[row]:g}" for name in names)
         given = zip(self.parameter_names, np.asarray(theta, dtype=float), strict=True)
-        return f"at {point}, with " + ", ".join(f"{name} = {value:g}" for name, value in given)
+        parameters = ", ".join(f"{name} = {value:g}" for name, value in given)
+        return f"at {point}" + (f", with {parameters}" if parameters else "")
 
     def amplitude_for_force(
         self,
