@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from squeezefilm.commands import limits
 from squeezefilm.commands.limits import with_limits
 from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import COLUMNS, Factors, get_model
@@ -50,6 +51,15 @@ def control(config) -> tuple[Factors, np.ndarray]:
     scenes = [scene_of(point, config) for point in scene_points(table)]
     solutions = solve(scenes, tolerance=1e-5, method="periodic")
     return factors_of(table), np.array([each.force_n for each in solutions])
+
+
+def test_the_limits_error_is_that_of_the_better_limit(config, monkeypatch) -> None:
+    """Whichever limit is computed last."""
+    table = pd.read_csv(REPOSITORY / "tests" / "reference" / "four_factor_forces.csv").head(3)
+    wanted = limits_of(table, config)
+    monkeypatch.setattr(limits, "METHODS", dict(reversed(limits.METHODS.items())))
+    found = limits_of(table, config)
+    pd.testing.assert_frame_equal(found[list(wanted)], wanted)
 
 
 def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:

@@ -212,6 +212,24 @@ def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path) -> No
     assert len(fit["source"]["forces_sha256"]) == 64
 
 
+def test_the_seeds_of_a_fit_are_those_of_its_factors(study, tmp_path) -> None:
+    """However many parameters it has: both have two."""
+    own_models = {"gap": "t0*(hv/h0)**(2 + t1)", "place": "t0*sinc(t1*r)*(hv/h0)**2"}
+    config = tmp_path / "study.yaml"
+    text = study.config.read_text(encoding="utf-8").replace("bounds: [1e6, 100]", "bounds: [100]")
+    text = text.replace("{two_factor: 20, four_factor: 2}", "{two_factor: 1, four_factor: 2}")
+    more = "".join(f"\n  {name}: {{expression: {e}}}" for name, e in own_models.items())
+    config.write_text(text.replace("\nmodels: {}", f"\nmodels:{more}"), encoding="utf-8")
+    counts = {}
+    for name in own_models:
+        runs = tmp_path / f"{name}.csv"
+        forces = study.root / "simulations" / "four_factor" / "forces.csv"
+        arguments = ["fit", str(forces), f"--model={name}", f"--config={config}"]
+        assert cli.main([*arguments, f"--output={tmp_path}/fit.json", f"--runs={runs}"]) == 0
+        counts[name] = int(pd.read_csv(runs)["method"].str.startswith("genetic").sum())
+    assert counts == {"gap": 1, "place": 2}
+
+
 def test_models_are_compared_at_points_they_were_not_fitted_to(
     study, tables, tmp_path, capsys
 ) -> None:

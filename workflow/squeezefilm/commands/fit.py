@@ -8,9 +8,11 @@ what `squeezefilm limit-table` wrote as --limit-table, its file can be used alon
 
 Each of the study's bounds and seeds gives one run of the paper's method, a genetic algorithm
 followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. A model
-that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the run with
-the least sum of squares and all that is needed to use the model: formula, parameters and their
-units, ranges of the factors, errors on the points and on points left out, and where it comes from.
+of gap and amplitude alone has the study's `two_factor` seeds, one that knows the finger's position
+its `four_factor` seeds. A model that is linear in its parameters is solved at once. RUNS.csv has
+every run, FIT.json the run with the least sum of squares and all that is needed to use the model:
+formula, parameters and their units, ranges of the factors, errors on the points and on points left
+out, and where it comes from.
 """
 
 from __future__ import annotations
@@ -106,7 +108,7 @@ def _runs(
     """Every seed with every bound, and a differential evolution with every bound as a check."""
     if model.is_linear:
         return [fit_model(model, factors, force_n, bound=bounds[0], seed=first_seed)]
-    count = seeds["four_factor" if len(model.parameter_names) > 3 else "two_factor"]
+    count = seeds["two_factor" if model.is_centred else "four_factor"]
     all_seeds = range(first_seed, first_seed + count)
 
     def one(way: tuple[Callable[..., Fit], float, int]) -> Fit:

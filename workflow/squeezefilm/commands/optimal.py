@@ -129,7 +129,7 @@ class _Study:
             for each, end in ((one.theta_lower, one.lower), (one.theta_upper, one.upper))
             if np.isfinite(end)
         ]
-        space = Space.of(config, centred=model.factor_names == ("h0_m", "hv_m"))
+        space = Space.of(config, centred=model.is_centred)
         most = config["optimal"]["candidates"]
         return cls(
             model=model,

@@ -214,7 +214,7 @@ def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Obje
     def sum_of_squares(u: Array) -> Array:
         with np.errstate(over="ignore", invalid="ignore"):
             residual = model.evaluate(np.sinh(u), factors) - force_n
-        squares = np.sum(residual**2, axis=-1) / scale
+            squares = np.sum(residual**2, axis=-1) / scale
         return np.where(np.isfinite(squares), np.minimum(squares, UNDEFINED), UNDEFINED)
 
     return sum_of_squares

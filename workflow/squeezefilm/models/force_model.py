@@ -189,6 +189,11 @@ class ExpressionModel:
         return ("h0_m", "hv_m")
 
     @property
+    def is_centred(self) -> bool:
+        """Whether gap and amplitude are its only factors: a model of the centred finger."""
+        return self.factor_names == ("h0_m", "hv_m")
+
+    @property
     def is_linear(self) -> bool:
         """Whether the force is a linear function of the parameters, so that no search is needed."""
         slopes = (derivative(self.parsed.root, name) for name in self.parameter_names)
