@@ -6,13 +6,14 @@ The model is one of the library's or of the study's own (its section `models`). 
 the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv; with
 what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone.
 
+A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows the
+finger's position with its `four_factor` seeds.
+
 Each of the study's bounds and seeds gives one run of the paper's method, a genetic algorithm
 followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. A model
-of gap and amplitude alone has the study's `two_factor` seeds, one that knows the finger's position
-its `four_factor` seeds. A model that is linear in its parameters is solved at once. RUNS.csv has
-every run, FIT.json the run with the least sum of squares and all that is needed to use the model:
-formula, parameters and their units, ranges of the factors, errors on the points and on points left
-out, and where it comes from.
+that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the run with
+the least sum of squares and all that is needed to use the model: formula, parameters and their
+units, ranges of the factors, errors on the points and on points left out, and where it comes from.
 """
 
 from __future__ import annotations
