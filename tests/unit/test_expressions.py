@@ -107,7 +107,7 @@ FORMULAS = [
     "a/(b + x) - b*a",
     "-(a - x)*(b - a*b)**3",
     "a**0.5 * x**-2 + 2**a",
-    "b*sinc(a*x)*x + b*abs(a*x - b*x)",
+    "b*sinc(a*x)*x + b*abs(a*x - b*x) + (a*0)**b",
     "sqrt(a*x**2 + b*x) + (a*x)**0.3 + x**(a + b) + abs(a*x)**b",
     *(f"{name}(0.3*a*b + 0.1*x) * b" for name in FUNCTIONS),
 ]
@@ -149,6 +149,11 @@ def test_the_slope_of_sinc_is_exact_down_to_zero() -> None:
 def test_a_kink_or_a_vertical_tangent_has_no_derivative(text) -> None:
     (slope,) = Program([derivative(read(text).root, "a")]).run({"a": 0.0, "x": 0.0})
     assert not np.isfinite(slope)
+
+
+def test_a_power_of_zero_stays_one() -> None:
+    (slope,) = Program([derivative(read("cos(b*a**x)").root, "a")]).run({"a": 0, "x": 0, "b": 1})
+    assert slope == 0
 
 
 def test_what_a_formula_lacks_has_no_derivative() -> None:

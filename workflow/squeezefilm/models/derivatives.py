@@ -18,7 +18,7 @@ def derivative(root: Node, name: str) -> Node:
     vertical tangent, even where the rest of the formula makes that smooth, as in ``abs(a)**2`` at
     a = 0.
     """
-    varies = _variation(name)
+    varies, alive = _variation(name)
 
     @cache
     def of(part: Node) -> Node:
@@ -47,7 +47,8 @@ def derivative(root: Node, name: str) -> Node:
                 by_exponent = _product(Operation("power times log", (part, u)), dv)
                 if isinstance(v, Number) and not 0 < v.value < 1:
                     return by_base
-                return _sum(_where(varies(v), by_exponent), _where(varies(u), by_base))
+                by_base = _where(_both(varies(u), alive(v)), by_base)
+                return _sum(_where(varies(v), by_exponent), by_base)
             case "sqrt" | "abs":
                 return _where(varies(u), _product(_slope(part, u), du))
         return _product(_slope(part, u), du)
@@ -55,37 +56,38 @@ def derivative(root: Node, name: str) -> Node:
     return of(root)
 
 
-def _variation(name: str) -> Callable[[Node], Node]:
-    """Where a part changes with a named quantity: a formula that is not zero there.
+def _variation(name: str) -> tuple[Callable[[Node], Node], Callable[[Node], Node]]:
+    """Where a part changes with a named quantity, and where it is not zero or will not stay so.
 
-    A factor that is zero, and stays so, makes a product constant: the derivative of a function of
-    it is zero, even where the function's own slope is infinite.
+    Both are given as formulas that are not zero there. A factor that is zero, and stays so, makes a
+    product constant: the derivative of a function of it is zero, even where the function's own
+    slope is infinite.
     """
 
     @cache
-    def of(part: Node) -> Node:
+    def varies(part: Node) -> Node:
         if isinstance(part, Number):
             return ZERO
         if isinstance(part, Name):
             return ONE if part.name == name else ZERO
         u, v = (*part.arguments, ONE)[:2]
-        either = _either(of(u), of(v))
+        either = _either(varies(u), varies(v))
         match part.operator:
             case "*":
                 return _both(either, _both(alive(u), alive(v)))
             case "/":
                 return _both(either, alive(u))
             case "**":
+                either = _both(either, alive(v))
                 return _both(either, _either(alive(u), Operation("is not positive", (v,))))
         return either
 
     def alive(part: Node) -> Node:
-        """Not zero, or not for long."""
         if isinstance(part, Number):
             return ZERO if part == ZERO else ONE
-        return _either(of(part), Operation("is not zero", (part,)))
+        return _either(varies(part), Operation("is not zero", (part,)))
 
-    return of
+    return varies, alive
 
 
 def _slope(part: Operation, u: Node) -> Node:
