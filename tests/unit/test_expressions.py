@@ -208,6 +208,39 @@ def test_random_formulas_run_or_are_refused_with_their_place() -> None:
     assert read_count > 100
 
 
+def one_sided(root, values: dict, step: float) -> np.ndarray:
+    """Slope by a from one side, of second order, where it no longer depends on the step; or NaN."""
+
+    def by(h: float) -> np.ndarray:
+        at = [Program([root]).run(values | {"a": values["a"] + k * h})[0] for k in range(3)]
+        at = np.broadcast_arrays(values["a"], *at)[1:]
+        return (-1.5 * at[0] + 2 * at[1] - 0.5 * at[2]) / h
+
+    with np.errstate(all="ignore"):
+        fine, coarse = by(step), by(2 * step)
+        return np.where(np.abs(fine - coarse) < 1e-4 * (1 + np.abs(fine)), fine, np.nan)
+
+
+def test_a_finite_derivative_is_right_from_both_sides_at_zeros_too() -> None:
+    rng = np.random.default_rng(3)
+    values = dict.fromkeys(NAMES, np.array([0.0, 0.0, 0.6, -0.4, 0.3, 0.0]))
+    values["a"] = np.array([0.7, -0.3, 0.5, 0.9, 0.0, 0.0])
+    judged = 0
+    for _ in range(600):
+        text = random_formula(rng, 4)
+        root = None if "1e" in text else root_or_none(text)  # differences see no 1e-30
+        if root is None:
+            continue
+        (slope,) = Program([derivative(root, "a")]).run(values)
+        for step in (1e-4, -1e-4):
+            difference = one_sided(root, values, step)
+            both = np.isfinite(slope) & np.isfinite(difference) & (np.abs(difference) < 100)
+            slopes = np.broadcast_to(slope, both.shape)[both]
+            np.testing.assert_allclose(slopes, difference[both], rtol=1e-3, atol=1e-3, err_msg=text)
+            judged += len(slopes)
+    assert judged > 1000
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_damaged_formulas_run_or_are_refused_with_their_place(seed) -> None:
     rng = np.random.default_rng(seed)
