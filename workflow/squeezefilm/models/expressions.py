@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import spherical_jn
 
 from squeezefilm.errors import InputError
 
@@ -80,8 +79,17 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": np.abs,
     "sinc": np.sinc,  # sin(πx)/(πx), as MATLAB and the paper have it
 }
+
+
+def _slope_of_sinc(u: ArrayLike) -> Any:
+    """-π j1(πu), with the spherical Bessel function (cos z - sin(z)/z)/z = -j1(z), exact at 0."""
+    from scipy.special import spherical_jn  # few need it, and it takes long to import
+
+    return -np.pi * spherical_jn(1, np.pi * np.asarray(u))
+
+
 _IN_SLOPES: dict[str, Callable[..., Any]] = {
-    "slope of sinc": lambda u: -np.pi * spherical_jn(1, np.pi * u),
+    "slope of sinc": _slope_of_sinc,
     # Of 0**v with v > 0, which is 0 for every such v.
     "power times log": lambda power, u: np.where((u == 0) & (power == 0), 0.0, power * np.log(u)),
     "where": lambda condition, value: np.where(condition, value, 0.0),
