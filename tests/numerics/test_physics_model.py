@@ -8,9 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from squeezefilm.commands import limits
 from squeezefilm.commands.limits import with_limits
-from squeezefilm.models.fit import fit_model, refit
+from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import COLUMNS, Factors, get_model
+from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.validation import error_sizes
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
@@ -51,6 +53,15 @@ def control(config) -> tuple[Factors, np.ndarray]:
     return factors_of(table), np.array([each.force_n for each in solutions])
 
 
+def test_the_limits_error_is_that_of_the_better_limit(config, monkeypatch) -> None:
+    """Whichever limit is computed last."""
+    table = pd.read_csv(REPOSITORY / "tests" / "reference" / "four_factor_forces.csv").head(3)
+    wanted = limits_of(table, config)
+    monkeypatch.setattr(limits, "METHODS", dict(reversed(limits.METHODS.items())))
+    found = limits_of(table, config)
+    pd.testing.assert_frame_equal(found[list(wanted)], wanted)
+
+
 def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
     factors, force = points
     model_n = get_model(name).evaluate(theta, factors)
@@ -60,7 +71,7 @@ def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
 def test_on_the_screen_it_is_ten_times_better_than_the_fitted_formula(config) -> None:
     screen = reference("screen", config)
     assert global_error("limit", (), screen) < 0.0006
-    paper = refit(get_model("two_factor"), *screen, start=(7.6, 1.9, -1.0))
+    paper = local_fit(get_model("two_factor"), *screen, (7.6, 1.9, -1.0))
     assert global_error("two_factor", paper, screen) == pytest.approx(0.0053, abs=1e-4)
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.expressions import FUNCTIONS, Program, derivative, parse
+from squeezefilm.models.derivatives import derivative
+from squeezefilm.models.expressions import FUNCTIONS, Program, parse
 
 NAMES = ("a", "b", "x", "h0")
 
@@ -106,23 +107,53 @@ FORMULAS = [
     "a/(b + x) - b*a",
     "-(a - x)*(b - a*b)**3",
     "a**0.5 * x**-2 + 2**a",
+    "b*sinc(a*x)*x + b*abs(a*x - b*x) + (a*0)**b",
+    "sqrt(a*x**2 + b*x) + (a*x)**0.3 + x**(a + b) + abs(a*x)**b",
     *(f"{name}(0.3*a*b + 0.1*x) * b" for name in FUNCTIONS),
 ]
 
 
+def differences(root, values: dict, name: str, step: float = 1e-4) -> np.ndarray:
+    at = [Program([root]).run(values | {name: values[name] + k * step})[0] for k in (-2, -1, 1, 2)]
+    return (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * step)
+
+
 @pytest.mark.parametrize("text", FORMULAS)
 def test_derivatives_agree_with_differences(text) -> None:
+    """At x = 0 too, where a formula is defined there."""
     rng = np.random.default_rng(1)
-    values = {name: rng.uniform(0.3, 0.9, 7) for name in NAMES}
+    values = {name: rng.uniform(0.3, 0.9, 12) for name in NAMES}
+    values["x"][:3] = 0.0
     root = read(text).root
+    defined = np.isfinite(Program([root]).run(values)[0])
+    count = int(defined.sum())
+    assert count >= 9
+    values = {name: each[defined] for name, each in values.items()}
     for name in ("a", "b"):
         (slope,) = Program([derivative(root, name)]).run(values)
-        step = 1e-4
-        at = [
-            Program([root]).run(values | {name: values[name] + k * step})[0] for k in (-2, -1, 1, 2)
-        ]
-        difference = (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * step)
-        np.testing.assert_allclose(slope, difference, rtol=1e-8, atol=1e-9)
+        difference = differences(root, values, name)
+        np.testing.assert_allclose(np.broadcast_to(slope, count), difference, rtol=1e-8, atol=1e-9)
+
+
+def test_the_slope_of_sinc_is_exact_down_to_zero() -> None:
+    """(cos πu - sinc u)/u loses every digit below 1e-8; by Taylor it is -π²u/3 + π⁴u³/30."""
+    u = np.array([0.0, 1e-100, -1e-12, 1e-8, 1e-5, -1e-3])
+    (slope,) = Program([derivative(read("sinc(a)").root, "a")]).run({"a": u})
+    series = -(np.pi**2) * u / 3 + np.pi**4 * u**3 / 30 - np.pi**6 * u**5 / 840
+    np.testing.assert_allclose(slope, series, rtol=1e-14, atol=0)
+
+
+@pytest.mark.parametrize(
+    "text", ["abs(a)", "sqrt(a)", "sqrt(a**2)", "a**0.5", "abs(a - x)", "x**a"]
+)
+def test_a_kink_or_a_vertical_tangent_has_no_derivative(text) -> None:
+    (slope,) = Program([derivative(read(text).root, "a")]).run({"a": 0.0, "x": 0.0})
+    assert not np.isfinite(slope)
+
+
+def test_a_power_of_zero_stays_one() -> None:
+    (slope,) = Program([derivative(read("cos(b*a**x)").root, "a")]).run({"a": 0, "x": 0, "b": 1})
+    assert slope == 0
 
 
 def test_what_a_formula_lacks_has_no_derivative() -> None:
@@ -175,6 +206,39 @@ def test_random_formulas_run_or_are_refused_with_their_place() -> None:
         found = Program([root, derivative(root, "a")]).run(values)
         assert all(np.shape(np.asarray(each, dtype=float)) in ((), (3,)) for each in found)
     assert read_count > 100
+
+
+def one_sided(root, values: dict, step: float) -> np.ndarray:
+    """Slope by a from one side, of second order, where it no longer depends on the step; or NaN."""
+
+    def by(h: float) -> np.ndarray:
+        at = [Program([root]).run(values | {"a": values["a"] + k * h})[0] for k in range(3)]
+        at = np.broadcast_arrays(values["a"], *at)[1:]
+        return (-1.5 * at[0] + 2 * at[1] - 0.5 * at[2]) / h
+
+    with np.errstate(all="ignore"):
+        fine, coarse = by(step), by(2 * step)
+        return np.where(np.abs(fine - coarse) < 1e-4 * (1 + np.abs(fine)), fine, np.nan)
+
+
+def test_a_finite_derivative_is_right_from_both_sides_at_zeros_too() -> None:
+    rng = np.random.default_rng(3)
+    values = dict.fromkeys(NAMES, np.array([0.0, 0.0, 0.6, -0.4, 0.3, 0.0]))
+    values["a"] = np.array([0.7, -0.3, 0.5, 0.9, 0.0, 0.0])
+    judged = 0
+    for _ in range(600):
+        text = random_formula(rng, 4)
+        root = None if "1e" in text else root_or_none(text)  # differences see no 1e-30
+        if root is None:
+            continue
+        (slope,) = Program([derivative(root, "a")]).run(values)
+        for step in (1e-4, -1e-4):
+            difference = one_sided(root, values, step)
+            both = np.isfinite(slope) & np.isfinite(difference) & (np.abs(difference) < 100)
+            slopes = np.broadcast_to(slope, both.shape)[both]
+            np.testing.assert_allclose(slopes, difference[both], rtol=1e-3, atol=1e-3, err_msg=text)
+            judged += len(slopes)
+    assert judged > 1000
 
 
 @pytest.mark.parametrize("seed", range(3))

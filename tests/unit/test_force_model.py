@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model
+from squeezefilm.models.force_model import (
+    FOUR_FACTOR,
+    TWO_FACTOR,
+    Factors,
+    get_model,
+    make_model,
+)
 
 THETA = {
     TWO_FACTOR: np.array([7.624, 1.9166, -1.0013]),
@@ -79,6 +85,16 @@ def test_an_undefined_root_is_not_a_number(theta) -> None:
     factors = Factors.of(h0_m=5e-6, hv_m=2e-6)
     assert np.isnan(TWO_FACTOR.evaluate(theta, factors)).all()
     assert np.isnan(TWO_FACTOR.gradient(theta, factors)).all()
+
+
+def test_a_point_without_a_derivative_is_refused_by_name() -> None:
+    model = make_model(
+        "kink", {"expression": "t0*(hv/h0)**2*abs(t1*x - y)"}, place="C: models.kink"
+    )
+    factors = Factors.of(h0_m=5e-6, hv_m=2e-6, x_m=[0.0, 2e-3, 1e-3], y_m=[0.0, 3e-3, 1e-3])
+    assert np.isfinite(model.gradient([2.0, 3.0], factors)).all()
+    with pytest.raises(InputError, match=r"C: models\.kink.*abs\(t1\*x - y\).* to t1 .*x_m 0\.001"):
+        model.gradient([2.0, 1.0], factors)
 
 
 @MODELS

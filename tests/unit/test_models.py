@@ -12,10 +12,13 @@ import pytest
 from squeezefilm import cli
 from squeezefilm.errors import InputError
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
-from squeezefilm.models.fit import fit_model, refit
+from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import TWO_FACTOR, Factors, get_model, library, make_model
 from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import check_models, model_named
+from squeezefilm.models.local_fit import local_fit
+from squeezefilm.models.profile_likelihood import parameter_ranges
+from squeezefilm.search import nelder_mead
 from squeezefilm.studies.config import load_config
 
 REFERENCE = Path(__file__).parents[1] / "reference"
@@ -78,9 +81,47 @@ def test_a_model_without_parameters_is_only_judged() -> None:
     assert fit.global_error == pytest.approx(0.01)
 
 
+CENTRED = Factors.of(
+    h0_m=np.tile([5e-6, 6e-6, 7e-6, 8e-6], 5),
+    hv_m=2e-6,
+    phi_r_m=np.repeat([0.0, 1e-3, 2e-3, 3e-3, 4e-3], 4),
+    phi_deg=0.0,
+)
+"""Points of which some are centred, where r = 0."""
+
+
+@pytest.mark.parametrize("shape", ["sinc(t1*r)", "sqrt(1 - abs(t1*r))", "(1 - (t1*r)**0.5)"])
+def test_centred_points_count_in_every_fit_near_a_known_one(shape) -> None:
+    """A derivative that is 0/0 there was taken for zero, and theta came out elsewhere."""
+    model = own(f"t0*{shape}*(hv/h0)**2")
+    truth = np.array([3.0, 59.5])
+    scatter = 0.02 * np.random.default_rng(1).standard_normal(len(CENTRED))
+    force = model.evaluate(truth, CENTRED) * (1 + scatter)
+    best = nelder_mead(lambda t: sums(model, force, t * truth), np.ones(2)).x * truth
+    theta = local_fit(model, CENTRED, force, truth)
+    np.testing.assert_allclose(theta, best, rtol=1e-6)
+    for each in parameter_ranges(model, CENTRED, force, theta):
+        assert each.lower < each.estimate < each.upper
+    predicted = left_out_predictions(model, CENTRED, force, theta=theta, folds=5, seed=1)
+    assert np.linalg.norm(predicted - force) < 0.04 * np.linalg.norm(force)
+
+
+def sums(model, force, thetas) -> np.ndarray:
+    return np.sum((model.evaluate(thetas, CENTRED) - force) ** 2, axis=-1)
+
+
+@pytest.mark.parametrize("expression", ["t0*(hv/h0)**2*abs(t1 + r)", "t0*(hv/h0)**2*sqrt(t1 - r)"])
+def test_a_fit_without_a_derivative_is_refused_with_its_point(expression) -> None:
+    model = own(expression)
+    force = np.ones(len(CENTRED))
+    start = [3.0, 0.0 if "abs" in expression else 4e-3]
+    with pytest.raises(InputError, match=r"no finite derivative .* t1 at h0_m .*phi_r_m 0"):
+        local_fit(model, CENTRED, force, start)
+
+
 def test_a_refit_arrives_where_the_search_does() -> None:
     factors, force = reference("screen")
-    theta = refit(TWO_FACTOR, factors, force, start=(7.0, 1.8, -0.99))
+    theta = local_fit(TWO_FACTOR, factors, force, (7.0, 1.8, -0.99))
     assert theta == pytest.approx((7.6240, 1.9166, -1.0013), abs=1e-3)
 
 
@@ -169,6 +210,24 @@ def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path) -> No
     assert fit["cross_validation"]["folds"] == 5
     assert fit["cross_validation"]["global_error"] >= fit["residual"]["global_error"]
     assert len(fit["source"]["forces_sha256"]) == 64
+
+
+def test_the_seeds_of_a_fit_are_those_of_its_factors(study, tmp_path) -> None:
+    """However many parameters it has: both have two."""
+    own_models = {"gap": "t0*(hv/h0)**(2 + t1)", "place": "t0*sinc(t1*r)*(hv/h0)**2"}
+    config = tmp_path / "study.yaml"
+    text = study.config.read_text(encoding="utf-8").replace("bounds: [1e6, 100]", "bounds: [100]")
+    text = text.replace("{two_factor: 20, four_factor: 2}", "{two_factor: 1, four_factor: 2}")
+    more = "".join(f"\n  {name}: {{expression: {e}}}" for name, e in own_models.items())
+    config.write_text(text.replace("\nmodels: {}", f"\nmodels:{more}"), encoding="utf-8")
+    counts = {}
+    for name in own_models:
+        runs = tmp_path / f"{name}.csv"
+        forces = study.root / "simulations" / "four_factor" / "forces.csv"
+        arguments = ["fit", str(forces), f"--model={name}", f"--config={config}"]
+        assert cli.main([*arguments, f"--output={tmp_path}/fit.json", f"--runs={runs}"]) == 0
+        counts[name] = int(pd.read_csv(runs)["method"].str.startswith("genetic").sum())
+    assert counts == {"gap": 1, "place": 2}
 
 
 def test_models_are_compared_at_points_they_were_not_fitted_to(

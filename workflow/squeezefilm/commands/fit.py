@@ -6,6 +6,9 @@ The model is one of the library's or of the study's own (its section `models`). 
 the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv; with
 what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone.
 
+A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows the
+finger's position with its `four_factor` seeds.
+
 Each of the study's bounds and seeds gives one run of the paper's method, a genetic algorithm
 followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. A model
 that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the run with
@@ -106,7 +109,7 @@ def _runs(
     """Every seed with every bound, and a differential evolution with every bound as a check."""
     if model.is_linear:
         return [fit_model(model, factors, force_n, bound=bounds[0], seed=first_seed)]
-    count = seeds["four_factor" if len(model.parameter_names) > 3 else "two_factor"]
+    count = seeds["two_factor" if model.is_centred else "four_factor"]
     all_seeds = range(first_seed, first_seed + count)
 
     def one(way: tuple[Callable[..., Fit], float, int]) -> Fit:

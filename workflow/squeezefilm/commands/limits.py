@@ -46,14 +46,14 @@ def run(options: argparse.Namespace) -> None:
 def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
     needs = [needs_of(scene) for scene in scenes]
-    columns: dict[str, np.ndarray] = {"sigma": np.array([scene.sigma for scene in scenes])}
+    columns = {"sigma": np.array([scene.sigma for scene in scenes])}
+    errors: dict[str, np.ndarray] = {}
     for column, method in METHODS.items():
+        columns[column], errors[column] = np.full((2, len(scenes)), np.nan)
         found = by_limits(scenes, needs, tolerance=TOLERANCE, method=method)
-        forces, errors = np.full((2, len(scenes)), np.nan)
         for index, result in found.items():
             if np.isfinite(result.error):
-                forces[index] = result.mean * scenes[index].force_scale_n
-                errors[index] = result.error * scenes[index].force_scale_n
-        columns |= {column: forces, "limit_error_n": errors}
+                columns[column][index] = result.mean * scenes[index].force_scale_n
+                errors[column][index] = result.error * scenes[index].force_scale_n
     status = np.where(np.isfinite(columns["limit_n"]), "ok", DOES_NOT_HOLD)
-    return table.assign(**columns, status=status)
+    return table.assign(**columns, limit_error_n=errors["limit_n"], status=status)

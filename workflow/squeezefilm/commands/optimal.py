@@ -35,7 +35,8 @@ from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
 from squeezefilm.errors import InputError
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.models.profile_likelihood import ParameterRange, local_fit, parameter_ranges
+from squeezefilm.models.local_fit import local_fit
+from squeezefilm.models.profile_likelihood import ParameterRange, parameter_ranges
 from squeezefilm.sources import parse_sources
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.space import Space
@@ -128,7 +129,7 @@ class _Study:
             for each, end in ((one.theta_lower, one.lower), (one.theta_upper, one.upper))
             if np.isfinite(end)
         ]
-        space = Space.of(config, centred=model.factor_names == ("h0_m", "hv_m"))
+        space = Space.of(config, centred=model.is_centred)
         most = config["optimal"]["candidates"]
         return cls(
             model=model,

@@ -42,7 +42,7 @@ from squeezefilm.designs.exact_design import exchange
 from squeezefilm.errors import InputError
 from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import ExpressionModel, Factors
-from squeezefilm.models.profile_likelihood import local_fit, sum_of_squares
+from squeezefilm.models.local_fit import local_fit, sum_of_squares
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -149,7 +149,7 @@ class _Loop:
         if not self.model.parameter_names:
             return np.empty(0)
         factors, force = self.pool.factors.take(points), self.forces(points)
-        if start is None:
+        if start is None or sum_of_squares(self.model, factors, force, start) == np.inf:
             found = fit_model(self.model, factors, force, bound=self.bound, seed=self.seed)
             start = np.array(found.theta)
         return local_fit(self.model, factors, force, start)

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
+from squeezefilm.designs.exact_design import exchange
 from squeezefilm.errors import InputError
 from squeezefilm.search import genetic_search
 
@@ -429,30 +430,20 @@ def exchange_design(
 ) -> Design:
     """The best design found on a fine grid, by exchange of points, then refined off the grid.
 
-    From random starts, each point in turn is exchanged for the best of all candidates on a grid
-    of so many levels per factor, until no exchange helps (Fedorov's method, one point at a time).
-    It shares no step with search_design but the last refinement, and so serves to check it.
-    Raises InputError where every start ended in a singular design.
+    By the determinant alone, with the separation where one is set, from a grid of so many levels
+    per factor (see exact_design). It shares no step with search_design but the last refinement, and
+    so serves to check it. Raises InputError where every start ended in a singular design.
     """
     candidates = grid(criterion.box, levels)
-    rng = np.random.default_rng(seed)
-    best, value = candidates[:points], SINGULAR
-    for _ in range(starts):
-        design, current = candidates[rng.choice(len(candidates), points, replace=False)], np.inf
-        while True:
-            for index in range(points):
-                trials = np.repeat(design[None], len(candidates), axis=0)
-                trials[:, index] = candidates
-                values = criterion.value(trials)
-                if values.min() < criterion.value(design):
-                    design = trials[int(np.argmin(values))]
-            reached = float(criterion.value(design))
-            if not reached < current * (1 - 1e-12):
-                break
-            current = reached
-        if current < value:
-            best, value = design, current
-    return refine(criterion, best)
+    found = exchange(
+        criterion.derivatives(candidates),
+        points,
+        coordinates=criterion.apart and criterion.apart(candidates),
+        separation=criterion.separation,
+        starts=starts,
+        seed=seed,
+    )
+    return refine(criterion, candidates[found.chosen])
 
 
 def _slopes(function: Callable[[Array], Array], unit: Array, step: float = 1e-6) -> Array:

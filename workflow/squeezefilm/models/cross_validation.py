@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.fit import refit
 from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.local_fit import local_fit
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def left_out_predictions(
     others, is undefined.
 
     Raises:
-        InputError: where a fold leaves fewer points than parameters.
+        InputError: where a fold leaves fewer points than parameters, or a fit is impossible.
     """
     force = np.asarray(force_n, dtype=float)
     numbers = fold_numbers(points=len(force), folds=folds, seed=seed)
@@ -51,6 +51,6 @@ def left_out_predictions(
                 f"folds: {np.sum(~out)} points are left for the {len(model.parameter_names)} "
                 f"parameters of the {model.name} model"
             )
-        found = refit(model, factors.take(~out), force[~out], start=theta)
+        found = local_fit(model, factors.take(~out), force[~out], theta)
         predicted[out] = model.evaluate(found, factors.take(out))
     return predicted

@@ -1,4 +1,4 @@
-"""Formulas that a user types: read safely, evaluated with NumPy, differentiated, printed as code.
+"""Formulas that a user types: read safely, evaluated with NumPy.
 
 A formula is arithmetic on named quantities and nothing else: + - * / **, numbers, ``pi``, and the
 functions of FUNCTIONS. Python's own parser reads the text; every node of its tree is then either
@@ -79,6 +79,26 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": np.abs,
     "sinc": np.sinc,  # sin(πx)/(πx), as MATLAB and the paper have it
 }
+
+
+def _slope_of_sinc(u: ArrayLike) -> Any:
+    """-π j1(πu), with the spherical Bessel function (cos z - sin(z)/z)/z = -j1(z), exact at 0."""
+    from scipy.special import spherical_jn  # few need it, and it takes long to import
+
+    return -np.pi * spherical_jn(1, np.pi * np.asarray(u))
+
+
+_IN_SLOPES: dict[str, Callable[..., Any]] = {
+    "slope of sinc": _slope_of_sinc,
+    # Of 0**v with v > 0, which is 0 for every such v.
+    "power times log": lambda power, u: np.where((u == 0) & (power == 0), 0.0, power * np.log(u)),
+    "where": lambda condition, value: np.where(condition, value, 0.0),
+    "is not zero": lambda u: np.not_equal(u, 0.0),
+    "is not positive": lambda u: np.less_equal(u, 0.0),
+    "and": np.logical_and,
+    "or": np.logical_or,
+}
+"""What occurs in derivatives beside a formula's own operators and functions."""
 _BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 _HINTS: dict[type, str] = {
     ast.BitXor: "a power is written **",
@@ -254,7 +274,7 @@ def walk(root: Node) -> list[Node]:
 
 
 def _function(operator: str) -> Callable[..., Any]:
-    return OPERATORS.get(operator) or FUNCTIONS[operator]
+    return OPERATORS.get(operator) or FUNCTIONS.get(operator) or _IN_SLOPES[operator]
 
 
 class Program:
@@ -305,112 +325,3 @@ class Program:
             for function, arguments, slot in self.steps:
                 slots[slot] = function(*[slots[argument] for argument in arguments])
         return [slots[slot] for slot in self.outputs]
-
-
-ZERO, ONE = Number(0.0), Number(1.0)
-
-
-def derivative(root: Node, name: str) -> Node:
-    """The derivative with respect to a named quantity, as a formula; parts are shared."""
-    known: dict[int, Node] = {}
-
-    def of(part: Node) -> Node:
-        if id(part) not in known:
-            known[id(part)] = rule(part)
-        return known[id(part)]
-
-    def rule(part: Node) -> Node:
-        if isinstance(part, Number):
-            return ZERO
-        if isinstance(part, Name):
-            return ONE if part.name == name else ZERO
-        inner = [of(argument) for argument in part.arguments]
-        if all(each is ZERO for each in inner):
-            return ZERO
-        u, v = (*part.arguments, ONE)[:2]
-        du, dv = (*inner, ZERO)[:2]
-        match part.operator:
-            case "+":
-                return _sum(du, dv)
-            case "-":
-                return _difference(du, dv)
-            case "*":
-                return _sum(_product(du, v), _product(u, dv))
-            case "/":
-                return _difference(_quotient(du, v), _quotient(_product(part, dv), v))
-            case "negative":
-                return _difference(ZERO, du)
-            case "**" if isinstance(v, Number):
-                return _product(_product(v, _power(u, v.value - 1)), du)
-            case "**":
-                by_base = ZERO if du is ZERO else _product(v, _quotient(du, u))
-                by_exponent = ZERO if dv is ZERO else _product(dv, Operation("log", (u,)))
-                return _product(part, _sum(by_exponent, by_base))
-        return _product(_slope(part, u), du)
-
-    return of(root)
-
-
-def _slope(part: Operation, u: Node) -> Node:
-    """Derivative of a function with respect to its argument."""
-
-    def call(name: str) -> Operation:
-        return Operation(name, (u,))
-
-    match part.operator:
-        case "sqrt":
-            return _quotient(Number(0.5), part)
-        case "exp":
-            return part
-        case "log":
-            return _quotient(ONE, u)
-        case "sin":
-            return call("cos")
-        case "cos":
-            return _difference(ZERO, call("sin"))
-        case "tan":
-            return _sum(ONE, _power(part, 2.0))
-        case "sinh":
-            return call("cosh")
-        case "cosh":
-            return call("sinh")
-        case "tanh":
-            return _difference(ONE, _power(part, 2.0))
-        case "atan":
-            return _quotient(ONE, _sum(ONE, _power(u, 2.0)))
-        case "abs":
-            return _quotient(u, part)
-        case "sinc":
-            cosine = Operation("cos", (_product(Number(math.pi), u),))
-            return _quotient(_difference(cosine, part), u)
-    raise AssertionError(part.operator)
-
-
-def _sum(a: Node, b: Node) -> Node:
-    if a is ZERO or b is ZERO:
-        return b if a is ZERO else a
-    return Operation("+", (a, b))
-
-
-def _difference(a: Node, b: Node) -> Node:
-    if b is ZERO:
-        return a
-    return Operation("negative", (b,)) if a is ZERO else Operation("-", (a, b))
-
-
-def _product(a: Node, b: Node) -> Node:
-    if a is ZERO or b is ZERO:
-        return ZERO
-    if a == ONE or b == ONE:
-        return b if a == ONE else a
-    return Operation("*", (a, b))
-
-
-def _quotient(a: Node, b: Node) -> Node:
-    return ZERO if a is ZERO else Operation("/", (a, b))
-
-
-def _power(u: Node, exponent: float) -> Node:
-    if exponent in (0.0, 1.0):
-        return ONE if exponent == 0.0 else u
-    return Operation("**", (u, Number(exponent)))

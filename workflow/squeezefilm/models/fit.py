@@ -16,10 +16,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import Bounds, differential_evolution, least_squares
+from scipy.optimize import Bounds, differential_evolution
 
 from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.local_fit import local_fit
 from squeezefilm.search import Array, Objective, genetic_search, nelder_mead
 
 UNDEFINED = 1e30
@@ -164,42 +165,10 @@ def fit_by_differential_evolution(
     )
 
 
-def refit(
-    model: ExpressionModel, factors: Factors, force_n: ArrayLike, *, start: ArrayLike
-) -> Array:
-    """The least-squares theta near a known one, by a method with derivatives.
-
-    For the many fits to parts of the points that a cross-validation makes. Where the model is
-    linear, or has no parameters, ``start`` does not matter. Raises InputError where the model is
-    undefined at the start.
-    """
-    force = np.asarray(force_n, dtype=float)
-    start = np.asarray(start, dtype=float)
-    if model.is_linear:
-        return _linear_theta(model, factors, force)
-    if not np.all(np.isfinite(model.evaluate(start, factors))):
-        raise InputError(f"fit: the {model.name} model is undefined at the start, {start.tolist()}")
-    away = 1e3 * float(np.linalg.norm(force))
-
-    def residual(theta: Array) -> Array:
-        return np.nan_to_num(model.evaluate(theta, factors) - force, nan=away)
-
-    found = least_squares(
-        residual,
-        start,
-        jac=lambda theta: np.nan_to_num(model.gradient(theta, factors)),
-        x_scale=np.maximum(np.abs(start), 1e-3),
-        xtol=1e-14,
-        ftol=1e-14,
-        gtol=1e-14,
-    )
-    return np.asarray(found.x)
-
-
 def _linear_fit(
     model: ExpressionModel, factors: Factors, force: Array, *, bound: float, seed: int
 ) -> Fit:
-    theta = _linear_theta(model, factors, force)
+    theta = local_fit(model, factors, force, np.zeros(len(model.parameter_names)))
     return _fit(
         model,
         factors,
@@ -212,20 +181,6 @@ def _linear_fit(
         evaluations=1,
         search_theta=theta,
     )
-
-
-def _linear_theta(model: ExpressionModel, factors: Factors, force: Array) -> Array:
-    """Linear least squares, columns scaled to length one."""
-    zero = np.zeros(len(model.parameter_names))
-    if not len(zero):
-        return zero
-    columns = model.gradient(zero, factors)
-    length = np.linalg.norm(columns, axis=0)
-    length = np.where(length > 0, length, 1.0)
-    rest = force - model.evaluate(zero, factors)
-    if not (np.all(np.isfinite(columns)) and np.all(np.isfinite(rest))):
-        raise InputError(f"fit: the {model.name} model is undefined at some of the points")
-    return np.asarray(np.linalg.lstsq(columns / length, rest, rcond=None)[0] / length)
 
 
 def _checked_force(
@@ -259,7 +214,7 @@ def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Obje
     def sum_of_squares(u: Array) -> Array:
         with np.errstate(over="ignore", invalid="ignore"):
             residual = model.evaluate(np.sinh(u), factors) - force_n
-        squares = np.sum(residual**2, axis=-1) / scale
+            squares = np.sum(residual**2, axis=-1) / scale
         return np.where(np.isfinite(squares), np.minimum(squares, UNDEFINED), UNDEFINED)
 
     return sum_of_squares

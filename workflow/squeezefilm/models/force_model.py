@@ -19,7 +19,8 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.models.expressions import Expression, Name, Program, derivative, parse, walk
+from squeezefilm.models.derivatives import derivative
+from squeezefilm.models.expressions import Expression, Name, Program, parse, walk
 from squeezefilm.models.units import parameter_units
 
 Array = NDArray[np.float64]
@@ -188,6 +189,11 @@ class ExpressionModel:
         return ("h0_m", "hv_m")
 
     @property
+    def is_centred(self) -> bool:
+        """Whether gap and amplitude are its only factors: a model of the centred finger."""
+        return self.factor_names == ("h0_m", "hv_m")
+
+    @property
     def is_linear(self) -> bool:
         """Whether the force is a linear function of the parameters, so that no search is needed."""
         slopes = (derivative(self.parsed.root, name) for name in self.parameter_names)
@@ -230,14 +236,34 @@ class ExpressionModel:
     def gradient(self, theta: ArrayLike, factors: Factors) -> Array:
         """Derivatives of eta with respect to theta, shape (n, p).
 
-        theta has shape (p,). Where the expression or a derivative is undefined the row is NaN.
+        theta has shape (p,). Where the expression is undefined the row is NaN.
+        Raises InputError where the expression has a value and no finite derivative.
         """
         theta = self._checked(theta)
         if theta.ndim != 1:
             raise InputError(f"gradient takes one theta, not a population of {len(theta)}")
         values = self._slopes.run(self._inputs(theta, factors))
         rows = np.array([np.broadcast_to(value, len(factors)) for value in values]).T
-        return np.where(np.all(np.isfinite(rows), axis=1)[:, None], rows[:, 1:], np.nan)
+        known = np.isfinite(rows)
+        if known.all():
+            return rows[:, 1:]
+        defined = known[:, 0]
+        wrong = np.argwhere(defined[:, None] & ~known[:, 1:])
+        if len(wrong):
+            row, column = wrong[0]
+            raise InputError(
+                f"{self.place}: {self.expression!r} has no finite derivative with respect to "
+                f"{self.parameter_names[column]} {self.described(theta, factors, row)}"
+            )
+        return np.where(defined[:, None], rows[:, 1:], np.nan)
+
+    def described(self, theta: ArrayLike, factors: Factors, row: int) -> str:
+        """A point and the parameters there in words, for messages."""
+        names = (*self.factor_names, *self.column_names)
+        point = ", ".join(f"{name} {factors.column(name)[row]:g}" for name in names)
+        given = zip(self.parameter_names, np.asarray(theta, dtype=float), strict=True)
+        parameters = ", ".join(f"{name} = {value:g}" for name, value in given)
+        return f"at {point}" + (f", with {parameters}" if parameters else "")
 
     def amplitude_for_force(
         self,

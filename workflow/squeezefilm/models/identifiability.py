@@ -34,7 +34,11 @@ def check_identifiable(model: ExpressionModel, factors: Factors, *, seed: int = 
     best, direction = -1.0, np.zeros(count)
     for draw in range(DRAWS):
         spread = SPREADS[draw % len(SPREADS)]
-        gradient = model.gradient(np.sinh(random.uniform(-spread, spread, count)), factors)
+        theta = np.sinh(random.uniform(-spread, spread, count))
+        try:
+            gradient = model.gradient(theta, factors)
+        except InputError:  # a number within the formula that exceeds the largest there is
+            continue
         gradient = gradient[np.isfinite(gradient).all(axis=1)]
         if len(gradient) < count:
             continue

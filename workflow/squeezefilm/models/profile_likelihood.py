@@ -1,4 +1,4 @@
-"""Least squares near a known solution, and how well data fix each parameter.
+"""How well data fix each parameter of a model.
 
 The range of a parameter is where the sum of squares, minimised over all others, stays below
 
@@ -19,15 +19,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import stats
-from scipy.optimize import brentq, least_squares
+from scipy.optimize import brentq
 
 from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.local_fit import local_fit, sum_of_squares
 
 Array = NDArray[np.float64]
-
-UNDEFINED = 1e3
-"""Residual in newtons where a model is undefined: a step that ends there is taken back."""
 
 MOST_STEPS = 60
 """Doublings and halvings of the step away from the estimate before a range counts as open."""
@@ -48,63 +46,6 @@ class ParameterRange:
     upper: float
     theta_lower: tuple[float, ...]
     theta_upper: tuple[float, ...]
-
-
-def local_fit(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: ArrayLike,
-    start: ArrayLike,
-    *,
-    fixed: dict[int, float] | None = None,
-) -> Array:
-    """Parameters of the least sum of squares next to a start, shape (p,).
-
-    fixed holds parameters, by their place, at given values. force_n has shape (n,).
-    """
-    force = np.asarray(force_n, dtype=float)
-    theta = np.array(start, dtype=float)
-    for place, value in (fixed or {}).items():
-        theta[place] = value
-    free = np.array([index for index in range(len(theta)) if index not in (fixed or {})], dtype=int)
-    if len(free) == 0:
-        return theta
-
-    def whole(part: Array) -> Array:
-        full = theta.copy()
-        full[free] = part
-        return full
-
-    def residuals(part: Array) -> Array:
-        misses = model.evaluate(whole(part), factors) - force
-        return np.where(np.isfinite(misses), misses, UNDEFINED)
-
-    def slopes(part: Array) -> Array:
-        rows = model.gradient(whole(part), factors)[:, free]
-        return np.where(np.isfinite(rows), rows, 0.0)
-
-    if np.any(residuals(theta[free]) == UNDEFINED):
-        return theta
-    if model.is_linear:  # exact in one step, whatever the parameters' sizes
-        rows = slopes(theta[free])
-        size = np.linalg.norm(rows, axis=0)
-        size = np.where(size > 0, size, 1.0)
-        change = np.linalg.lstsq(rows / size, -residuals(theta[free]), rcond=None)[0] / size
-        return whole(theta[free] + change)
-    with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
-        found = least_squares(
-            residuals, theta[free], jac=slopes, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15
-        )
-    return whole(found.x)
-
-
-def sum_of_squares(
-    model: ExpressionModel, factors: Factors, force_n: ArrayLike, theta: ArrayLike
-) -> float:
-    """Sum of squared residuals in N^2; infinite where the model is undefined at a point."""
-    misses = model.evaluate(theta, factors) - np.asarray(force_n, dtype=float)
-    total = float(np.sum(misses**2))
-    return total if np.isfinite(total) else np.inf
 
 
 def parameter_ranges(
@@ -180,10 +121,12 @@ def _end(
     def excess(way: float) -> float:
         if way in known:
             return known[way]
-        start = near[min(near, key=lambda each: abs(each - way))]
-        value = theta[place] + way * step
-        near[way] = local_fit(model, factors, force_n, start, fixed={place: value})
-        known[way] = sum_of_squares(model, factors, force_n, near[way]) - allowed
+        start = near[min(near, key=lambda each: abs(each - way))].copy()
+        start[place] = theta[place] + way * step
+        if np.isfinite(sum_of_squares(model, factors, force_n, start)):
+            start = local_fit(model, factors, force_n, start, fixed=place)
+        near[way] = start
+        known[way] = sum_of_squares(model, factors, force_n, start) - allowed
         return known[way]
 
     inside, way = 0.0, 1.0

@@ -47,10 +47,10 @@ def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
     return (model - simulation) / simulation
 
 
-def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float = 0.15) -> Summary:
+def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float) -> Summary:
     """Errors of modelled against simulated forces, both in newtons, shape (n,).
 
-    band is the magnitude of relative error that counts as good, the paper's 15 % by default.
+    band is the magnitude of relative error that counts as good; the study gives it.
     Raises InputError as relative_errors does, and for a band that is not positive.
     """
     if not (np.isfinite(band) and band > 0):

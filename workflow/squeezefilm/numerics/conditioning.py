@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import least_squares
 
 from squeezefilm.designs.design import Box, Criterion, coordinates, refine
 from squeezefilm.errors import InputError
 from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import TWO_FACTOR, Factors
+from squeezefilm.models.local_fit import local_fit
 
 FORCE_ERRORS = tuple(10.0**-k for k in range(2, 9))
 SUCCESS = 1e-6  # relative, on the global error of the best fit
@@ -53,7 +53,7 @@ def conditioning(
         ("screen", screen, screen_force_n),
         ("design", design, design_force_n),
     ):
-        best = _fit(factors, force, theta)
+        best = local_fit(TWO_FACTOR, factors, force, theta)
         rows += list(_information(points, best, factors))
         for size in FORCE_ERRORS:
             log(f"{points}, force error {size:g}")
@@ -77,20 +77,6 @@ def conditioning(
         log(f"fits within ±{bound:g}")
         rows.append(_success_rate(screen, screen_force_n, bound=bound, seeds=seeds))
     return pd.DataFrame(rows).reindex(columns=list(COLUMNS))
-
-
-def _fit(factors: Factors, force_n: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Least squares from a start that is near."""
-    found = least_squares(
-        lambda t: TWO_FACTOR.evaluate(t, factors) - force_n,
-        theta,
-        jac=lambda t: TWO_FACTOR.gradient(t, factors),
-        x_scale="jac",
-        xtol=1e-15,
-        ftol=1e-15,
-        gtol=1e-15,
-    )
-    return np.asarray(found.x)
 
 
 def _information(points: str, theta: np.ndarray, factors: Factors) -> Iterator[dict[str, Any]]:
@@ -120,12 +106,8 @@ def _moved(
     """Root mean square moves of the parameters, relative, and of the model's force over the
     screen, when forces carry independent relative errors of this size."""
     random = np.random.default_rng(1)
-    fits = np.array(
-        [
-            _fit(factors, force_n * (1 + size * random.standard_normal(len(force_n))), best)
-            for _ in range(draws)
-        ]
-    )
+    noisy = [force_n * (1 + size * random.standard_normal(len(force_n))) for _ in range(draws)]
+    fits = np.array([local_fit(TWO_FACTOR, factors, each, best) for each in noisy])
     move = np.sqrt(np.mean((fits / best - 1) ** 2, axis=0))
     yield {
         "quantity": "parameters, relative move",
@@ -173,7 +155,7 @@ def _design_moves(
     for _ in range(draws):
         noisy = force_n * (1 + size * random.standard_normal(len(force_n)))
         try:
-            found = refined(_fit(screen, noisy, theta))
+            found = refined(local_fit(TWO_FACTOR, screen, noisy, theta))
         except InputError:  # a singular design: no optimum to compare with
             continue
         moves.append(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from squeezefilm.errors import InputError
 from squeezefilm.pages.markdown import markdown_rows
-from squeezefilm.runs.run_card import Made, made_files
+from squeezefilm.runs.run_card import Made, facts_of, made_files
 
 
 def to_markdown(cards: Path) -> str:
@@ -42,33 +41,15 @@ def to_markdown(cards: Path) -> str:
 
 
 def _run(files: Sequence[Made]) -> str:
-    run = files[0].run
-    code, config = run["code"], run["config"]
-    changed = ", ".join(line[3:] for line in code["changed"] or [])
-    rows: list[list[Any]] = [
-        ["files that still stand", len(files)],
-        ["started", run["started"]],
-        ["ended", run["ended"] or "with this page or after"],
-        ["command", " ".join(Path(word).name if "/" in word else word for word in run["command"])],
-        ["code", (code["commit"] or "not in git") + (f", changed: {changed}" if changed else "")],
-        ["digest of the code", code["sha256"]],
-        ["study's file", f"{config['path']} (SHA-256 {config['sha256']})"],
-        ["seeds", ", ".join(f"{name} {value}" for name, value in run["seeds"].items())],
-        ["cores", run["cores"]],
-        ["hosts", ", ".join(sorted({one.job["host"] for one in files}))],
-    ]
-    rows += [["device", text] for text in _different(one.job.get("device") for one in files)]
-    rows += [["versions", text] for text in _different(one.job.get("versions") for one in files)]
-    return f"## Run {run['run']}\n\n" + markdown_rows([["what", "value"], *rows])
-
-
-def _different(values: Iterable[dict[str, Any] | None]) -> list[str]:
-    """The descriptions that there are, each once, as text."""
-    once = dict.fromkeys(json.dumps(value, sort_keys=True) for value in values if value)
-    return [
-        ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in json.loads(text).items())
-        for text in once
-    ]
+    run, jobs = files[0].run, [one.job for one in files]
+    facts = facts_of(
+        run,
+        hosts=(job["host"] for job in jobs),
+        devices=(job["device"] for job in jobs if "device" in job),
+        versions=(job["versions"] for job in jobs if "versions" in job),
+    )
+    table = markdown_rows([["what", "value"], ["files that still stand", len(files)], *facts])
+    return f"## Run {run['run']}\n\n{table}"
 
 
 def _what(job: dict[str, Any]) -> str:

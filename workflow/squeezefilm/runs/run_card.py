@@ -144,27 +144,14 @@ def to_markdown(card: Mapping[str, Any]) -> str:
     """A card as a page for people."""
     from squeezefilm.pages.markdown import markdown_rows
 
-    code, config = card["code"], card["config"]
-    commit = code["commit"] or "not in git"
-    changed = ", ".join(line[3:] for line in code["changed"] or [])
     facts = [
         ["study", card["study"]],
         ["outcome", card["outcome"]],
-        ["started, ended", f"{card['started']}, {card['ended']}"],
-        ["command", " ".join(card["command"])],
-        ["code", f"{commit}{f', changed: {changed}' if changed else ''}"],
-        ["digest of the code", code["sha256"]],
-        ["study's file", f"{config['path']} (SHA-256 {config['sha256']})"],
-        ["seeds", ", ".join(f"{name} {value}" for name, value in card["seeds"].items())],
-        ["cores", card["cores"]],
-        [f"hosts ({card['host_count']})", ", ".join(card["hosts"])],
-        *(
-            ["device", f"{d['device']}, driver {d['driver']}, {d['compute_units']} compute units"]
-            for d in card["devices"]
-        ),
-        *(
-            ["versions", ", ".join(f"{name} {value}" for name, value in found.items())]
-            for found in card["job_versions"] or [card["versions"]]
+        *facts_of(
+            card,
+            hosts=card["hosts"],
+            devices=card["devices"],
+            versions=card["job_versions"] or [card["versions"]],
         ),
     ]
     files = [
@@ -179,6 +166,36 @@ def to_markdown(card: Mapping[str, Any]) -> str:
         + markdown_rows([["file", "SHA-256 begins", "made", "host", "by"], *files])
         + "\nThe whole digests, commands and threads are in the JSON file of the same name.\n"
     )
+
+
+def facts_of(
+    card: Mapping[str, Any],
+    *,
+    hosts: Iterable[str],
+    devices: Iterable[Mapping[str, Any]],
+    versions: Iterable[Mapping[str, Any]],
+) -> list[list[Any]]:
+    """What a page says of a run: rows of a fact and its value, devices and versions each once."""
+    code, config = card["code"], card["config"]
+    changed = ", ".join(line[3:] for line in code["changed"] or [])
+    hosts = sorted(set(hosts))
+    return [
+        ["started", card["started"]],
+        ["ended", card["ended"] or "with this page or after"],
+        ["command", " ".join(Path(word).name if "/" in word else word for word in card["command"])],
+        ["code", (code["commit"] or "not in git") + (f", changed: {changed}" if changed else "")],
+        ["digest of the code", code["sha256"]],
+        ["study's file", f"{config['path']} (SHA-256 {config['sha256']})"],
+        ["seeds", ", ".join(f"{name} {value}" for name, value in card["seeds"].items())],
+        ["cores", card["cores"]],
+        [f"hosts ({len(hosts)})", ", ".join(hosts)],
+        *(["device", _listed(each)] for each in _different(devices)),
+        *(["versions", _listed(each)] for each in _different(versions)),
+    ]
+
+
+def _listed(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in values.items())
 
 
 def _seeds(values: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, Any]]:
