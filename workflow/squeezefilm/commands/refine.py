@@ -35,7 +35,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import directions_of, scene_of
 from squeezefilm.tables import FACTOR_COLUMNS, FORCE_COLUMNS, scene_points, write_json, write_table
 
 SECTIONS = (
@@ -291,6 +291,7 @@ def _fit_values(
     return {
         **fit.to_dict(),
         **describe(model, factors, force, fit),
+        "directions": directions_of(ground.config).to_dict(),
         "parameter_ranges": ranges,
         "parameter_ranges_note": (
             "95 % profile-likelihood intervals; residuals are the model's lack of fit, the same "

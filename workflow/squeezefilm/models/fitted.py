@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from squeezefilm.directions import Directions
 from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors, get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
@@ -60,6 +61,23 @@ class FittedModel:
                 f"{', '.join(model.parameter_names)}"
             )
         return model
+
+    def represented(self, factors: Factors) -> Factors:
+        """The same forces' factors with the finger in the directions that the model knows.
+
+        By the symmetry of the study's scenes; a file that tells none leaves them as they are.
+        """
+        if "directions" not in self.values:
+            return factors
+        place = f"{self.place}: directions"
+        directions = Directions.from_dict(self.values["directions"], place=place)
+        return Factors.of(
+            h0_m=factors.h0_m,
+            hv_m=factors.hv_m,
+            phi_r_m=factors.phi_r_m,
+            phi_deg=directions.fold(factors.phi_deg),
+            **factors.columns,
+        )
 
     def complete(self, factors: Factors) -> Factors:
         """The factors with the physics limits that the model needs, from the file's own table.
