@@ -62,20 +62,26 @@ class FittedModel:
             )
         return model
 
+    @cached_property
+    def directions(self) -> Directions | None:
+        """The finger's directions that represent all in the model's study, if the file tells."""
+        if "directions" not in self.values:
+            return None
+        return Directions.from_dict(self.values["directions"], place=f"{self.place}: directions")
+
     def represented(self, factors: Factors) -> Factors:
-        """The same forces' factors with the finger in the directions that the model knows.
+        """The factors of the same forces with the finger in the directions that the model knows.
 
         By the symmetry of the study's scenes; a file that tells none leaves them as they are.
         """
-        if "directions" not in self.values:
+        if self.directions is None:
             return factors
-        place = f"{self.place}: directions"
-        directions = Directions.from_dict(self.values["directions"], place=place)
+        moved = factors.phi_r_m > 0
         return Factors.of(
             h0_m=factors.h0_m,
             hv_m=factors.hv_m,
             phi_r_m=factors.phi_r_m,
-            phi_deg=directions.fold(factors.phi_deg),
+            phi_deg=np.where(moved, self.directions.fold(factors.phi_deg), factors.phi_deg),
             **factors.columns,
         )
 
