@@ -206,6 +206,13 @@ def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle: Path) 
     assert np.ptp(simulated) > 0.03 * np.max(simulated)
 
 
+def test_exported_code_says_which_directions_it_takes(
+    rectangle: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["export", f"{rectangle}/fit.json", "--language=c"]) == 0
+    assert "directions of 0 to 90 deg" in capsys.readouterr().out
+
+
 def test_a_working_point_is_found_in_any_direction(rectangle: Path) -> None:
     words = ["working-point", f"{rectangle}/fit.json", "--force=0.3N", "--h0=6um"]
     out = rectangle / "points.csv"

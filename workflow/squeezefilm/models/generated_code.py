@@ -248,13 +248,11 @@ def _about(fit: FittedModel) -> list[str]:
         lines.append(f"Forces (SHA-256): {digest}")
     if fit.directions is not None and set(model.factor_names) & set(POSITION):
         low, high = fit.directions.start_deg, fit.directions.stop_deg
-        lines += textwrap.wrap(
-            f"Positions are those at directions of {low:g} to {high:g} degrees. They represent all: "
-            f"{fit.directions.because}. Bring a position there before you call.".replace(
-                "°", " deg"
-            ),
-            90,
+        why = fit.directions.because.replace("°", " deg")
+        text = (
+            f"Positions are at directions of {low:g} to {high:g} deg, which stand for all: {why}."
         )
+        lines += textwrap.wrap(f"{text} Bring a position there before you call.", 90)
     if model.column_names:
         error = fit.limit_table.error
         lines.append(f"The physics limit is tabulated; its largest relative error is {error:.1e}.")
