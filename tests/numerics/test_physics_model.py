@@ -46,7 +46,7 @@ def reference(name: str, config: Config) -> tuple[Factors, np.ndarray]:
 @pytest.fixture(scope="module")
 def control(config) -> tuple[Factors, np.ndarray]:
     """A thousand random points of the four-factor space, by the periodic state."""
-    ranges = factor_ranges(screen=config["screen"], positions=config["positions"])
+    ranges = factor_ranges(config)
     table = limits_of(random_plan(points=1000, seed=11, **ranges), config)
     scenes = [scene_of(point, config) for point in scene_points(table)]
     solutions = solve(scenes, tolerance=1e-5, method="periodic")

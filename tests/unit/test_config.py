@@ -140,7 +140,10 @@ WRONG = {
         ),
         "none.csv: there is no such scan",
     ),
-    "an angle beyond symmetry": (replaced("30, 45]", "30, 60]"), "60 is greater than the maximum"),
+    "an angle beyond the circle": (
+        replaced("30, 45]", "30, 361]"),
+        "361 is greater than the maximum of 360",
+    ),
     "jobs of no length": (replaced("_job: 10", "_job: 0"), "seconds_per_job: 0 is less than"),
     "half a point": (replaced("points: 10000", "points: 0.5"), "0.5 is not of type 'integer'"),
     "a sweep beyond its sequence": (

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+import yaml
 
 from squeezefilm.cli import main
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import check_study
+from squeezefilm.tables import read_json
 
 
 def test_a_device_that_is_not_there_is_refused_with_those_that_are(
@@ -51,3 +56,17 @@ def test_groups_stay_within_the_scenes_and_half_the_memory() -> None:
     assert device.groups_for(3, workspace_bytes=7 * 2**20) == 3
     assert device.groups_for(10_000, workspace_bytes=256 * 2**20) == 160
     assert device.groups_for(10_000, workspace_bytes=2**40) == 1
+
+
+def test_kernels_are_compiled_for_a_study_of_any_gap(repository: Path, tmp_path: Path) -> None:
+    """A pad tilted by 15 µm over gaps of 10–20 µm is a film; at 5 µm it would be none."""
+    values = {**load_config(repository / "config" / "quick.yaml")}
+    values["finger"] |= {"gap": {"tilt_x_m": 15e-6, "tilt_y_m": 0, "bulge_m": 0}}
+    for section in ("screen", "error_map"):
+        values[section]["h0_m"] |= {"start": 10e-6, "stop": 20e-6}
+    values["extrapolation"] |= {"h0_m": 10e-6}
+    config = tmp_path / "study.yaml"
+    config.write_text(yaml.safe_dump(values), encoding="utf-8")
+    check_study(load_config(config))
+    assert main(["warm", f"--config={config}", f"--output={tmp_path}/device.json"]) == 0
+    assert "device" in read_json(tmp_path / "device.json")

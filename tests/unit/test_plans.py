@@ -10,12 +10,13 @@ import pandas as pd
 import pytest
 
 from squeezefilm.studies import plans
-from squeezefilm.studies.config import Config, load_config, plan_sizes
+from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
     centred_grid,
     finger_positions,
     four_factor_plan,
     level_values,
+    plan_sizes,
     random_plan,
     sweep_pieces,
 )
@@ -49,7 +50,7 @@ def test_the_screen_has_every_gap_with_every_amplitude_once(paper: Config) -> No
 
 
 def test_the_four_factor_plan_has_13_positions_with_5_points(paper: Config) -> None:
-    positions = finger_positions(**paper["positions"])
+    positions = finger_positions(paper)
     assert len(positions) == len(set(positions)) == 13
     assert positions[0] == (0.0, 0.0)
     plan = four_factor_plan(

@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main
+from squeezefilm.commands import refine as refine_command
 from squeezefilm.designs.experiments import factors_of
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors
@@ -45,12 +46,12 @@ def study(repository: Path, path: Path, **refine: object) -> Path:
     return path
 
 
-def refine(model: str, folder: Path, config: Path) -> int:
+def refine(model: str, folder: Path, config: Path, *more: str) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     names = {"rounds": "rounds.csv", "forces": "forces.csv", "limits": "limits.csv"}
     names |= {"fit": "fit.json", "where": "where.csv", "output": "verdict.json"}
     words = [word for key, name in names.items() for word in (f"--{key}", str(folder / name))]
-    return main(["refine", model, "--space", "four-factor", "--config", str(config), *words])
+    return main(["refine", model, "--space", "four-factor", "--config", str(config), *words, *more])
 
 
 @pytest.fixture(scope="module")
@@ -168,3 +169,31 @@ def test_thirds_tell_where_an_error_lies() -> None:
     assert high["share_of_squares"] == pytest.approx(squares[top].sum() / squares.sum(), rel=0.02)
     assert in_words(spots).startswith("97% of the squared error lies in the high third")
     assert set(spots["quantity"]) == {"h0_m", "hv_m", "epsilon"}
+
+
+def test_a_model_whose_physics_does_not_hold_is_left_out_before_anything_is_simulated(
+    repository: Path, refined: Refined, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_simulation(*arguments: object, **settings: object) -> None:
+        raise AssertionError("a scene is simulated")
+
+    monkeypatch.setattr(refine_command, "solve", no_simulation)
+    config = study(repository, tmp_path / "study.yaml")
+    text = config.read_text(encoding="utf-8")
+    config.write_text(text.replace("shape: rectangle", "shape: ellipse"), encoding="utf-8")
+    assert refine("limit_1", tmp_path / "limit_1", config) == 2
+    assert refine("limit_1", tmp_path / "limit_1", config, "--keep-going") == 0
+    words = ["--forces", str(refined.unseen), "--limits", str(refined.limits)]
+    words += ["--output", f"{tmp_path}/t.csv", "--report", f"{tmp_path}/t.md"]
+    for others in ([], [str(refined.folder / "limit_2")]):
+        figure = f"{tmp_path}/figure-{len(others)}.csv"
+        folders = [str(tmp_path / "limit_1"), *others]
+        assert main(["refine-report", *folders, *words, "--figure", figure]) == 0
+        table = pd.read_csv(tmp_path / "t.csv", index_col="model")
+        assert table.loc["limit_1", "verdict"] == "left out"
+        assert set(table.index) == {"limit_1", *(Path(other).name for other in others)}
+        page = (tmp_path / "t.md").read_text(encoding="utf-8")
+        assert "- **limit_1**, left out: limit_n: unknown at" in page
+        assert main(["plot", "refine", figure, "--output", str(tmp_path / "f.svg")]) == 0
+        drawn = (tmp_path / "f.svg").read_text(encoding="utf-8")
+        assert ("nothing was simulated: limit_1" in drawn) == (not others)

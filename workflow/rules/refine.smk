@@ -138,7 +138,7 @@ rule refine_model:
         "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm refine {wildcards.model} "
         "--space {wildcards.space} --config {input.config} --rounds {output.rounds} "
         "--forces {output.forces} --limits {output.limits} --fit {output.fit} "
-        "--where {output.where} --output {output.verdict} >{log} 2>&1"
+        "--where {output.where} --keep-going --output {output.verdict} >{log} 2>&1"
 
 
 rule refine_report:

@@ -18,6 +18,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.config import Config
+from squeezefilm.studies.plans import factor_ranges
 from squeezefilm.tables import read_design, read_json
 
 DESIGNS = "designs"
@@ -120,10 +121,7 @@ def _design(results: Path, name: str, config: Config) -> Iterator[Quantity]:
 
 
 def _box(config: Config, names: tuple[str, ...]) -> Box:
-    screen, positions = config["screen"], config["positions"]
-    limits = {name: (screen[name]["start"], screen[name]["stop"]) for name in ("h0_m", "hv_m")}
-    limits["phi_r_m"] = (0.0, max(positions["phi_r_m"]))
-    limits["phi_deg"] = (min(positions["phi_deg"]), max(positions["phi_deg"]))
+    limits = factor_ranges(config)
     lower, upper = zip(*(limits[name] for name in names), strict=True)
     return Box(names, lower, upper)
 

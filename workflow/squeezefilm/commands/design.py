@@ -40,12 +40,12 @@ from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import ExpressionModel, get_model
 from squeezefilm.runs.parallel import spread
 from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.plans import plan
+from squeezefilm.studies.plans import factor_ranges, plan
 from squeezefilm.tables import DESIGN_COLUMNS, write_json, write_table
 
 SECTIONS = {
     "two-factor": ("design", "screen"),
-    "four-factor": ("four_factor_design", "positions", "screen"),
+    "four-factor": ("four_factor_design", "positions", "screen", "actuator", "finger"),
 }
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
 FINE_LEVELS = {"two-factor": 181, "four-factor": 7}
@@ -146,12 +146,11 @@ def _limits(
     config: Config, names: Sequence[str]
 ) -> tuple[tuple[str, ...], tuple[float, ...], tuple[float, ...]]:
     """The factors' names, and the lower and upper limits of the experimental space."""
-    screen = config["screen"]
-    limits = {name: (screen[name]["start"], screen[name]["stop"]) for name in ("h0_m", "hv_m")}
     if "phi_r_m" in names:
-        positions = config["positions"]
-        limits["phi_r_m"] = (0.0, max(positions["phi_r_m"]))
-        limits["phi_deg"] = (min(positions["phi_deg"]), max(positions["phi_deg"]))
+        limits = factor_ranges(config)
+    else:
+        screen = config["screen"]
+        limits = {name: (screen[name]["start"], screen[name]["stop"]) for name in names}
     lower, upper = zip(*(limits[name] for name in names), strict=True)
     return tuple(names), lower, upper
 

@@ -38,9 +38,10 @@ from squeezefilm.models.validation import error_sizes
 from squeezefilm.runs.atomic import digest
 from squeezefilm.runs.parallel import spread
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import directions_of
 from squeezefilm.tables import read_json, read_ok_forces, write_json, write_table
 
-SECTIONS = ("fit", "models")
+SECTIONS = ("fit", "models", "actuator", "finger")
 FOLDS, FOLD_SEED = 5, 1
 """Of the cross-validation that tells a fit's error at points it was not fitted to."""
 
@@ -86,6 +87,7 @@ def run(options: argparse.Namespace) -> None:
         return
     if options.runs:
         write_table(pd.DataFrame([_row(run, model) for run in runs]), options.runs)
+    about["directions"] = directions_of(config).to_dict()
     source = {"squeezefilm": __version__, "forces_sha256": digest(Path(options.forces))}
     if options.limits:
         source["limits_sha256"] = digest(Path(options.limits))

@@ -53,7 +53,7 @@ def tabulate(config: Config) -> LimitTable:
     Raises:
         InputError: where the limits do not hold all over the space.
     """
-    box = factor_ranges(screen=config["screen"], positions=config["positions"])
+    box = factor_ranges(config)
     box.pop("hv_m")
     ranges = box | {"epsilon_square": (0.0, LARGEST_EPSILON_SQUARE)}
     at, shape = nodes(ranges)

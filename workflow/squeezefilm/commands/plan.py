@@ -32,10 +32,10 @@ from squeezefilm.tables import SCENE_COLUMNS, read_design, table_writer
 SECTIONS = {
     "screen": ("screen",),
     "error_map": ("error_map",),
-    "four_factor_control": ("four_factor_control", "screen", "positions"),
-    "sweep": ("sweep", "screen", "positions"),
-    "model_control": ("model_control", "screen", "positions"),
-    "four_factor": ("positions",),
+    "four_factor_control": ("four_factor_control", "screen", "positions", "actuator", "finger"),
+    "sweep": ("sweep", "screen", "positions", "actuator", "finger"),
+    "model_control": ("model_control", "screen", "positions", "actuator", "finger"),
+    "four_factor": ("positions", "actuator", "finger"),
     "two_factor_design": (),
     "four_factor_design": (),
     "four_factor_design_distinct": (),
@@ -71,7 +71,10 @@ def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> Iter
     if kind == "sweep":
         sweep = config[kind]
         return sweep_pieces(
-            points=sweep["points"], first=sweep["first"], seed=sweep["seed"], **_ranges(config)
+            points=sweep["points"],
+            first=sweep["first"],
+            seed=sweep["seed"],
+            **factor_ranges(config),
         )
     return [_small_plan(kind, config, design=design)]
 
@@ -82,17 +85,13 @@ def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd
         return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
     if kind in ("four_factor_control", "model_control"):
         return random_plan(
-            points=config[kind]["points"], seed=config[kind]["seed"], **_ranges(config)
+            points=config[kind]["points"], seed=config[kind]["seed"], **factor_ranges(config)
         )
     assert design is not None
     if kind == "four_factor":
         return four_factor_plan(
-            positions=finger_positions(**config["positions"]),
+            positions=finger_positions(config),
             h0_m=design["h0_m"].to_numpy(),
             hv_m=design["hv_m"].to_numpy(),
         )
     return design[list(SCENE_COLUMNS)]
-
-
-def _ranges(config: Config) -> dict[str, tuple[float, float]]:
-    return factor_ranges(screen=config["screen"], positions=config["positions"])

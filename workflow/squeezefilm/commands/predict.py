@@ -5,7 +5,8 @@
 
 A quantity is a number with its unit, several with commas, or evenly spaced ones as
 first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
-finger off the centre, x_m, y_m or phi_r_m, phi_deg. `force_error_n` is what the model erred by at
+finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
+was fitted in, any direction may be asked. `force_error_n` is what the model erred by at
 points that were left out of its fit (root mean square); --validation gives the summary of
 `squeezefilm validate` to take instead. `note` says where a point lies outside the ranges that the
 model was fitted on.
@@ -48,7 +49,7 @@ def run(options: argparse.Namespace) -> None:
         points, place = points_of(options), "predict"
         if not {"h0_m", "hv_m"} <= set(points):
             raise InputError("predict: give --h0 and --hv, or --points")
-    factors = factors_of_points(points, place=place)
+    factors = fit.represented(factors_of_points(points, place=place))
     force_n = fit.force_model.evaluate(fit.theta, fit.complete(factors))
     table = points.assign(
         force_n=force_n,

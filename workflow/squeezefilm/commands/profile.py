@@ -22,7 +22,7 @@ from squeezefilm.profiles.scans import SmoothedScan
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.studies.study import directions_of, scene_of, smoothed_scan_of
 from squeezefilm.tables import ScenePoint, write_json, write_table
 
 SECTIONS = ("gas", "actuator", "finger", "solver", "screen", "positions")
@@ -90,7 +90,8 @@ def _points(config: Config) -> list[ScenePoint]:
     gaps, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
     radius = max(config["positions"]["phi_r_m"])
     places = [(gaps["start"], 0.0, 0.0), (gaps["stop"], 0.0, 0.0)]
-    places += [(gaps["start"], radius, float(angle)) for angle in config["positions"]["phi_deg"]]
+    angles = directions_of(config).images(config["positions"]["phi_deg"])
+    places += [(gaps["start"], radius, angle) for angle in angles]
     return [
         ScenePoint(str(number), gap, amplitude, r, angle)
         for number, (gap, r, angle) in enumerate(places, start=1)

@@ -9,7 +9,9 @@ of simulations. Errors are estimated from verification points that are never fit
 
 ROUNDS.csv has a row for each round, FORCES.csv every simulation (a point_id tells its kind and
 round), LIMITS.csv the physics limits of the same scenes, FIT.json the fitted model with the range
-of each parameter, WHERE.csv the model's error over the space, and VERDICT.json how it ended.
+of each parameter, WHERE.csv the model's error over the space, and VERDICT.json how it ended. With
+--keep-going a model that needs the physics limits where they do not hold is left out before
+anything is simulated: the two JSON files say why, and the tables are empty.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ import pandas as pd
 from squeezefilm.commands.fit import describe
 from squeezefilm.commands.limits import with_limits
 from squeezefilm.designs.closed_loop import Goal, Outcome, Pool, Round, run_loop
-from squeezefilm.designs.experiments import LIMIT_COLUMNS, check_columns
+from squeezefilm.designs.experiments import ROUND_COLUMNS, WHERE_COLUMNS, check_columns
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.models.fit import Fit
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
@@ -35,8 +37,15 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import FACTOR_COLUMNS, FORCE_COLUMNS, scene_points, write_json, write_table
+from squeezefilm.studies.study import directions_of, scene_of
+from squeezefilm.tables import (
+    FACTOR_COLUMNS,
+    FORCE_COLUMNS,
+    LIMIT_COLUMNS,
+    scene_points,
+    write_json,
+    write_table,
+)
 
 SECTIONS = (
     "gas",
@@ -67,6 +76,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--fit", required=True, metavar="FIT.json", help="the fitted model")
     parser.add_argument("--where", required=True, metavar="WHERE.csv", help="errors over the space")
     parser.add_argument("--output", required=True, metavar="VERDICT.json", help="how it ended")
+    parser.add_argument(
+        "--keep-going",
+        action="store_true",
+        help="write into the files why the model cannot be used on the study, and exit with 0",
+    )
 
 
 def run(options: argparse.Namespace) -> None:
@@ -76,7 +90,13 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(f"--space {options.space!r} is unknown; known are {', '.join(SPACES)}")
     model = model_named(options.model, config["models"], place=options.config)
     ground = _Ground.of(config, centred=name == "two_factor")
-    check_columns(model, ground.pool.factors)
+    try:
+        check_columns(model, ground.pool.factors)
+    except InputError as error:
+        if not options.keep_going:
+            raise
+        _leave_out(options, {"model": model.name, "space": name, "refused": str(error)})
+        return
     settings = config["refine"]
     outcome = run_loop(
         model,
@@ -132,6 +152,17 @@ def run(options: argparse.Namespace) -> None:
         },
         options.output,
     )
+
+
+def _leave_out(options: argparse.Namespace, verdict: dict[str, Any]) -> None:
+    """Files that say why there is nothing in them."""
+    write_table(pd.DataFrame(columns=list(ROUND_COLUMNS)), options.rounds)
+    write_table(pd.DataFrame(columns=list(FORCE_COLUMNS)), options.forces)
+    write_table(pd.DataFrame(columns=list(LIMIT_COLUMNS)), options.limits)
+    write_table(pd.DataFrame(columns=list(WHERE_COLUMNS)), options.where)
+    write_json(verdict, options.fit)
+    write_json(verdict, options.output)
+    print(verdict["refused"])
 
 
 class _Ground:
@@ -291,6 +322,7 @@ def _fit_values(
     return {
         **fit.to_dict(),
         **describe(model, factors, force, fit),
+        "directions": directions_of(ground.config).to_dict(),
         "parameter_ranges": ranges,
         "parameter_ranges_note": (
             "95 % profile-likelihood intervals; residuals are the model's lack of fit, the same "

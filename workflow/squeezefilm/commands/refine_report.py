@@ -4,8 +4,9 @@
       --output TABLE.csv --report TABLE.md --figure FIGURE.csv
 
 A MODEL_FOLDER holds what `squeezefilm refine` wrote: rounds.csv, forces.csv, limits.csv, where.csv,
-fit.json and verdict.json. FORCES.csv has simulations that no refinement used, LIMITS.csv their
-physics limits. FIGURE.csv is what the figure `refine` is drawn from.
+fit.json and verdict.json; a model that it left out is named, with the reason. FORCES.csv has
+simulations that no refinement used, LIMITS.csv their physics limits. FIGURE.csv is what the figure
+`refine` is drawn from.
 """
 
 from __future__ import annotations
@@ -19,23 +20,51 @@ import pandas as pd
 from scipy import stats
 
 from squeezefilm.designs.continuous_design import sensitivity
-from squeezefilm.designs.experiments import check_columns, factors_of
+from squeezefilm.designs.experiments import ROUND_COLUMNS, WHERE_COLUMNS, check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import ExpressionModel, Factors
 from squeezefilm.pages.markdown import markdown_table, write_markdown
 from squeezefilm.pages.notes import percent
 from squeezefilm.sources import read_columns
-from squeezefilm.tables import FACTOR_COLUMNS, read_json, read_ok_forces, write_table
+from squeezefilm.tables import read_json, read_ok_forces, write_table
 
 SECTIONS: tuple[str, ...] = ()
+TABLE_COLUMNS = (
+    "model",
+    "parameters",
+    "verdict",
+    "simulations",
+    "estimated_global_error",
+    "estimated_global_upper",
+    "unseen_global_error",
+    "unseen_global_error_of_all_points",
+    "estimated_worst_error",
+    "unseen_worst_error",
+    "unseen_points",
+    "share_in_interval",
+)
+FIGURE_COLUMNS = (
+    "layer",
+    "simulations",
+    "global_error_percent",
+    "global_lower_percent",
+    "global_upper_percent",
+    "worst_error_percent",
+    "h0_um",
+    "hv_um",
+    "x_mm",
+    "y_mm",
+    "relative_error_percent",
+    "model",
+    "verdict",
+)
 VERDICTS = {
     "reached": "as good as wanted",
     "model": "limited by the model",
     "simulation": "limited by the simulations",
     "budget": "out of simulations",
+    "left out": "left out",
 }
-ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
-WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,8 +80,16 @@ def run(options: argparse.Namespace) -> None:
     unseen = read_ok_forces(options.forces)
     factors = factors_of(unseen, limits=options.limits)
     rows, drawn, said = [], [], []
-    for folder in map(Path, options.folders):
-        verdict, fit = read_json(folder / "verdict.json"), read_fit(folder / "fit.json")
+    folders = [Path(folder) for folder in options.folders]
+    verdicts = [read_json(folder / "verdict.json") for folder in folders]
+    for folder, verdict in zip(folders, verdicts, strict=True):
+        if "refused" in verdict:
+            left_out = {"model": verdict["model"], "verdict": "left out"}
+            rows.append(left_out)
+            drawn.append(pd.DataFrame([{**left_out, "layer": "left out"}]))
+            said.append(f"- **{verdict['model']}**, left out: {verdict['refused']}.\n")
+            continue
+        fit = read_fit(folder / "fit.json")
         row = _row(folder, verdict, fit, factors, unseen["force_n"].to_numpy())
         rows.append(row)
         drawn.append(_drawn(folder, verdict, row))
@@ -60,16 +97,19 @@ def run(options: argparse.Namespace) -> None:
             f"- **{row['model']}**, {VERDICTS[row['verdict']]}: {verdict['reason']}. "
             f"{verdict['weak_spots_in_words']} (by {verdict['errors_mapped_by']}).\n"
         )
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows, columns=list(TABLE_COLUMNS))
     text = _report(table, said, points=len(unseen))
     note = (
         f"Estimates from verification points that are never fitted, with 95 % limits; stars: the "
         f"truth on {len(unseen)} simulations that no refinement used. Errors over the root mean "
         "square force. Maps: the best fit to all simulated points, circled."
     )
+    if all("refused" in each for each in verdicts):
+        note = "The physics limit, which these models need, does not hold all over the space."
     write_table(table, options.output)
     write_markdown(text, options.report)
-    write_table(pd.concat(drawn, ignore_index=True).assign(note=note), options.figure)
+    figure = pd.concat(drawn, ignore_index=True).reindex(columns=list(FIGURE_COLUMNS))
+    write_table(figure.assign(note=note), options.figure)
     print(text)
 
 
@@ -177,6 +217,7 @@ def _places(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _report(table: pd.DataFrame, said: list[str], *, points: int) -> str:
+    table = table[table["verdict"] != "left out"]
     shown = pd.DataFrame(
         {
             "model": table["model"],
@@ -206,5 +247,8 @@ def _report(table: pd.DataFrame, said: list[str], *, points: int) -> str:
         "square force. Estimates come from verification points that are simulated, counted and "
         "never fitted; *fitted to all* is the error on the unseen points of a fit that includes "
         "them. Simulations have no scatter: a 95 % limit is about where in the space one looks, "
-        "not about noise.\n\n" + markdown_table(shown) + "\n" + "".join(said)
+        "not about noise.\n\n"
+        + (markdown_table(shown) if len(shown) else "No model could be refined.\n")
+        + "\n"
+        + "".join(said)
     )

@@ -60,6 +60,7 @@ def working_point(
 ) -> dict[str, object]:
     """Amplitude, its error and a note for one gap and position; NaN where there is none."""
     model = fit.force_model
+    point = fit.represented(point)
     where = {
         "h0_m": float(point.h0_m[0]),
         "phi_r_m": float(point.phi_r_m[0]),

@@ -50,7 +50,7 @@ def draw(data: pd.DataFrame) -> Figure:
     radius, angle = float(data["phi_r_max_mm"].iloc[0]), float(data["phi_max_deg"].iloc[0])
     right.set_xlim(-0.1 * angle, 1.1 * angle)
     right.set_ylim(-0.13 * radius, 1.15 * radius)
-    right.set_xticks([0, 15, 30, 45])
+    right.set_xticks([0, angle / 3, 2 * angle / 3, angle])
     right.set_xlabel(r"angular position $\phi_\varphi$ (°)")
     right.set_ylabel(r"radial position $\phi_r$ (mm)")
     right.set_title("(b)")

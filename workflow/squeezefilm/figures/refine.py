@@ -34,9 +34,12 @@ LINEAR = 0.02
 def draw(data: pd.DataFrame) -> Figure:
     """A row for each model: errors against simulations, then maps of gap and of position.
 
-    No map of the position where the finger stays at the centre.
+    No map of the position where the finger stays at the centre, and no row for a model left out.
     """
-    models = list(dict.fromkeys(data["model"]))
+    refined = data[data["layer"] != "left out"]
+    models = list(dict.fromkeys(refined["model"]))
+    if not models:
+        return _nothing(data)
     moved = bool(data["x_mm"].abs().max() > 0)
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 2.1 * len(models))
     panels = figure.subplots(len(models), 3 if moved else 2, squeeze=False)
@@ -55,6 +58,15 @@ def draw(data: pd.DataFrame) -> Figure:
         bar.set_label("error (%)")
         bar.ax.tick_params(labelsize=6)
     panels[0][0].legend(loc="best")
+    style.add_note(figure, data)
+    return figure
+
+
+def _nothing(data: pd.DataFrame) -> Figure:
+    """In words, that there is nothing to draw."""
+    figure = style.new_figure(height_in=0.8)
+    names = ", ".join(data["model"])
+    figure.text(0.5, 0.5, f"Left out, so that nothing was simulated: {names}", ha="center")
     style.add_note(figure, data)
     return figure
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from squeezefilm.directions import Directions
 from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors, get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
@@ -60,6 +61,29 @@ class FittedModel:
                 f"{', '.join(model.parameter_names)}"
             )
         return model
+
+    @cached_property
+    def directions(self) -> Directions | None:
+        """The finger's directions that represent all in the model's study, if the file tells."""
+        if "directions" not in self.values:
+            return None
+        return Directions.from_dict(self.values["directions"], place=f"{self.place}: directions")
+
+    def represented(self, factors: Factors) -> Factors:
+        """The factors of the same forces with the finger in the directions that the model knows.
+
+        By the symmetry of the study's scenes; a file that tells none leaves them as they are.
+        """
+        if self.directions is None:
+            return factors
+        moved = factors.phi_r_m > 0
+        return Factors.of(
+            h0_m=factors.h0_m,
+            hv_m=factors.hv_m,
+            phi_r_m=factors.phi_r_m,
+            phi_deg=np.where(moved, self.directions.fold(factors.phi_deg), factors.phi_deg),
+            **factors.columns,
+        )
 
     def complete(self, factors: Factors) -> Factors:
         """The factors with the physics limits that the model needs, from the file's own table.

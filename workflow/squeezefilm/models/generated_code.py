@@ -17,7 +17,14 @@ from string import Template
 from squeezefilm.errors import InputError
 from squeezefilm.models.expressions import Name, Node, Number
 from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import CARTESIAN, COLUMNS, FACTORS, POLAR, ExpressionModel
+from squeezefilm.models.force_model import (
+    CARTESIAN,
+    COLUMNS,
+    FACTORS,
+    POLAR,
+    POSITION,
+    ExpressionModel,
+)
 from squeezefilm.models.limit_table import AXES, SLACK
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -239,6 +246,13 @@ def _about(fit: FittedModel) -> list[str]:
     ]
     if re.fullmatch(r"[0-9a-f]{64}", digest):
         lines.append(f"Forces (SHA-256): {digest}")
+    if fit.directions is not None and set(model.factor_names) & set(POSITION):
+        low, high = fit.directions.start_deg, fit.directions.stop_deg
+        why = fit.directions.because.replace("°", " deg")
+        text = (
+            f"Positions are at directions of {low:g} to {high:g} deg, which stand for all: {why}."
+        )
+        lines += textwrap.wrap(f"{text} Bring a position there before you call.", 90)
     if model.column_names:
         error = fit.limit_table.error
         lines.append(f"The physics limit is tabulated; its largest relative error is {error:.1e}.")

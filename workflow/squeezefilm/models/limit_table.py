@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 AXES = ("h0_m", "epsilon_square", "phi_r_m", "phi_deg")
 POINTS = {"h0_m": 3, "epsilon_square": 11, "phi_r_m": 7, "phi_deg": 6}
+"""Of directions, for 45°: the force over more of them bends more often."""
 LARGEST_EPSILON_SQUARE = 0.5
 """Amplitudes up to 0.7 of the gap: beyond a study's, since a wanted force may lie there."""
 SLACK = 1e-9
@@ -132,6 +133,8 @@ def nodes(ranges: Mapping[str, tuple[float, float]]) -> tuple[dict[str, Array], 
     for axis in AXES:
         low, high = ranges[axis]
         points = POINTS[axis] if high > low else 1
+        if axis == "phi_deg" and high - low > 45:
+            points = round(points * ((high - low) / 45) ** (2 / 3))
         lines.append((low + high) / 2 + (high - low) / 2 * chebyshev.chebpts1(points))
     grid = np.meshgrid(*lines, indexing="ij")
     return dict(zip(AXES, (each.ravel() for each in grid), strict=True)), grid[0].shape

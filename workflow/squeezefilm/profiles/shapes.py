@@ -20,6 +20,8 @@ class Profile(Protocol):
         """Amplitude over its maximum at positions from the actuator's centre, any common shape."""
         ...
 
+    def __hash__(self) -> int: ...
+
 
 @dataclass(frozen=True)
 class Sinc:

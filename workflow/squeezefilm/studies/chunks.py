@@ -9,8 +9,8 @@ from math import ceil
 
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds.explain import explain
-from squeezefilm.studies.config import Config, plan_sizes
-from squeezefilm.studies.plans import factor_ranges, random_plan
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.plans import factor_ranges, plan_sizes, random_plan
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import scene_points
 
@@ -44,7 +44,7 @@ def chunk_counts(config: Config) -> dict[str, int]:
 
 def expected_seconds(config: Config, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
-    ranges = factor_ranges(screen=config["screen"], positions=config["positions"])
+    ranges = factor_ranges(config)
     if centred:
         ranges |= {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
     sample = random_plan(points=SAMPLE, seed=1, **ranges)

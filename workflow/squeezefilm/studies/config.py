@@ -170,19 +170,5 @@ def _check_relations(values: dict[str, Any], *, path: Path) -> None:
             raise InputError(f"{path}: positions.{factor}: a value stands twice")
 
 
-def plan_sizes(values: Mapping[str, Any]) -> dict[str, int]:
-    """The number of points of each plan that is simulated in chunks."""
-    grid = {name: values[name] for name in ("screen", "error_map")}
-    positions = values["positions"]
-    return {
-        **{name: g["h0_m"]["levels"] * g["hv_m"]["levels"] for name, g in grid.items()},
-        "four_factor": values["design"]["points"]
-        * (1 + len(positions["phi_r_m"]) * len(positions["phi_deg"])),
-        "four_factor_control": values["four_factor_control"]["points"],
-        "sweep": values["sweep"]["points"],
-        "model_control": values["model_control"]["points"],
-    }
-
-
 def _one_line(error: Exception) -> str:
     return " ".join(str(error).split())

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.study import directions_of
 from squeezefilm.tables import SCENE_COLUMNS
 
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
@@ -45,11 +47,15 @@ def plan(
     return table[list(SCENE_COLUMNS)]
 
 
-def finger_positions(
-    *, phi_r_m: Sequence[float], phi_deg: Sequence[float]
-) -> list[tuple[float, float]]:
-    """The centre, then every radius with every angle, as (phi_r_m, phi_deg) (Fig. 15)."""
-    return [(0.0, 0.0), *((radius, angle) for radius in phi_r_m for angle in phi_deg)]
+def finger_positions(config: Config) -> list[tuple[float, float]]:
+    """The centre, then every radius with every angle, as (phi_r_m, phi_deg) (Fig. 15).
+
+    The angles are those of the section ``positions`` and their images, as far as the scene's own
+    symmetry does not make them the same (see Directions.images).
+    """
+    positions = config["positions"]
+    angles = directions_of(config).images(positions["phi_deg"])
+    return [(0.0, 0.0), *((radius, angle) for radius in positions["phi_r_m"] for angle in angles)]
 
 
 def four_factor_plan(
@@ -68,15 +74,31 @@ def four_factor_plan(
     return plan(h0_m=gaps, hv_m=amplitudes, phi_r_m=radii, phi_deg=angles)
 
 
-def factor_ranges(
-    *, screen: Mapping[str, Any], positions: Mapping[str, Any]
-) -> dict[str, tuple[float, float]]:
-    """The box of the four factors: the screen's gaps and amplitudes, the finger's positions."""
+def factor_ranges(config: Config) -> dict[str, tuple[float, float]]:
+    """The box of the four factors: the screen's gaps and amplitudes, the finger's positions.
+
+    Directions are those that represent all by the scene's symmetry. From the sections ``screen``,
+    ``positions``, ``actuator`` and ``finger``.
+    """
+    screen, directions = config["screen"], directions_of(config)
     return {
         "h0_m": (screen["h0_m"]["start"], screen["h0_m"]["stop"]),
         "hv_m": (screen["hv_m"]["start"], screen["hv_m"]["stop"]),
-        "phi_r_m": (0.0, float(max(positions["phi_r_m"]))),
-        "phi_deg": (float(min(positions["phi_deg"])), float(max(positions["phi_deg"]))),
+        "phi_r_m": (0.0, float(max(config["positions"]["phi_r_m"]))),
+        "phi_deg": (directions.start_deg, directions.stop_deg),
+    }
+
+
+def plan_sizes(config: Config) -> dict[str, int]:
+    """The number of points of each plan that is simulated in chunks."""
+    grid = {name: config[name] for name in ("screen", "error_map")}
+    return {
+        **{name: g["h0_m"]["levels"] * g["hv_m"]["levels"] for name, g in grid.items()},
+        "four_factor": config["design"]["points"] * len(finger_positions(config)),
+        **{
+            name: config[name]["points"]
+            for name in ("four_factor_control", "sweep", "model_control")
+        },
     }
 
 

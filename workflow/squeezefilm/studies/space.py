@@ -39,7 +39,7 @@ class Space:
     @classmethod
     def of(cls, config: Config, *, centred: bool) -> Space:
         """The space of a study: the screen's ranges and the finger positions'."""
-        ranges = factor_ranges(screen=config["screen"], positions=config["positions"])
+        ranges = factor_ranges(config)
         names = FACTOR_COLUMNS[:2] if centred else FACTOR_COLUMNS
         lower, upper = zip(*(ranges[name] for name in names), strict=True)
         middle = ScenePoint("space", ranges["h0_m"][1], ranges["hv_m"][0], 0.0, 0.0)
@@ -71,7 +71,10 @@ class Space:
         axes = np.meshgrid(*[np.linspace(0, 1, levels)] * factors, indexing="ij")
         points = self.box.from_unit(np.stack(axes, axis=-1).reshape(-1, factors))
         if distinct and factors == len(FACTOR_COLUMNS):
-            points = points[(points[:, 2] > 0) | (points[:, 3] == self.box.lower[3])]
+            first, last = self.box.lower[3], self.box.upper[3]
+            if last - first == 360:  # the last direction is the first again
+                points = points[points[:, 3] < last]
+            points = points[(points[:, 2] > 0) | (points[:, 3] == first)]
         return points[self.allowed(points)]
 
     def sample(self, points: int, *, seed: int) -> Array:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from squeezefilm.directions import Directions
 from squeezefilm.errors import InputError
 from squeezefilm.profiles.choice import make_profile
 from squeezefilm.profiles.shapes import Profile
 from squeezefilm.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.studies.config import Config
+from squeezefilm.studies.symmetry import symmetric_directions
 from squeezefilm.tables import ScenePoint
 
 if TYPE_CHECKING:
@@ -59,8 +63,17 @@ def finger_of(config: Config) -> Finger:
     return Finger(gap=GapShape(**keys.pop("gap")), **keys)
 
 
-def scene_of(point: ScenePoint, config: Config) -> Scene:
-    """The scene of one point of a plan on the study's film, checked.
+def directions_of(config: Config) -> Directions:
+    """The sector of finger positions that represents all; from ``actuator`` and ``finger``."""
+    return symmetric_directions(
+        finger_of(config),
+        profile_of(config),
+        surface_radius_m=config["actuator"]["surface_radius_m"],
+    )
+
+
+def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
+    """The scene of one point of a plan on the study's film, checked unless only its terms matter.
 
     Raises:
         InputError: naming the point and the factor that has no physical meaning.
@@ -80,7 +93,8 @@ def scene_of(point: ScenePoint, config: Config) -> Scene:
         ),
         finger=finger_of(config),
     )
-    check_scene(scene)
+    if check:
+        check_scene(scene)
     return scene
 
 
@@ -90,23 +104,28 @@ def check_study(config: Config) -> Config:
     Raises:
         InputError: naming the section and the point that has no physical meaning.
     """
-    screen, extrapolation = config["screen"], config["extrapolation"]
-    gap, amplitude = screen["h0_m"]["start"], screen["hv_m"]["stop"]
-    centre = {"phi_r_m": 0.0, "phi_deg": 0.0}
-    points = [
-        ("screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude, **centre)),
-        (
-            "extrapolation",
-            ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"], **centre),
-        ),
-    ]
-    for radius in config["positions"]["phi_r_m"]:
-        for angle in config["positions"]["phi_deg"]:
-            name = f"({radius:g} m, {angle:g}°)"
-            points.append(("positions", ScenePoint(name, gap, amplitude, radius, angle)))
-    for section, point in points:
+    for section, point in _extreme_points(config):
         try:
             scene_of(point, config)
         except InputError as error:
             raise InputError(f"{config.path}: {section}: {error}") from None
     return config
+
+
+def _extreme_points(config: Config) -> Iterator[tuple[str, ScenePoint]]:
+    """The points of a study at which a film may fail to exist, each with its section."""
+    screen, extrapolation = config["screen"], config["extrapolation"]
+    gap, amplitude = screen["h0_m"]["start"], screen["hv_m"]["stop"]
+    centre = {"phi_r_m": 0.0, "phi_deg": 0.0}
+    yield "screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude, **centre)
+    wanted = ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"], **centre)
+    yield "extrapolation", wanted
+    directions, finger = directions_of(config), finger_of(config)
+    # Designs and control points may lie between the directions given: also where the pad's
+    # farthest point is farthest out.
+    x_m, y_m = max(finger.outline(), key=lambda place: hypot(*place))
+    angles = directions.images(config["positions"]["phi_deg"])
+    for radius in config["positions"]["phi_r_m"]:
+        for angle in (*angles, float(directions.fold(degrees(atan2(y_m, x_m))))):
+            name = f"({radius:g} m, {angle:g}°)"
+            yield "positions", ScenePoint(name, gap, amplitude, radius, angle)

@@ -1,0 +1,231 @@
+"""Positions that symmetry makes equal have equal forces, and all others are in the space."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.designs.design import Box
+from squeezefilm.directions import Directions
+from squeezefilm.errors import InputError
+from squeezefilm.reynolds import solve
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plans import factor_ranges, finger_positions, plan_sizes
+from squeezefilm.studies.space import Space
+from squeezefilm.studies.study import check_study, directions_of, scene_of
+from squeezefilm.tables import ScenePoint
+
+RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
+SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}
+CIRCLE = {"shape": "ellipse", **SMALL}
+WAVE = {"kind": "standing-wave", "wavelength_m": 0.03, "direction_deg": 0.0, "crest_m": 0.0}
+ASKEW = {**WAVE, "direction_deg": 20.0}
+SCAN = {"kind": "measured", "file": "vibrometer.csv"}
+
+
+def tilted(x_m: float, y_m: float) -> dict[str, Any]:
+    return {"gap": {"tilt_x_m": x_m, "tilt_y_m": y_m, "bulge_m": 5e-7}}
+
+
+def bessel(nodal_diameters: int) -> dict[str, Any]:
+    mode = {"wave_number_rad_per_m": 400.0, "edge_share": 0.01, "direction_deg": 0.0}
+    return {"kind": "bessel", "nodal_diameters": nodal_diameters, **mode}
+
+
+# The finger, the profile (none: the paper's sinc), and where the sector begins and ends.
+CASES: dict[str, tuple[dict[str, Any], dict[str, Any] | None, tuple[float, float]]] = {
+    "square": ({}, None, (0, 45)),
+    "bulging square": (tilted(0, 0), None, (0, 45)),
+    "circle": (CIRCLE, None, (0, 45)),
+    "rectangle": (RECTANGLE, None, (0, 90)),
+    "ellipse": ({**RECTANGLE, "shape": "ellipse"}, None, (0, 90)),
+    "turned square": ({**SMALL, "rotation_deg": 30}, None, (30, 75)),
+    "turned rectangle": ({**RECTANGLE, "rotation_deg": 20}, None, (20, 110)),
+    "sliding square": ({"speed_x_m_per_s": 2.0}, None, (0, 180)),
+    "tilted square": (tilted(1e-6, 0), None, (0, 180)),
+    "tilted along y": (tilted(0, 1e-6), None, (90, 270)),
+    "tilted along the diagonal": (tilted(1e-6, 1e-6), None, (45, 225)),
+    "tilted otherwise": (tilted(1e-6, 5e-7), None, (0, 360)),
+    "tilted circle": ({**CIRCLE, **tilted(1e-6, 1e-6)}, None, (45, 225)),
+    "wave": ({}, WAVE, (0, 90)),
+    "wave at an angle": ({}, ASKEW, (0, 180)),
+    "wave off its crest": ({}, {**WAVE, "crest_m": 0.001}, (0, 180)),
+    "wave at an angle, circle": (CIRCLE, ASKEW, (20, 110)),
+    "wave off its crest at an angle": ({}, {**ASKEW, "crest_m": 1e-3}, (0, 360)),
+    "two nodal diameters": ({}, bessel(2), (0, 45)),
+    "three nodal diameters": ({}, bessel(3), (0, 90)),
+    "axisymmetric scan": ({}, {**SCAN, "axisymmetric": True}, (0, 45)),
+    "scan": ({}, {**SCAN, "axisymmetric": False}, (0, 360)),
+    "formula without symmetry": ({}, {"kind": "formula", "expression": "1 + 20*x + 9*y"}, (0, 360)),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def quick(repository: Path) -> Config:
+    return load_config(repository / "config" / "quick.yaml")
+
+
+def study(quick: Config, finger: dict[str, Any], profile: dict[str, Any] | None = None) -> Config:
+    sections = {**quick, "finger": quick["finger"] | finger}
+    if profile:
+        sections["actuator"] = quick["actuator"] | {"profile": profile}
+    return Config(path=quick.path, sections=sections)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_sector_of_positions_is_that_of_pad_and_vibration(case: str, quick: Config) -> None:
+    finger, profile, (start, stop) = CASES[case]
+    directions = directions_of(study(quick, finger, profile))
+    assert (directions.start_deg, directions.stop_deg) == pytest.approx((start, stop))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_direction_and_its_fold_have_one_force(case: str, quick: Config) -> None:
+    """At all eight images by a square's symmetry, those that are folded to one direction."""
+    config = study(quick, *CASES[case][:2])
+    directions = directions_of(config)
+    images = [turn + sign * 11.0 for turn in (0, 90, 180, 270) for sign in (1, -1)]
+    angles = [directions.start_deg + image for image in images]
+    scenes = [
+        scene_of(ScenePoint(str(phi), 9e-6, 2e-6, 0.0007, phi % 360), config) for phi in angles
+    ]
+    solutions = solve(scenes, tolerance=1e-3)
+    assert {solution.status for solution in solutions} == {"ok"}
+    force = np.array([solution.force_n for solution in solutions])
+    error = max(solution.force_error_n for solution in solutions)
+    for one, phi in zip(force, angles, strict=True):
+        same = np.isclose(directions.fold(angles), directions.fold(phi))
+        np.testing.assert_allclose(force[same], one, atol=2 * error, rtol=0)
+
+
+def test_the_template_s_directions_stand_for_all_that_differ(quick: Config) -> None:
+    given = [0, 15, 30, 45]
+    assert Directions(0, 45, mirror=True).images(given) == given
+    assert Directions(0, 90, mirror=True).images(given) == [0, 15, 30, 45, 60, 75, 90]
+    assert Directions(0, 180, mirror=True).images([0, 45]) == [0, 45, 90, 135, 180]
+    assert Directions(0, 180, mirror=False).images([0, 45]) == [0, 45, 90, 135]
+    assert Directions(0, 360, mirror=False).images([90]) == [0, 90, 180, 270]
+    rectangle = study(quick, RECTANGLE)
+    places = finger_positions(rectangle)
+    assert {angle for _, angle in places} == {0, 45, 90}
+    assert plan_sizes(rectangle)["four_factor"] == len(places) * quick["design"]["points"]
+    assert factor_ranges(rectangle)["phi_deg"] == (0, 90)
+    assert Space.of(rectangle, centred=False).box.upper[3] == 90
+
+
+def test_the_paper_s_positions_are_as_they_were(repository: Path) -> None:
+    paper = load_config(repository / "config" / "paper.yaml")
+    assert factor_ranges(paper)["phi_deg"] == (0, 45)
+    angles, radii = [0, 15, 30, 45], paper["positions"]["phi_r_m"]
+    assert finger_positions(paper) == [(0, 0), *((r, angle) for r in radii for angle in angles)]
+
+
+def test_a_rectangle_has_two_axes_and_not_four(quick: Config) -> None:
+    config = study(quick, RECTANGLE)
+    along_x, along_y = (
+        scene_of(ScenePoint("1", 5e-6, 2e-6, 0.0015, phi), config) for phi in (0.0, 90.0)
+    )
+    x, y = (solution.force_n for solution in solve([along_x, along_y], tolerance=1e-4))
+    assert abs(x / y - 1) > 0.01
+
+
+@pytest.mark.parametrize("phi_deg", [[0, 90], [0, 45, 90], [180, 270]])
+def test_any_direction_may_be_given(phi_deg: list[float], quick: Config, tmp_path: Path) -> None:
+    sections = {**study(quick, RECTANGLE), "positions": {"phi_r_m": [0.001], "phi_deg": phi_deg}}
+    config = check_study(Config(path=tmp_path / "study.yaml", sections=sections))
+    assert {0.0, 90.0} <= {angle for _, angle in finger_positions(config)}
+
+
+def test_a_pad_that_leaves_the_disc_between_the_directions_given_is_refused(quick: Config) -> None:
+    pad = study(quick, {"length_x_m": 0.014, "length_y_m": 0.009})
+    sections = {**pad, "positions": {"phi_r_m": [0.0017], "phi_deg": [0, 90]}}
+    with pytest.raises(InputError, match=r"positions: point \(0\.0017 m, 32\.7\d*°\).* off the"):
+        check_study(Config(path=quick.path, sections=sections))
+
+
+def test_the_first_direction_of_a_full_circle_is_not_simulated_twice(quick: Config) -> None:
+    space = Space.of(quick, centred=False)
+    box = Box(space.box.names, (*space.box.lower[:3], 0.0), (*space.box.upper[:3], 360.0))
+    points = Space(box, space.scene).grid(3000, distinct=True)
+    places = np.round(Space(box, space.scene).coordinates(points), 9)
+    assert len(np.unique(places, axis=0)) == len(points)
+
+
+@pytest.fixture(scope="module")
+def rectangle(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a 14 × 9 mm pad's study, and a model fitted to simulations of its space."""
+    folder = tmp_path_factory.mktemp("rectangle")
+    text = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
+    for old, new in (
+        ("length_x_m: 0.010", "length_x_m: 0.014"),
+        ("length_y_m: 0.010", "length_y_m: 0.009"),
+        ("surface_radius_m: 0.010", "surface_radius_m: 0.012"),
+        ("tolerance: 1e-4", "tolerance: 1e-3"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    config = folder / "study.yaml"
+    config.write_text(text, encoding="utf-8")
+    design = "point_id,h0_m,hv_m,phi_r_m,phi_deg,origin\n1,5e-6,2e-6,0,0,A\n2,8e-6,1e-6,0,0,A\n"
+    (folder / "design.csv").write_text(design, encoding="utf-8")
+    names = {name: f"{folder}/{name}.csv" for name in ("design", "scenes", "forces", "limits")}
+    study = f"--config={config}"
+    for words in (
+        ["plan", "four_factor", f"--design={names['design']}", f"--output={names['scenes']}"],
+        ["simulate", names["scenes"], f"--output={names['forces']}"],
+        ["limits", names["scenes"], f"--output={names['limits']}"],
+        ["limit-table", f"--output={folder}/table.json"],
+        [
+            *("fit", names["forces"], "--model=limit_1", f"--limits={names['limits']}"),
+            *(f"--limit-table={folder}/table.json", f"--output={folder}/fit.json"),
+        ],
+    ):
+        assert cli.main([*words, study]) == 0
+    return folder
+
+
+def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle: Path) -> None:
+    config, out = load_config(rectangle / "study.yaml"), rectangle / "out.csv"
+    words = ["predict", f"{rectangle}/fit.json", "--h0=6um", "--hv=2um", f"--output={out}"]
+    assert cli.main([*words, "--x=-1.5mm,0mm,2mm", "--y=-1mm,0mm,2mm"]) == 0
+    table = pd.read_csv(out)
+    scenes = [
+        scene_of(
+            ScenePoint(str(n), 6e-6, 2e-6, np.hypot(x, y), np.degrees(np.arctan2(y, x))), config
+        )
+        for n, (x, y) in enumerate(zip(table["x_m"], table["y_m"], strict=True))
+    ]
+    simulated = [solution.force_n for solution in solve(scenes, tolerance=1e-4)]
+    np.testing.assert_allclose(table["force_n"], simulated, rtol=3e-3)
+    assert table["note"].isna().all()
+    assert np.ptp(simulated) > 0.03 * np.max(simulated)
+
+
+def test_exported_code_says_which_directions_it_takes(
+    rectangle: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["export", f"{rectangle}/fit.json", "--language=c"]) == 0
+    assert "directions of 0 to 90 deg" in capsys.readouterr().out
+
+
+def test_a_working_point_is_found_in_any_direction(rectangle: Path) -> None:
+    words = ["working-point", f"{rectangle}/fit.json", "--force=0.3N", "--h0=6um"]
+    out = rectangle / "points.csv"
+    assert cli.main([*words, "--x=0mm", "--y=-2mm,2mm", f"--output={out}"]) == 0
+    below, above = pd.read_csv(out)["hv_m"]
+    assert below == pytest.approx(above, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "damage", [{"width_deg": 60}, {"mirror": 1}, {"start_deg": None}, {"start_deg": float("nan")}]
+)
+def test_damaged_directions_are_refused(damage: dict[str, Any]) -> None:
+    plain = Directions(30.0, 45.0, mirror=True).to_dict()
+    assert Directions.from_dict(plain, place="here") == Directions(30.0, 45.0, mirror=True)
+    with pytest.raises(InputError, match="here: must have"):
+        Directions.from_dict(plain | damage, place="here")
