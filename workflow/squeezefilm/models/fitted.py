@@ -138,11 +138,15 @@ def read_fit(path: Path | str) -> FittedModel:
         global_error=number(values, "global_error", path),
         sum_of_squares=number(values, "sum_of_squares", path),
         ranges=_ranges(values.get("ranges", {}), path),
-        trust=Trust.from_dict(values["trust"], place=f"{path}: trust") if "trust" in values else None,
+        trust=_trust(values, path),
         cross_validation=crossed and {key: number(crossed, key, path) for key in crossed},
         values=values,
         place=str(path),
     )
+
+
+def _trust(values: Mapping[str, Any], path: Path | str) -> Trust | None:
+    return Trust.from_dict(values["trust"], place=f"{path}: trust") if "trust" in values else None
 
 
 def _ranges(values: Any, path: Path | str) -> dict[str, tuple[float, float]]:

@@ -14,7 +14,6 @@ The explorer's trust.js computes the same from the numbers of `Trust.to_dict`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -30,7 +29,7 @@ Array = NDArray[np.float64]
 MOST_RELATIVE_ERROR = 0.15
 """Bound over force up to which a point is trusted, where no study says another."""
 SAFETY, FEW_POINTS = 2.0, 20.0
-"""The steepness is that of the data times SAFETY·(1 + FEW_POINTS/n): few points see little of it."""
+"""The steepness is that of n points times SAFETY·(1 + FEW_POINTS/n): few see little of it."""
 LEAST_POINTS = 10
 """Fewer unseen simulations than this tell nothing about the others."""
 MOST_POINTS = 2500
@@ -163,7 +162,7 @@ class Trust:
 
     @cached_property
     def steepness(self) -> tuple[float, float]:
-        """Of the error per distance, in newtons, and of the error over (hv/h0)²; safety included."""
+        """Of the error per distance, in newtons, and of that over (hv/h0)²; safety included."""
         from scipy.spatial.distance import pdist
 
         count = len(self.unseen.force_n)
@@ -223,7 +222,7 @@ class Trust:
         return ["; ".join(each) for each in notes]
 
     def _bounds(self, factors: Factors) -> tuple[Array, Array]:
-        """Distance to the nearest unseen simulation and the error's bound in newtons, shape (n,)."""
+        """Distance to the nearest unseen simulation, and the error's bound in newtons."""
         from scipy.spatial.distance import cdist
 
         known, unseen = self._places(self.unseen.factors), self.unseen
