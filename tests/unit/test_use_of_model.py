@@ -300,6 +300,23 @@ def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path) -> None:
     np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
 
 
+def test_generated_code_knows_the_range_of_the_ratio_too(write_fit) -> None:
+    """(5, 2) and (10, 6) µm were fitted; (5, 4) µm lies between them, but not in hv/h0."""
+    points = Factors.of(h0_m=[5e-6, 10e-6, 5e-6], hv_m=[2e-6, 6e-6, 0.5e-6])
+    names: dict = {}
+    fit = write_fit(
+        get_model("two_factor"),
+        THETA["two_factor"],
+        trust=Trust.of(points, None).to_dict(),
+        ranges={"h0_m": [5e-6, 10e-6], "hv_m": [0.5e-6, 6e-6]},
+    )
+    exec(python_source(read_fit(fit)), names)
+    inside = names["in_range"]
+    assert [inside(5e-6, 2e-6), inside(5e-6, 4e-6), inside(10e-6, 6e-6)] == [True, False, True]
+    assert not inside(0.0, 1e-6)
+    assert "hv_m / h0_m >= 0.1 && hv_m / h0_m <= 0.6" in c_source(read_fit(fit))
+
+
 def test_outside_its_domain_generated_code_gives_no_number(write_fit) -> None:
     names: dict = {}
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"]))
