@@ -9,7 +9,7 @@ finger off the centre, x_m, y_m or phi_r_m, phi_deg. `force_error_n` is what the
 points that were left out of its fit (root mean square); --validation gives the summary of
 `squeezefilm validate` to take instead. `within_percent` is by how much the force may be off at that
 point, judged by simulations that the fit never saw: points left out in turn, or those that
---control gives. Where it is empty the force is not to be trusted, and `note` says why.
+--control gives. Where both are empty the force is not to be trusted, and `note` says why.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> None:
     verdict = fit.judge(factors, force_n)
     table = points.assign(
         force_n=force_n,
-        force_error_n=expected_error(fit, options.validation),
+        force_error_n=np.where(verdict.trusted, expected_error(fit, options.validation), np.nan),
         within_percent=within_percent(verdict, force_n),
         note=verdict.reasons,
     )

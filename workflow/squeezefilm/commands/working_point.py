@@ -5,7 +5,7 @@
 One row for each gap and position; without --h0, six gaps over the range that the model was fitted
 on. `hv_error_m` is the model's error in force (see `squeezefilm predict --help`) over the slope of
 force against amplitude, and `within_percent` is by how much the force there may be off, as
-`predict` says it. Where it is empty the point is not to be trusted, and `note` says why, or that no
+`predict` says it. Where both are empty the point is not to be trusted, and `note` says why, or that no
 amplitude below contact gives the force.
 """
 
@@ -88,8 +88,8 @@ def working_point(
     near = Factors.of(**where | {"hv_m": hv_m * np.array([1 - STEP, 1.0, 1 + STEP])})
     below, _, above = model.evaluate(fit.theta, fit.complete(near))
     slope = (above - below) / (2 * STEP * hv_m) if hv_m else np.nan
-    error_m = error_n / abs(slope) if slope else np.nan
     verdict = fit.judge(near.take([1]), [force_n])
+    error_m = error_n / abs(slope) if slope and verdict.trusted[0] else np.nan
     within = within_percent(verdict, np.array([force_n]))[0]
     known = {"hv_m": hv_m, "hv_error_m": error_m, "within_percent": within}
     return row | known | {"note": verdict.reasons[0]}
