@@ -214,7 +214,7 @@ def test_the_error_is_that_of_the_nearest_simulation_that_the_fit_never_saw(
     for row in between.iloc[:: max(1, len(between) // 6)].itertuples():
         explorer.type(h0=round(row.h0_m * 1e6, 9), hv=round(row.hv_m * 1e6, 9))
         if (row.h0_m, row.hv_m) in fitted:
-            assert "0 of the fitted ranges away" not in explorer.text("nearest")
+            assert "at this very point" not in explorer.text("nearest")
             continue
         model_n = get_model(fit.model).evaluate(
             fit.theta, Factors.of(h0_m=row.h0_m, hv_m=row.hv_m)

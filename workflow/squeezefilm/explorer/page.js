@@ -82,6 +82,7 @@
   }
 
   function away(verdict) {
+    if (verdict.distance < 1e-9) return "at this very point";
     return `${plain(verdict.distance, 2)} of the fitted ranges away`;
   }
 
