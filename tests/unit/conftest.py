@@ -12,6 +12,7 @@ import pytest
 
 from squeezefilm import cli
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
+from squeezefilm.models.trust import Trust
 from squeezefilm.paper import uncertainty
 from squeezefilm.studies.config import load_config
 from squeezefilm.tables import (
@@ -137,6 +138,7 @@ def _write_fits(root: Path) -> None:
             "points": 5 if "design" in name else len(forces),
             "sum_of_squares": squares,
             "global_error": float(np.sqrt(squares) / np.linalg.norm(forces["force_n"])),
+            "trust": Trust.of(factors, None).to_dict(),
         }
         write_json(fit, root / "fits" / f"{name}.json")
     runs = pd.DataFrame({"bound": [1e6, 1e6, 100.0, 100.0], "sum_of_squares": 8.62e-5})

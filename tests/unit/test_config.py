@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
+from squeezefilm.commands.plan import make_plan
 from squeezefilm.errors import InputError
 from squeezefilm.studies.config import SCHEMA_PATH, Config, load_config
 from squeezefilm.studies.study import check_study
@@ -48,6 +49,26 @@ def test_a_command_sees_no_section_but_its_own(repository: Path) -> None:
     assert dict(config) == {"gas": config["gas"]}
     with pytest.raises(KeyError):
         config["finger"]
+
+
+@pytest.mark.parametrize("name", ["paper", "quick", "sweep", "vibrometer"])
+def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(
+    repository: Path, name: str, tmp_path: Path
+) -> None:
+    """Who changes the screen and the wanted point changes them all, the template's user too."""
+    text = (repository / "config" / f"{name}.yaml").read_text(encoding="utf-8")
+    text = replaced("{start: 5e-6, stop: 10e-6,", "{start: 15e-6, stop: 30e-6,")(text)
+    text = replaced("{start: 0.2e-6, stop: 2e-6,", "{start: 0.5e-6, stop: 6e-6,")(text)
+    text = replaced("h0_m: 5e-6\n  hv_m: 2.2e-6", "h0_m: 20e-6\n  hv_m: 5e-6")(text)
+    (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
+    config = load_config(tmp_path / "study.yaml")
+    for kind in ("screen", "error_map", "four_factor_control", "model_control"):
+        (table,) = make_plan(kind, config, design=None)
+        for factor, (low, high) in {"h0_m": (15e-6, 30e-6), "hv_m": (0.5e-6, 6e-6)}.items():
+            values = table[factor]
+            assert values.min() >= low * (1 - 1e-9), (kind, factor)
+            assert values.max() <= high * (1 + 1e-9), (kind, factor)
+    assert config["error_map"]["h0_m"]["stop"] == 30e-6
 
 
 def replaced(old: str, new: str) -> Callable[[str], str]:
@@ -110,6 +131,23 @@ WRONG = {
     "two documents": (added("a: 1\n---"), "not valid YAML"),
     "contact on the screen": (replaced("stop: 2e-6", "stop: 5e-6"), "surface and finger touch"),
     "contact beyond it": (replaced("hv_m: 2.2e-6", "hv_m: 5e-6"), "extrapolation: hv_m must stay"),
+    "an error map above the screen": (
+        replaced("h0_m: {levels: 41}", "h0_m: {start: 7e-6, stop: 12e-6, levels: 41}"),
+        "error_map.h0_m.stop: 1.2e-05 does not suit screen.h0_m, 5e-06 … 1e-05",
+    ),
+    "an error map below it": (
+        replaced("hv_m: {levels: 46}", "hv_m: {start: 0.1e-6, levels: 46}"),
+        "error_map.hv_m.start: 1e-07 does not suit screen.hv_m",
+    ),
+    "a screen that was moved alone": (
+        replaced("h0_m: {start: 5e-6, stop: 10e-6,", "h0_m: {start: 15e-6, stop: 30e-6,"),
+        "extrapolation.h0_m: 5e-06 does not suit screen.h0_m, 1.5e-05 … 3e-05",
+    ),
+    "an extrapolation far beyond the screen": (
+        replaced("hv_m: 2.2e-6", "hv_m: 3.1e-6"),
+        "extrapolation.hv_m: 3.1e-06 does not suit screen.hv_m, 2e-07 … 2e-06, where the models "
+        "are fitted; it must lie from 2e-07 to 3e-06",
+    ),
     "start above stop": (replaced("start: 0.2e-6", "start: 3e-6"), "start must be below stop"),
     "one level": (replaced("levels: 6}", "levels: 1}"), "1 is less than the minimum of 2"),
     "a position twice": (replaced("[0, 15, 30, 45]", "[0, 15, 15]"), "a value stands twice"),
@@ -221,6 +259,8 @@ def test_every_mapping_of_the_schema_rejects_unknown_keys() -> None:
             if "properties" in part and not choices and not place.endswith(".if"):
                 assert part["additionalProperties"] is False, place
                 optional = {"kind", "about", "parameters"}
+                if place.endswith("levels_of_screen"):
+                    optional |= {"start", "stop"}
                 assert set(part.get("required", [])) | optional >= set(part["properties"]), place
             for key, value in part.items():
                 check(value, f"{place}.{key}")

@@ -56,6 +56,20 @@ def test_models_and_forces_are_on_the_page_to_the_last_digit(page: str, study) -
     assert [row[1:3] for row in plan] == screen[["h0_m", "hv_m"]].to_numpy().tolist()
 
 
+def test_a_model_is_judged_by_simulations_that_it_never_saw(page: str) -> None:
+    two, four = _data(page)["fits"]
+    for fit in (two, four):
+        places = ("h0_m", "hv_m", "phi_r_m")
+        fitted, unseen = (
+            set(zip(*(fit["trust"][kind][name] for name in places), strict=True))
+            for kind in ("fitted", "unseen")
+        )
+        assert len(unseen) > 30
+        assert not fitted & unseen
+    assert set(two["trust"]["unseen"]["phi_r_m"]) == {0.0}
+    assert two["trust"]["ranges"]["epsilon"] == pytest.approx([0.02, 0.4])
+
+
 def test_nothing_is_left_to_fill_in_and_nothing_comes_from_elsewhere(page: str) -> None:
     assert LIBRARY in page
     assert not re.search(r"\{\{\w+\}\}", page)

@@ -268,6 +268,24 @@ def test_models_are_compared_at_points_they_were_not_fitted_to(
     assert picture.stat().st_size > 10_000
 
 
+def test_models_are_not_ranked_on_points_far_from_those_they_were_fitted_to(
+    study, tables, tmp_path, capsys
+) -> None:
+    """Fitted at gaps of 5 to 10 µm, judged at 15 to 30 µm: no ranking."""
+    config = tmp_path / "study.yaml"
+    text = study.config.read_text(encoding="utf-8")
+    config.write_text(re.sub("two_factor: .two_factor, .*", "two_factor: [polynomial_3]", text))
+    fitted(study, tables, tmp_path, "polynomial_3")
+    elsewhere = pd.read_csv(tables[0], dtype={"point_id": str})
+    elsewhere["h0_m"] *= 3
+    elsewhere.to_csv(tmp_path / "elsewhere.csv", index=False)
+    outputs = [f"--{name}={tmp_path}/{name}.csv" for name in ("output", "errors", "report")]
+    arguments = ["compare", "two_factor", f"{tmp_path}/polynomial_3.json", f"--config={config}"]
+    assert cli.main([*arguments, f"--forces={tmp_path}/elsewhere.csv", *outputs]) == 2
+    message = "polynomial_3: 60 of 60 control points lie outside the points it was fitted to"
+    assert message in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("damage", "message"),
     [

@@ -4,6 +4,7 @@ import json
 import math
 import shutil
 import subprocess
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
 from squeezefilm.models.generated_code import c_source, python_source
 from squeezefilm.models.limit_table import LimitTable
+from squeezefilm.models.trust import Trust, Unseen
 from squeezefilm.quantities import quantities
 from squeezefilm.studies.config import load_config
 
@@ -42,6 +44,18 @@ def limit_table(repository) -> dict:
     return tabulate(config).to_dict()
 
 
+def evidence(reach_m: float = 2.9e-3) -> Trust:
+    """Of a fit to the corners of the ranges that is off by a thousandth at 100 other points."""
+    corners = [RANGES["h0_m"], RANGES["hv_m"], [0.0, reach_m], [0.0, 45.0]]
+    names = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
+    fitted = dict(zip(names, np.array(list(product(*corners))).T, strict=True))
+    rng = np.random.default_rng(2)
+    unseen = Factors.of(**{n: rng.uniform(min(v), max(v), 100) for n, v in fitted.items()})
+    force = 5 * unseen.epsilon**2
+    judged = Unseen.of(unseen, model_n=1.001 * force, force_n=force, force_error_n=1e-6 * force)
+    return Trust.of(Factors.of(**fitted), judged)
+
+
 @pytest.fixture
 def write_fit(tmp_path, limit_table):
     """A function that writes the fit of a model."""
@@ -59,6 +73,7 @@ def write_fit(tmp_path, limit_table):
             "sum_of_squares": 6e-5,
             "ranges": {name: RANGES[name] for name in names},
             "cross_validation": {"root_mean_square_n": 2e-3, "global_error": 6e-3},
+            "trust": evidence().to_dict(),
         }
         if of.column_names:
             values["limit_table"] = limit_table
@@ -123,11 +138,13 @@ def test_extrapolation_is_noted(options, note, write_fit, tmp_path) -> None:
     path = write_fit(get_model("four_factor"), THETA["four_factor"])
     table = table_of(["predict", str(path), *options], tmp_path)
     assert (note in table["note"][0]) if note else table["note"][0] == ""
+    for name in ("within_percent", "force_error_n"):
+        assert np.isnan(table[name][0]) == bool(note)
 
 
 def test_a_model_without_position_notes_a_finger_off_the_centre(write_fit, tmp_path) -> None:
     path = write_fit(
-        get_model("two_factor"), THETA["two_factor"], ranges=RANGES | {"phi_r_m": [0, 0]}
+        get_model("two_factor"), THETA["two_factor"], trust=evidence(reach_m=0.0).to_dict()
     )
     table = table_of(["predict", str(path), "--h0=5um", "--hv=1um", "--x=1mm"], tmp_path)
     assert "phi_r_m outside 0 … 0" in table["note"][0]
@@ -200,6 +217,7 @@ def test_quantities_have_units_commas_and_ranges() -> None:
         ({"theta": ["x"]}, "must be a list of numbers"),
         ({"ranges": {"h0_m": 5}}, "'ranges' must map"),
         ({"cross_validation": 1}, "'cross_validation' must be"),
+        ({"trust": {"fitted": 1}}, "trust: not the evidence of a fit"),
         ({"refused": "no fit"}, "there is no fit: no fit"),
     ],
 )
@@ -282,6 +300,23 @@ def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path) -> None:
     expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
     np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
     np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
+
+
+def test_generated_code_knows_the_range_of_the_ratio_too(write_fit) -> None:
+    """(5, 2) and (10, 6) µm were fitted; (5, 4) µm lies between them, but not in hv/h0."""
+    points = Factors.of(h0_m=[5e-6, 10e-6, 5e-6], hv_m=[2e-6, 6e-6, 0.5e-6])
+    names: dict = {}
+    fit = write_fit(
+        get_model("two_factor"),
+        THETA["two_factor"],
+        trust=Trust.of(points, None).to_dict(),
+        ranges={"h0_m": [5e-6, 10e-6], "hv_m": [0.5e-6, 6e-6]},
+    )
+    exec(python_source(read_fit(fit)), names)
+    inside = names["in_range"]
+    assert [inside(5e-6, 2e-6), inside(5e-6, 4e-6), inside(10e-6, 6e-6)] == [True, False, True]
+    assert not inside(0.0, 1e-6)
+    assert "&& hv_m / h0_m <= 0.6" in c_source(read_fit(fit))
 
 
 def test_outside_its_domain_generated_code_gives_no_number(write_fit) -> None:

@@ -6,8 +6,8 @@
 
 The candidates of the study's section `comparison` must be among the fits; they are shown in its
 order. FORCES.csv has the control points, which no model was fitted to, LIMITS.csv their physics
-limits. ERRORS.csv has the relative error of every model at every control point; a figure is drawn
-from it.
+limits; a model is not judged where most of them lie outside the points it was fitted to. ERRORS.csv
+has the relative error of every model at every control point; a figure is drawn from it.
 """
 
 from __future__ import annotations
@@ -121,6 +121,10 @@ def _judged(
         errors = error_sizes(model_n=predicted, simulation_n=forces["force_n"])
     except InputError as error:
         return {"model": name, "note": str(values.get("refused", error))}, None
+    outside = _outside(fit, factors)
+    if 2 * outside > len(forces):
+        note = f"{outside} of {len(forces)} control points lie outside the points it was fitted to"
+        return {"model": name, "note": note}, None
     relative = relative_errors(model_n=predicted, simulation_n=forces["force_n"])
     row = {
         "model": name,
@@ -134,7 +138,7 @@ def _judged(
         "control_worst_n": errors["largest_n"],
         "expression": model.expression,
         "about": model.about or values.get("about", ""),
-        "note": "",
+        "note": f"{outside} control points lie outside the fitted ones" if outside else "",
     }
     map_ = pd.DataFrame(
         {
@@ -149,6 +153,11 @@ def _judged(
         }
     )
     return row, map_
+
+
+def _outside(fit: FittedModel, factors: Factors) -> int:
+    """How many points lie outside the ranges of the fitted ones, as far as the file tells."""
+    return 0 if fit.trust is None else sum(map(bool, fit.trust.outside(factors)))
 
 
 def _left_out(fit: FittedModel) -> float:

@@ -13,7 +13,8 @@ Each of the study's bounds and seeds gives one run of the paper's method, a gene
 followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. A model
 that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the run with
 the least sum of squares and all that is needed to use the model: formula, parameters and their
-units, ranges of the factors, errors on the points and on points left out, and where it comes from.
+units, ranges of the factors, errors on the points and on points left out, the evidence by which the
+model is trusted at a point or not (`squeezefilm predict`), and where it comes from.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from squeezefilm.models.fit import Fit, fit_by_differential_evolution, fit_model
 from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
 from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import model_named
+from squeezefilm.models.trust import Trust, Unseen
 from squeezefilm.models.validation import error_sizes
 from squeezefilm.runs.atomic import digest
 from squeezefilm.runs.parallel import spread
@@ -78,7 +80,9 @@ def run(options: argparse.Namespace) -> None:
             check_identifiable(model, factors)
         runs = _runs(model, factors, force_n, processes=options.processes, **settings)
         best = min(runs, key=lambda run: run.sum_of_squares)
-        about = describe(model, factors, force_n, best)
+        about = describe(
+            model, factors, force_n, best, force_error_n=forces["force_error_n"].to_numpy()
+        )
     except InputError as error:
         if not options.keep_going:
             raise InputError(f"{options.forces}: {error}") from None
@@ -134,10 +138,21 @@ def describe(
     factors: Factors,
     force_n: np.ndarray,
     fit: Fit,
+    *,
+    force_error_n: np.ndarray,
+    control: Unseen | None = None,
 ) -> dict[str, Any]:
-    """What a file must tell of a fit, so that the model can be used from the file alone."""
+    """What a file must tell of a fit, so that the model can be used from the file alone.
+
+    control: simulations that were not fitted, to judge the fit by, besides points left out.
+    """
     # A model that knows no position was fitted at some all the same.
     position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
+    left_out = _left_out(model, factors, force_n, fit)
+    unseen = None
+    if left_out is not None:
+        unseen = Unseen.of(factors, model_n=left_out, force_n=force_n, force_error_n=force_error_n)
+    trust = Trust.of(factors, unseen)
     return {
         "about": model.about,
         "expression": model.expression,
@@ -150,14 +165,20 @@ def describe(
             for values in [factors.column(name)]
         },
         "residual": error_sizes(model_n=model.evaluate(fit.theta, factors), simulation_n=force_n),
-        "cross_validation": _cross_validation(model, factors, force_n, fit),
+        "cross_validation": None
+        if left_out is None
+        else {
+            "folds": min(FOLDS, len(force_n)),
+            **error_sizes(model_n=left_out, simulation_n=force_n),
+        },
+        "trust": (trust if control is None else trust.with_control(control)).to_dict(),
     }
 
 
-def _cross_validation(
+def _left_out(
     model: ExpressionModel, factors: Factors, force_n: np.ndarray, fit: Fit
-) -> dict[str, float] | None:
-    """Errors at points left out of the fit; none where the points are too few to leave any out."""
+) -> np.ndarray | None:
+    """Forces at points left out of the fit; none where they are too few to leave any out."""
     count = len(force_n)
     folds = min(FOLDS, count)
     if folds < 2 or count - -(-count // folds) < len(model.parameter_names):
@@ -165,9 +186,7 @@ def _cross_validation(
     predicted = left_out_predictions(
         model, factors, force_n, theta=fit.theta, folds=folds, seed=FOLD_SEED
     )
-    if not np.all(np.isfinite(predicted)):
-        return None
-    return {"folds": folds, **error_sizes(model_n=predicted, simulation_n=force_n)}
+    return predicted if np.all(np.isfinite(predicted)) else None
 
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:

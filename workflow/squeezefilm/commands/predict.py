@@ -8,17 +8,21 @@ first:last:count; every combination is a point. POINTS.csv has the columns h0_m,
 finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
 was fitted in, any direction may be asked. `force_error_n` is what the model erred by at
 points that were left out of its fit (root mean square); --validation gives the summary of
-`squeezefilm validate` to take instead. `note` says where a point lies outside the ranges that the
-model was fitted on.
+`squeezefilm validate` to take instead. `within_percent` is by how much the force may be off at that
+point, judged by simulations that the fit never saw: points left out in turn, or those that
+--control gives. Where both are empty the force is not to be trusted, and `note` says why.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 
+from squeezefilm.designs.experiments import factors_of
 from squeezefilm.errors import InputError
 from squeezefilm.models.fitted import FittedModel, number, read_fit
 from squeezefilm.models.points import (
@@ -28,7 +32,8 @@ from squeezefilm.models.points import (
     read_points,
     show_points,
 )
-from squeezefilm.tables import read_json, write_table
+from squeezefilm.models.trust import Verdict
+from squeezefilm.tables import read_json, read_ok_forces, write_table
 
 SECTIONS: tuple[str, ...] = ()
 
@@ -38,11 +43,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--points", metavar="POINTS.csv", help="points as a table")
     parser.add_argument("--validation", metavar="ERRORS.json", help="the error to expect")
     parser.add_argument("--output", metavar="FORCES.csv", help="table to write, else it is shown")
+    add_control_option(parser)
     add_point_options(parser)
 
 
 def run(options: argparse.Namespace) -> None:
-    fit = read_fit(options.fit)
+    fit = read_judged_fit(options.fit, control=options.control)
     if options.points:
         points, place = read_points(options.points), options.points
     else:
@@ -51,18 +57,46 @@ def run(options: argparse.Namespace) -> None:
             raise InputError("predict: give --h0 and --hv, or --points")
     factors = fit.represented(factors_of_points(points, place=place))
     force_n = fit.force_model.evaluate(fit.theta, fit.complete(factors))
+    verdict = fit.judge(factors, force_n)
     table = points.assign(
         force_n=force_n,
-        force_error_n=expected_error(fit, options.validation),
-        note=[
-            "; ".join(filter(None, [each, "" if np.isfinite(force) else "undefined here"]))
-            for each, force in zip(fit.outside(factors), force_n, strict=True)
-        ],
+        force_error_n=np.where(verdict.trusted, expected_error(fit, options.validation), np.nan),
+        within_percent=within_percent(verdict, force_n),
+        note=verdict.reasons,
     )
     if options.output:
         write_table(table, options.output)
     else:
         show_points(table)
+
+
+def add_control_option(parser: argparse.ArgumentParser) -> None:
+    """The option of the simulations that a fit is judged by."""
+    parser.add_argument(
+        "--control", nargs="+", metavar="FORCES.csv", help="simulations to judge the fit by"
+    )
+
+
+def read_judged_fit(path: str, *, control: Sequence[str] | None) -> FittedModel:
+    """Read a fit, judged by the simulations of the tables in ``control`` that it never saw.
+
+    Raises:
+        InputError: naming the file, for one that cannot be read or a point that has no force.
+    """
+    fit = read_fit(path)
+    if not control:
+        return fit
+    forces = pd.concat([read_ok_forces(each) for each in control], ignore_index=True)
+    return fit.judged_by(
+        factors_of(forces), force_n=forces["force_n"], force_error_n=forces["force_error_n"]
+    )
+
+
+def within_percent(verdict: Verdict, force_n: np.ndarray) -> np.ndarray:
+    """The bound of the error in per cent of the force, shape (n,); NaN where it is not trusted."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = 100 * verdict.error_n / np.abs(force_n)
+    return np.where(verdict.trusted, share, np.nan)
 
 
 def expected_error(fit: FittedModel, validation: str | None) -> float:

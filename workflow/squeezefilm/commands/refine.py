@@ -32,6 +32,7 @@ from squeezefilm.models.fit import Fit
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.models.library import SPACES, model_named
 from squeezefilm.models.profile_likelihood import parameter_ranges
+from squeezefilm.models.trust import Unseen
 from squeezefilm.models.weak_spots import in_words, weak_spots
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
@@ -299,6 +300,7 @@ def _fit_values(
     points = last.design if len(last.design) else outcome.simulated
     factors = ground.pool.factors.take(points)
     force = np.array([ground.solutions[int(point)].force_n for point in points])
+    error = np.array([ground.solutions[int(point)].force_error_n for point in points])
     misses = model.evaluate(last.theta, factors) - force
     fit = Fit(
         model=model.name,
@@ -321,7 +323,9 @@ def _fit_values(
             ranges.append(plain | _finite(ends))
     return {
         **fit.to_dict(),
-        **describe(model, factors, force, fit),
+        **describe(
+            model, factors, force, fit, force_error_n=error, control=_verified(model, ground, last)
+        ),
         "directions": directions_of(ground.config).to_dict(),
         "parameter_ranges": ranges,
         "parameter_ranges_note": (
@@ -335,6 +339,19 @@ def _fit_values(
             "verification_points": len(ground.pool.verification),
         },
     }
+
+
+def _verified(model: ExpressionModel, ground: _Ground, last: Round) -> Unseen:
+    """The model's errors at the verification points, which are never fitted."""
+    checks = ground.pool.verification
+    solutions = [ground.solutions[int(point)] for point in checks]
+    factors = ground.pool.factors.take(checks)
+    return Unseen.of(
+        factors,
+        model_n=model.evaluate(last.theta, factors),
+        force_n=[each.force_n for each in solutions],
+        force_error_n=[each.force_error_n for each in solutions],
+    )
 
 
 def _finite(values: dict[str, float]) -> dict[str, float | None]:

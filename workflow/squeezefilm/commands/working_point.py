@@ -4,8 +4,9 @@
 
 One row for each gap and position; without --h0, six gaps over the range that the model was fitted
 on. `hv_error_m` is the model's error in force (see `squeezefilm predict --help`) over the slope of
-force against amplitude. `note` says where no amplitude below contact gives the force, or where the
-amplitude lies outside the ranges of the fit.
+force against amplitude, and `within_percent` is by how much the force there may be off, as
+`predict` says it. Where both are empty the point is not to be trusted, and `note` says why, or that
+no amplitude below contact gives the force.
 """
 
 from __future__ import annotations
@@ -15,9 +16,14 @@ import argparse
 import numpy as np
 import pandas as pd
 
-from squeezefilm.commands.predict import expected_error
+from squeezefilm.commands.predict import (
+    add_control_option,
+    expected_error,
+    read_judged_fit,
+    within_percent,
+)
 from squeezefilm.errors import InputError
-from squeezefilm.models.fitted import FittedModel, read_fit
+from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.points import add_point_options, factors_of_points, points_of, show_points
 from squeezefilm.quantities import quantity
@@ -34,11 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", required=True, metavar="QUANTITY", help="wanted, e.g. 1.0N")
     parser.add_argument("--validation", metavar="ERRORS.json", help="the error to expect")
     parser.add_argument("--output", metavar="TABLE.csv", help="table to write, else it is shown")
+    add_control_option(parser)
     add_point_options(parser, without=("hv_m",))
 
 
 def run(options: argparse.Namespace) -> None:
-    fit = read_fit(options.fit)
+    fit = read_judged_fit(options.fit, control=options.control)
     force_n = _force(options.force)
     if options.h0_m is None:
         if "h0_m" not in fit.ranges:
@@ -66,7 +73,8 @@ def working_point(
         "phi_r_m": float(point.phi_r_m[0]),
         "phi_deg": float(point.phi_deg[0]),
     }
-    row: dict[str, object] = {"force_n": force_n, "hv_m": np.nan, "hv_error_m": np.nan, "note": ""}
+    unknown = dict.fromkeys(("hv_m", "hv_error_m", "within_percent"), np.nan)
+    row: dict[str, object] = {"force_n": force_n, **unknown, "note": ""}
     if model.column_names:
         fit.complete(point)  # says what is missing, if anything
     try:
@@ -81,8 +89,11 @@ def working_point(
     near = Factors.of(**where | {"hv_m": hv_m * np.array([1 - STEP, 1.0, 1 + STEP])})
     below, _, above = model.evaluate(fit.theta, fit.complete(near))
     slope = (above - below) / (2 * STEP * hv_m) if hv_m else np.nan
-    error_m = error_n / abs(slope) if slope else np.nan
-    return row | {"hv_m": hv_m, "hv_error_m": error_m, "note": fit.outside(near.take([1]))[0]}
+    verdict = fit.judge(near.take([1]), [force_n])
+    error_m = error_n / abs(slope) if slope and verdict.trusted[0] else np.nan
+    within = within_percent(verdict, np.array([force_n]))[0]
+    known = {"hv_m": hv_m, "hv_error_m": error_m, "within_percent": within}
+    return row | known | {"note": verdict.reasons[0]}
 
 
 def _force(text: str) -> float:

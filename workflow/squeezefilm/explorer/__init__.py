@@ -1,7 +1,8 @@
 """The explorer: one page of HTML in which fitted models can be played with, and nothing else.
 
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
-server. It computes the force itself: model.js is the formula of ``squeezefilm.models.force_model``.
+server. It computes the force itself: model.js is the formula of ``squeezefilm.models.force_model``,
+trust.js the rule of ``squeezefilm.models.trust``.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ import pandas as pd
 
 from squeezefilm.errors import InputError
 from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import get_model
+from squeezefilm.models.force_model import Factors, get_model
 from squeezefilm.tables import FACTOR_COLUMNS
 
 HERE = Path(__file__).parent
 PAGE = "page.html"
-PARTS = {"STYLE": "page.css", "MODEL": "model.js", "SCRIPT": "page.js"}
+PARTS = {"STYLE": "page.css", "MODEL": "model.js", "TRUST": "trust.js", "SCRIPT": "page.js"}
 WORDS = {"two_factor": "two factors", "four_factor": "four factors"}
 
 
@@ -33,7 +34,8 @@ class Study:
     Attributes:
         name: of the study.
         fits: fitted models, by the name of the plan they were fitted on; the first is shown first.
-        forces: simulated forces, by the name of their plan.
+        forces: simulated forces, by the name of their plan; a model is judged by those of them
+            that it was not fitted to.
         force_n: wanted force to begin with.
         h0_m, hv_m: gap and amplitude to begin with.
         band: relative error up to which a model is trusted.
@@ -64,7 +66,10 @@ def explorer_page(study: Study, *, drawing_library: str) -> str:
 
 def _data(study: Study) -> dict[str, Any]:
     return {
-        "fits": [_fit(name, fit) for name, fit in study.fits.items()],
+        "fits": [
+            {**_fit(name, fit), "trust": _trust(name, fit, study)}
+            for name, fit in study.fits.items()
+        ],
         "plans": list(study.forces),
         "simulations": [
             [index, *(float(value) for value in row)]
@@ -95,6 +100,19 @@ def _fit(name: str, fit: FittedModel) -> dict[str, Any]:
         "moves": "phi_r_m" in model.factor_names,
         "theta": [*fit.theta, *(0.0 for _ in range(5 - len(fit.theta)))],
     }
+
+
+def _trust(name: str, fit: FittedModel, study: Study) -> dict[str, Any]:
+    """The evidence of a fit, with the study's simulations that it never saw."""
+    forces = pd.concat(list(study.forces.values()), ignore_index=True)
+    judged = fit.judged_by(
+        Factors.of(**{column: forces[column] for column in FACTOR_COLUMNS}),
+        force_n=forces["force_n"],
+        force_error_n=forces["force_error_n"],
+    )
+    if judged.trust is None:
+        raise InputError(f"fit {name!r}: its file does not tell its points; fit it anew")
+    return judged.trust.to_dict()
 
 
 def _json(values: Mapping[str, Any] | Sequence[Any]) -> str:

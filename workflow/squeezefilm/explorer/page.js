@@ -27,71 +27,39 @@
     h0_m: limits("h0_m"), hv_m: limits("hv_m"),
     phi_r_m: limits("phi_r_m"), phi_deg: limits("phi_deg"),
   };
-  const scale = { h0_m: width("h0_m"), hv_m: width("hv_m"), place_m: space.phi_r_m[1] || 1 };
-
-  function width(name) {
-    return space[name][1] - space[name][0] || 1;
-  }
-
-  // What a model is judged by, those it was fitted to first: with two factors, the simulations of a
-  // centred finger.
-  const judges = new Map();
-  function judgesOf(fit) {
-    if (!judges.has(fit)) {
-      judges.set(fit, simulations
-        .filter((each) => fit.moves || each.phi_r_m === 0)
-        .map((each) => ({ ...each, error: force(fit.theta, each) / each.force_n - 1 }))
-        .sort((one, other) => (other.plan === fit.name) - (one.plan === fit.name)));
-    }
-    return judges.get(fit);
-  }
-
-  // The simulation nearest to a point, each direction measured by the simulated range.
-  function nearest(fit, point) {
-    const { x_m, y_m } = place(point.phi_r_m, point.phi_deg);
-    let best = null, least = Infinity;
-    for (const each of judgesOf(fit)) {
-      const distance = ((each.h0_m - point.h0_m) / scale.h0_m) ** 2
-        + ((each.hv_m - point.hv_m) / scale.hv_m) ** 2
-        + ((each.x_m - x_m) ** 2 + (each.y_m - y_m) ** 2) / scale.place_m ** 2;
-      if (distance < least) [best, least] = [each, distance];
-    }
-    return best;
-  }
-
-  function beyond(point) {
-    const slack = 1e-9;
-    return Object.keys(space).filter((name) => {
-      const [low, high] = space[name], give = slack * (high - low);
-      return point[name] < low - give || point[name] > high + give;
-    });
-  }
+  const evidence = new Map(data.fits.map((fit) => [fit, unseenOf(fit.trust)]));
+  const judged = (fit, point, value) => judge(fit.trust, evidence.get(fit), point, value, data.band);
 
   // Why a model is not to be trusted at a point; an empty text where it is.
-  function doubt(fit, point, near = nearest(fit, point)) {
+  function doubt(fit, point, verdict) {
     if (point.hv_m >= point.h0_m) return "surface and finger touch, there is no film";
     if (!fit.moves && point.phi_r_m > 0) {
       return "this model knows a centred finger only; choose one with four factors";
     }
-    const outside = beyond(point);
-    if (outside.length) {
-      return outside.map((name) => `${WORDS[name]} lies outside the simulated ${range(name)}`)
-        .join("; ");
+    if (verdict.outside.length) {
+      return verdict.outside.map((name) => `${WORDS[name]} lies outside the fitted points’ `
+        + `${range(fit.trust.ranges[name], name)}`).join("; ");
     }
-    if (!(Math.abs(near.error) <= data.band)) {
-      return `at the nearest simulation the model is off by ${percent(near.error)}`;
+    if (!verdict.enough) {
+      return `only ${evidence.get(fit).length} simulations that the fit never saw judge it; `
+        + `${fit.trust.least_points} are needed`;
+    }
+    if (!verdict.trusted) {
+      return `it may be off by ${Number.isFinite(verdict.within) ? share(verdict.within) : "any amount"}: the nearest `
+        + `simulation that the fit never saw is ${away(verdict)}`;
     }
     return "";
   }
 
   const WORDS = {
-    h0_m: "the gap", hv_m: "the amplitude", phi_r_m: "the distance", phi_deg: "the angle",
+    h0_m: "the gap", hv_m: "the amplitude", epsilon: "hᵥ/h₀", phi_r_m: "the distance",
+    phi_deg: "the angle",
   };
-  const UNITS = { h0_m: [UM, "µm"], hv_m: [UM, "µm"], phi_r_m: [MM, "mm"], phi_deg: [1, "°"] };
+  const UNITS = { h0_m: [UM, "µm"], hv_m: [UM, "µm"], phi_r_m: [MM, "mm"], phi_deg: [1, "°"], epsilon: [1, ""] };
 
-  function range(name) {
+  function range(limits, name) {
     const [unit, symbol] = UNITS[name];
-    return `${space[name].map((value) => plain(value / unit)).join("–")} ${symbol}`;
+    return `${limits.map((value) => plain(value / unit)).join("–")} ${symbol}`.trim();
   }
 
   // ---- numbers in words --------------------------------------------------------------------------
@@ -105,6 +73,17 @@
     const text = Math.abs(value) >= 100 ? value.toFixed(0) : value.toFixed(2);
     if (Number(text) === 0) return "0.00 %";
     return `${value > 0 ? "+" : ""}${text.replace("-", "−")} %`;
+  }
+
+  // A bound, rounded up to two digits.
+  function share(value) {
+    const digit = 10 ** Math.floor(Math.log10(100 * value) - 1);
+    return `${plain(Math.ceil((100 * value) / digit - 1e-9) * digit)} %`;
+  }
+
+  function away(verdict) {
+    if (verdict.distance < 1e-9) return "at this very point";
+    return `${plain(verdict.distance, 2)} of the fitted ranges away`;
   }
 
   function where(point) {
@@ -189,8 +168,8 @@
 
   function update() {
     const now = point(), { fit } = state;
-    const near = nearest(fit, now), touching = now.hv_m >= now.h0_m;
-    const value = touching ? NaN : force(fit.theta, now);
+    const value = now.hv_m >= now.h0_m ? NaN : force(fit.theta, now);
+    const verdict = judged(fit, now, value), near = verdict.nearest;
     const shown = Number.isFinite(value) ? value.toFixed(9).replace("-", "−") : "";
     const output = byId("force");
     output.value = "";
@@ -203,15 +182,15 @@
       output.value = "no force";
     }
     output.dataset.newtons = Number.isFinite(value) ? String(value) : "";
-    const reason = doubt(fit, now, near);
+    const reason = doubt(fit, now, verdict);
     const trust = byId("trust");
     trust.classList.toggle("doubtful", reason !== "");
     trust.innerHTML = reason ? "<b>Not to be trusted:</b> " : "<b>Trusted:</b> ";
-    trust.append(reason || "within the simulated space, and off by "
-      + `${percent(near.error)} at the nearest simulation`);
-    byId("error").textContent = percent(near.error);
-    byId("nearest").textContent = `${near.force_n.toPrecision(4)} N at ${where(near)}`
-      + (near.plan === fit.name ? ", fitted" : "");
+    trust.append(reason || `within ${share(verdict.within)}, judged by ${evidence.get(fit).length} `
+      + "simulations that the fit never saw");
+    byId("error").textContent = near ? percent(near.error_n / near.force_n) : "there is none";
+    byId("nearest").textContent = near
+      ? `${near.force_n.toPrecision(4)} N at ${where(near)}, ${away(verdict)}` : "–";
     const wanted = amplitudeForForce(fit.theta, now, now.force_n);
     byId("amplitude").textContent = Number.isFinite(wanted)
       ? `${(wanted / UM).toFixed(3)} µm for ${plain(now.force_n)} N`
@@ -273,11 +252,15 @@
     return { at: best[0], used, others: drawn.filter((each) => each.plan !== fit.name) };
   }
 
+  function trustedAt(fit, point) {
+    return doubt(fit, point, judged(fit, point, force(fit.theta, point))) === "";
+  }
+
   function trusted(fit, now) {
     const h0 = steps(space.h0_m, CELLS + 1), hv = steps(space.hv_m, CELLS + 1);
     const middle = (edges, i) => (edges[i] + edges[i + 1]) / 2;
     const z = Array.from({ length: CELLS }, (_, j) => Array.from({ length: CELLS }, (_, i) =>
-      doubt(fit, { ...now, h0_m: middle(h0, i), hv_m: middle(hv, j) }) ? null : 1));
+      trustedAt(fit, { ...now, h0_m: middle(h0, i), hv_m: middle(hv, j) }) ? 1 : null));
     return { x: h0.map((v) => v / UM), y: hv.map((v) => v / UM), z };
   }
 

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from squeezefilm.directions import Directions
 from squeezefilm.errors import InputError
-from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors, get_model, make_model
+from squeezefilm.models.force_model import ExpressionModel, Factors, get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
+from squeezefilm.models.trust import Trust, Unseen, Verdict
 from squeezefilm.tables import read_json
-
-RANGE_SLACK = 1e-9
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,8 @@ class FittedModel:
 
     global_error is |y − η|/|y|, sum_of_squares in N². ranges are the least and the largest value
     of each factor's column that the model was fitted on; cross_validation holds the errors at
-    points left out, where there are enough of them. values is the whole file.
+    points left out, where there are enough of them; trust is the evidence of the fit, if the file
+    has it. values is the whole file.
     """
 
     model: str
@@ -35,6 +36,7 @@ class FittedModel:
     sum_of_squares: float
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     cross_validation: Mapping[str, float] | None = None
+    trust: Trust | None = None
     values: Mapping[str, Any] = field(default_factory=dict, repr=False)
     place: str = "fit"
 
@@ -107,17 +109,25 @@ class FittedModel:
         """The limits that the file carries."""
         return LimitTable.from_dict(self.values["limit_table"], place=f"{self.place}: limit_table")
 
-    def outside(self, factors: Factors) -> list[str]:
-        """For each point, the factors that lie outside the ranges the model was fitted on."""
-        notes: list[list[str]] = [[] for _ in range(len(factors))]
-        for name, (low, high) in self.ranges.items():
-            if name in COLUMNS.values():
-                continue
-            values = factors.column(name)
-            slack = RANGE_SLACK * max(abs(low), abs(high))
-            for index in np.flatnonzero((values < low - slack) | (values > high + slack)):
-                notes[index].append(f"{name} outside {low:g} … {high:g}")
-        return ["; ".join(each) for each in notes]
+    def judge(self, factors: Factors, force_n: ArrayLike) -> Verdict:
+        """How far the model's forces at points, in newtons, are to be trusted, and why not."""
+        if self.trust is not None:
+            return self.trust.judge(factors, force_n)
+        unknown = np.full(len(factors), np.nan)
+        reason = "the fit's file does not tell its points (`squeezefilm fit` makes it anew)"
+        return Verdict(unknown, unknown, (reason,) * len(factors))
+
+    def judged_by(
+        self, factors: Factors, *, force_n: ArrayLike, force_error_n: ArrayLike
+    ) -> FittedModel:
+        """The same fit, judged by simulated forces, in newtons, of which it saw none or some."""
+        if self.trust is None:
+            return self
+        predicted = self.force_model.evaluate(self.theta, self.complete(factors))
+        control = Unseen.of(
+            factors, model_n=predicted, force_n=force_n, force_error_n=force_error_n
+        )
+        return replace(self, trust=self.trust.with_control(control))
 
     @property
     def error_n(self) -> float:
@@ -152,10 +162,15 @@ def read_fit(path: Path | str) -> FittedModel:
         global_error=number(values, "global_error", path),
         sum_of_squares=number(values, "sum_of_squares", path),
         ranges=_ranges(values.get("ranges", {}), path),
+        trust=_trust(values, path),
         cross_validation=crossed and {key: number(crossed, key, path) for key in crossed},
         values=values,
         place=str(path),
     )
+
+
+def _trust(values: Mapping[str, Any], path: Path | str) -> Trust | None:
+    return Trust.from_dict(values["trust"], place=f"{path}: trust") if "trust" in values else None
 
 
 def _ranges(values: Any, path: Path | str) -> dict[str, tuple[float, float]]:

@@ -30,6 +30,7 @@ from squeezefilm.models.limit_table import AXES, SLACK
 TEMPLATES = Path(__file__).parent / "templates"
 RADIANS_PER_DEGREE = 0.017453292519943295
 WIDTH = 96
+RATIO = "hv_m / h0_m"
 MEANING = {
     "h0_m": "mean gap, m",
     "hv_m": "amplitude at the profile's maximum, m",
@@ -87,7 +88,7 @@ def c_source(fit: FittedModel) -> str:
     language = _Language("", f"{name}_", "pow", "const double ", ";", "NAN")
     inside = (
         f"{column} >= {_number(low)} && {column} <= {_number(high)}"
-        for column, (low, high) in _argument_ranges(fit).items()
+        for column, (low, high) in _ranges(fit).items()
     )
     return _filled(
         "model.h.txt",
@@ -107,7 +108,7 @@ def python_source(fit: FittedModel) -> str:
     names = fit.force_model.factor_names
     ranges = (
         f'    "{column}": ({_number(low)}, {_number(high)}),'
-        for column, (low, high) in _argument_ranges(fit).items()
+        for column, (low, high) in _ranges(fit).items()
     )
     return _filled(
         "model.py.txt",
@@ -115,7 +116,10 @@ def python_source(fit: FittedModel) -> str:
         about="\n".join(_about(fit)),
         arguments=", ".join(names),
         names=", ".join(names),
-        point=", ".join(f'"{each}": {each}' for each in names),
+        point=", ".join(
+            f'"{each}": {each}{" if h0_m else math.nan" if each == RATIO else ""}'
+            for each in _ranges(fit)
+        ),
         ranges="\n".join(ranges),
         meaning=_lines(_meaning(fit), indent="    "),
     )
@@ -218,9 +222,13 @@ def _tabulated_columns(fit: FittedModel) -> list[str]:
     return [name for name in fit.force_model.column_names if name != COLUMNS["sigma"]]
 
 
-def _argument_ranges(fit: FittedModel) -> dict[str, tuple[float, float]]:
+def _ranges(fit: FittedModel) -> dict[str, tuple[float, float]]:
+    """The ranges of the fitted points in each argument, and in RATIO where the file tells it."""
     names = fit.force_model.factor_names
-    return {name: fit.ranges[name] for name in names if name in fit.ranges}
+    ranges = {name: fit.ranges[name] for name in names if name in fit.ranges}
+    if fit.trust is not None and {"h0_m", "hv_m"} <= set(names):
+        ranges[RATIO] = fit.trust.ranges["epsilon"]
+    return ranges
 
 
 def _checked_name(fit: FittedModel) -> str:

@@ -18,7 +18,7 @@ PURPOSES = {
     "screen": "finger centred, gap and amplitude on a grid: the first fit",
     "two_factor_design": "the few points that teach most about the two-factor model",
     "error_map": "control points between those of the screen",
-    "extrapolation": "beyond the screen: where the models expect the wanted force",
+    "extrapolation": "the point of the wanted force, and where the models expect it",
     "four_factor": "the two-factor design at every position of the finger",
     "four_factor_control": "random control points in all four factors",
     "four_factor_design": "the few points that teach most about the four-factor model",

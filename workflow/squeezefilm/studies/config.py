@@ -18,6 +18,11 @@ SCHEMA_PATH = Path(__file__).parents[2] / "schemas" / "config.schema.yaml"
 LARGEST_INTEGER = 2**53
 """Integers up to here are the same number when they are used as a float."""
 
+ENDS = ("start", "stop")
+FARTHEST = 1.5
+"""An amplitude at which an extrapolation is checked, over the screen's largest."""
+SLACK = 1e-9
+
 
 class _Loader(yaml.SafeLoader):
     """YAML's plain part: true and false, null, decimal numbers, text, lists and mappings.
@@ -105,6 +110,9 @@ def load_config(path: Path | str) -> Config:
         raise InputError(f"{path}: a configuration is a mapping of keys to values")
     _refuse_non_finite(values, path=path, place="")
     _validate(values, path=path)
+    for factor, levels in values["error_map"].items():
+        ends = {end: values["screen"][factor][end] for end in ENDS}
+        values["error_map"][factor] = ends | levels
     _check_relations(values, path=path)
     return Config(path=path, sections=values)
 
@@ -165,9 +173,31 @@ def _check_relations(values: dict[str, Any], *, path: Path) -> None:
         raise InputError(
             f"{path}: extrapolation: hv_m must stay below h0_m, or surface and finger touch"
         )
+    _check_space(values, path=path)
     for factor in ("phi_r_m", "phi_deg"):
         if len(set(values["positions"][factor])) < len(values["positions"][factor]):
             raise InputError(f"{path}: positions.{factor}: a value stands twice")
+
+
+def _check_space(values: dict[str, Any], *, path: Path) -> None:
+    """Refuse what lies outside the screen's ranges: there the models are fitted, and all plans lie.
+
+    The check of an extrapolation may lie above them in amplitude, up to FARTHEST times the largest.
+    """
+    for factor, farthest in (("h0_m", 1.0), ("hv_m", FARTHEST)):
+        low, high = (values["screen"][factor][end] for end in ENDS)
+        for key, value, most in (
+            *(
+                (f"error_map.{factor}.{end}", values["error_map"][factor][end], high)
+                for end in ENDS
+            ),
+            (f"extrapolation.{factor}", values["extrapolation"][factor], farthest * high),
+        ):
+            if not low * (1 - SLACK) <= value <= most * (1 + SLACK):
+                raise InputError(
+                    f"{path}: {key}: {value:g} does not suit screen.{factor}, {low:g} … {high:g}, "
+                    f"where the models are fitted; it must lie from {low:g} to {most:g}"
+                )
 
 
 def _one_line(error: Exception) -> str:

@@ -1,0 +1,288 @@
+"""A point is trusted on the evidence of simulations that the fit never saw, and never else."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from copy import deepcopy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from squeezefilm import cli
+from squeezefilm.models.cross_validation import left_out_predictions
+from squeezefilm.models.fit import refit
+from squeezefilm.models.force_model import Factors, get_model
+from squeezefilm.models.trust import LEAST_POINTS, MOST_RELATIVE_ERROR, Trust, Unseen
+from squeezefilm.reynolds import solve
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plans import centred_grid, level_values, plan, random_plan
+from squeezefilm.studies.study import scene_of
+from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint
+
+TOLERANCE = 1e-4
+START = {"two_factor": (7.0, 1.0, -1.0), "four_factor": (7.0, 1.0, -1.0, 0.01, -50.0)}
+STUDIES: dict[str, dict[str, dict[str, Any]]] = {
+    "the paper's": {},
+    "wide gaps": {
+        "screen": {
+            "h0_m": {"start": 15e-6, "stop": 30e-6, "levels": 6},
+            "hv_m": {"start": 0.5e-6, "stop": 6e-6, "levels": 8},
+        },
+    },
+    "another pad and profile": {
+        "screen": {
+            "h0_m": {"start": 8e-6, "stop": 16e-6, "levels": 6},
+            "hv_m": {"start": 0.5e-6, "stop": 6e-6, "levels": 8},
+        },
+        "finger": {"length_x_m": 0.013, "length_y_m": 0.009},
+        "actuator": {"profile": {"kind": "sinc", "wave_number_per_m": 150}},
+    },
+}
+REACH_M = 0.0018
+
+
+def changed(config: Config, changes: dict[str, dict[str, Any]]) -> Config:
+    sections = deepcopy(config.sections)
+    return Config(config.path, sections | {k: sections[k] | v for k, v in changes.items()})
+
+
+def simulated(config: Config, table: pd.DataFrame) -> tuple[Factors, np.ndarray, np.ndarray]:
+    points = table[list(FACTOR_COLUMNS)].to_numpy()
+    first = scene_of(ScenePoint("1", *points[0]), config)
+    names = [dict(zip(FACTOR_COLUMNS, map(float, point), strict=True)) for point in points]
+    found = solve([replace(first, **each) for each in names], tolerance=TOLERANCE)
+    assert all(each.status == "ok" for each in found)
+    force, error = ([getattr(s, name) for s in found] for name in ("force_n", "force_error_n"))
+    return Factors.of(**dict(zip(FACTOR_COLUMNS, points.T, strict=True))), force, error
+
+
+def box(config: Config, *, reach_m: float, beyond: float) -> dict[str, tuple[float, float]]:
+    """The study's space, stretched by a share on either side."""
+    ranges = {
+        name: (config["screen"][name]["start"], config["screen"][name]["stop"])
+        for name in ("h0_m", "hv_m")
+    }
+    ranges |= {"phi_r_m": (0.0, reach_m), "phi_deg": (0.0, 45.0)}
+    return {
+        n: (low - beyond * (high - low) * (low > 0), high + beyond * (high - low))
+        for n, (low, high) in ranges.items()
+    }
+
+
+def fitted(config: Config, kind: str) -> tuple[str, np.ndarray, Trust, float]:
+    """A fit of one kind, with its evidence: model, parameters, trust, farthest finger position."""
+    screen, space = config["screen"], box(config, reach_m=REACH_M, beyond=0.0)
+    centre = space | {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
+    grid = centred_grid(h0_m=level_values(screen["h0_m"]), hv_m=level_values(screen["hv_m"]))
+    (low, high), (least, most) = space["h0_m"], space["hv_m"]
+    if kind.startswith("screen"):
+        model, table, control, reach = "two_factor", grid, None, 0.0
+    elif kind == "five points":
+        pairs = np.array(
+            [
+                (low, most),
+                (0.6 * low + 0.4 * high, most),
+                (high, least),
+                (low, 0.7 * most),
+                (low, least),
+            ]
+        )
+        model, reach, table = "two_factor", 0.0, plan(h0_m=pairs[:, 0], hv_m=pairs[:, 1])
+        control = random_plan(points=30, seed=4, **centre)
+    else:
+        model, reach = "four_factor", REACH_M
+        table = random_plan(points=40, seed=5, **space)
+        corners = [
+            plan(h0_m=[low, high], hv_m=[most, least], phi_r_m=r, phi_deg=a)
+            for r, a in ((0.0, 0.0), (reach, 0.0), (reach, 45.0))
+        ]
+        table = pd.concat([*corners, table], ignore_index=True)
+        control = random_plan(points=60, seed=6, **space)
+    factors, force, error = simulated(config, table)
+    theta = refit(get_model(model), factors, force, start=START[model])
+    unseen = Unseen.of(
+        factors,
+        model_n=left_out_predictions(
+            get_model(model), factors, force, theta=theta, folds=5, seed=1
+        ),
+        force_n=force,
+        force_error_n=error,
+    )
+    trust = Trust.of(factors, unseen)
+    if control is not None:
+        factors, force, error = simulated(config, control)
+        own = get_model(model).evaluate(theta, factors)
+        trust = trust.with_control(
+            Unseen.of(factors, model_n=own, force_n=force, force_error_n=error)
+        )
+    return model, theta, trust, reach
+
+
+@pytest.mark.parametrize("kind", ["screen, points left out", "five points", "finger anywhere"])
+@pytest.mark.parametrize("name", STUDIES)
+def test_at_trusted_points_the_simulation_lies_within_the_band(
+    name: str, kind: str, repository: Path
+) -> None:
+    config = changed(load_config(repository / "config" / "paper.yaml"), STUDIES[name])
+    model, theta, trust, reach = fitted(config, kind)
+    table = random_plan(points=40_000, seed=9, **box(config, reach_m=reach, beyond=0.2))
+    table = table[table["hv_m"] < 0.9 * table["h0_m"]]
+    factors = Factors.of(**{each: table[each] for each in FACTOR_COLUMNS})
+    force = get_model(model).evaluate(theta, factors)
+    verdict = trust.judge(factors, force)
+    chosen = np.flatnonzero(verdict.trusted)[:1000]
+    assert len(chosen) == 1000
+    assert len(chosen) < len(table)
+    _, simulation, error = simulated(config, table.iloc[chosen])
+    off = np.abs(force[chosen] - simulation)
+    inside = off <= verdict.error_n[chosen] + error
+    assert np.mean(inside) >= 0.99
+    assert np.all(verdict.error_n[chosen] <= MOST_RELATIVE_ERROR * np.abs(force[chosen]))
+
+
+@pytest.fixture(scope="module")
+def paper_fit(repository: Path) -> tuple[str, np.ndarray, Trust, float]:
+    return fitted(load_config(repository / "config" / "paper.yaml"), "finger anywhere")
+
+
+def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("no node here")
+    model, theta, trust, _ = paper_fit
+    ranges = {"h0_m": (4e-6, 11e-6), "hv_m": (0.1e-6, 2.2e-6)}
+    table = random_plan(points=300, seed=3, **ranges, phi_r_m=(0, 2e-3), phi_deg=(0, 50))
+    table.loc[:50, "phi_r_m"] = 0.0
+    factors = Factors.of(**{each: table[each] for each in FACTOR_COLUMNS})
+    force = get_model(model).evaluate(theta, factors)
+    points = table[list(FACTOR_COLUMNS)].to_dict("records")
+    scripts = "".join(
+        (repository / "workflow/squeezefilm/explorer" / name).read_text(encoding="utf-8")
+        for name in ("model.js", "trust.js")
+    )
+    program = (
+        f"{scripts}; const given = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
+        "const unseen = unseenOf(given.trust);"
+        "console.log(JSON.stringify(given.points.map((point) => {"
+        "  const value = force(given.theta, point);"
+        "  const found = judge(given.trust, unseen, point, value, given.most);"
+        "  return [value, found.error_n, found.distance, found.trusted, found.outside.length];"
+        "})));"
+    )
+    given = {"trust": trust.to_dict(), "points": points, "theta": list(theta)}
+    told = subprocess.run(
+        [node, "-e", program],
+        input=json.dumps(given | {"most": MOST_RELATIVE_ERROR}),
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    ).stdout
+    found = np.array(json.loads(told), dtype=float)
+    verdict = trust.judge(factors, force)
+    expected = np.column_stack([force, verdict.error_n, verdict.distance])
+    np.testing.assert_allclose(found[:, :3], expected, rtol=1e-10)
+    np.testing.assert_array_equal(found[:, 3] == 1, verdict.trusted)
+    np.testing.assert_array_equal(found[:, 4] > 0, [bool(each) for each in trust.outside(factors)])
+    assert 20 < np.sum(verdict.trusted) < 280
+
+
+def test_a_fit_is_read_with_its_evidence(paper_fit) -> None:
+    _, _, trust, _ = paper_fit
+    again = Trust.from_dict(json.loads(json.dumps(trust.to_dict())), place="test")
+    assert again.to_dict() == trust.to_dict()
+
+
+def evidence(count: int, *, error_n: float = 1e-3) -> tuple[Factors, Unseen]:
+    """A fit to a grid and simulations between its points, all off by as much."""
+    grid = centred_grid(h0_m=np.linspace(5e-6, 10e-6, 3), hv_m=np.linspace(0.2e-6, 2e-6, 3))
+    points = random_plan(
+        points=count, seed=1, h0_m=(5e-6, 10e-6), hv_m=(1e-6, 2e-6), phi_r_m=(0, 0), phi_deg=(0, 0)
+    )
+    factors, between = (Factors.of(h0_m=t["h0_m"], hv_m=t["hv_m"]) for t in (grid, points))
+    force = 5 * between.epsilon**2
+    unseen = Unseen.of(between, model_n=force + error_n, force_n=force, force_error_n=1e-4 * force)
+    return factors, unseen
+
+
+def test_a_fitted_point_is_no_evidence() -> None:
+    """A model that is exact at its points is not trusted for that, not even there."""
+    factors, _ = evidence(LEAST_POINTS)
+    force = 5 * factors.epsilon**2
+    exact = Unseen.of(factors, model_n=force, force_n=force, force_error_n=0 * force)
+    verdict = Trust.of(factors, None).with_control(exact).judge(factors, force)
+    assert not verdict.trusted.any()
+    assert all("judged by 0 simulations that the fit never saw" in r for r in verdict.reasons)
+
+
+@pytest.mark.parametrize(("count", "trusted"), [(LEAST_POINTS - 1, False), (LEAST_POINTS, True)])
+def test_a_few_unseen_simulations_are_not_enough(count: int, trusted: bool) -> None:
+    factors, unseen = evidence(count)
+    verdict = Trust.of(factors, unseen).judge(Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3])
+    assert verdict.trusted.tolist() == [trusted]
+
+
+def test_the_error_of_the_simulations_is_in_the_band() -> None:
+    factors, unseen = evidence(40)
+    verdict = Trust.of(factors, unseen).judge(Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3])
+    assert verdict.error_n[0] >= 1e-3 + 1e-4 * 0.3 * (1 - 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("point", "reason"),
+    [
+        ((4e-6, 1e-6, 0.0), "h0_m outside 5e-06"),
+        ((6e-6, 2.1e-6, 0.0), "hv_m outside 2e-07"),
+        ((6e-6, 1e-6, 1e-3), "phi_r_m outside 0 … 0"),
+        ((6e-6, 1.5e-6, 0.0), ""),
+    ],
+)
+def test_outside_its_ranges_a_fit_is_not_trusted(
+    point: tuple[float, float, float], reason: str
+) -> None:
+    factors, unseen = evidence(40)
+    at = Factors.of(h0_m=point[0], hv_m=point[1], phi_r_m=point[2], phi_deg=0.0)
+    verdict = Trust.of(factors, unseen).judge(at, [0.3])
+    assert reason in verdict.reasons[0]
+    assert verdict.trusted[0] == (not reason)
+
+
+def test_the_ratio_of_amplitude_and_gap_has_its_own_range() -> None:
+    """(5, 6) µm lies in neither point's reach where only (5, 2) and (10, 6) µm were fitted."""
+    factors = Factors.of(h0_m=[7e-6, 10e-6, 7e-6], hv_m=[2e-6, 6e-6, 1e-6])
+    assert Trust.of(factors, None).outside(Factors.of(h0_m=7e-6, hv_m=6e-6)) == [
+        "hv_m/h0_m outside 0.1429 … 0.6"
+    ]
+
+
+def test_far_from_every_unseen_simulation_the_reason_is_the_distance() -> None:
+    factors, unseen = evidence(40)
+    slope = replace(unseen, error_n=0.05 * (unseen.factors.hv_m / 1e-6 - 1))
+    verdict = Trust.of(factors, slope).judge(Factors.of(h0_m=9e-6, hv_m=0.3e-6), [0.005])
+    assert "may be off by" in verdict.reasons[0]
+    assert "of its ranges away" in verdict.reasons[0]
+    assert verdict.distance[0] > 0.3
+
+
+def test_control_points_make_five_fitted_points_trusted(study, tmp_path: Path, capsys) -> None:
+    fit = f"{study.root}/fits/two_factor_design.json"
+    out = f"--output={tmp_path}/out.csv"
+    point = ["--h0=7um", "--hv=1.5um", out]
+    assert cli.main(["predict", fit, *point]) == 0
+    row = pd.read_csv(tmp_path / "out.csv").iloc[0]
+    assert np.isnan(row["within_percent"])
+    assert "--control" in row["note"]
+    control = f"{study.root}/simulations/screen/forces.csv"
+    assert cli.main(["predict", fit, *point, "--control", control]) == 0
+    row = pd.read_csv(tmp_path / "out.csv").iloc[0]
+    assert 0 < row["within_percent"] < 15
+    arguments = ["working-point", fit, "--force=0.3N", "--h0=6um", out, "--control", control]
+    assert cli.main(arguments) == 0
+    row = pd.read_csv(tmp_path / "out.csv").iloc[0]
+    assert 0 < row["within_percent"] < 15
