@@ -11,7 +11,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper quick check reference report test test-check test-faults test-browser lint format lock resume clean test-cluster
+.PHONY: help paper quick check reference report test test-check test-faults test-browser lint format keys lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -25,6 +25,7 @@ help:
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
+	@echo "make keys     the table of a study's keys in config/README.md, from the schema"
 	@echo "make resume   go on after a run was killed, or a result was damaged"
 	@echo "make reference      make the reference that is checked against; asks first, or YES=1"
 	@echo "make lock     pin the newest versions of all packages"
@@ -81,6 +82,9 @@ format: $(VENV)/.dev
 	$(RUN) ruff check --fix .
 	$(RUN) ruff format .
 	$(RUN) snakefmt Snakefile workflow
+
+keys: $(VENV)/.run
+	$(BIN)/python -m squeezefilm.studies.keys config/README.md
 
 resume: $(VENV)/.run
 	$(RUN) squeezefilm unlock
