@@ -1,10 +1,14 @@
 # `make paper` makes everything of the paper, `make test` runs the tests; each sets itself up.
-# Needs python3 (3.11 or later) and make.
+# Needs python3 (3.11 or later) and make. OPTIONS are snakemake's, as in
+# `make resume OPTIONS="--workflow-profile profiles/slurm"`; CONFIG names another study.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+CONFIG :=
+OPTIONS :=
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH"
+SNAKEMAKE = $(RUN) snakemake $(OPTIONS)
 STUDIES ?= paper quick
 REPORT ?= results/report.html
 COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 \
@@ -32,15 +36,15 @@ help:
 	@echo "make clean    remove results, logs and the environment"
 
 paper: $(VENV)/.run
-	$(RUN) snakemake
+	$(SNAKEMAKE)
 
 quick: $(VENV)/.run
-	$(RUN) snakemake --configfile config/quick.yaml
+	$(SNAKEMAKE) --configfile config/quick.yaml
 
 # Both studies are checked, also when the first one fails.
 check: $(VENV)/.run
 	failed=0; for study in $(STUDIES); do \
-		$(RUN) snakemake check --configfile config/$$study.yaml || failed=1; done; exit $$failed
+		$(SNAKEMAKE) check --configfile config/$$study.yaml || failed=1; done; exit $$failed
 
 reference: $(VENV)/.run
 	set -e; for study in $(STUDIES); do \
@@ -49,7 +53,7 @@ reference: $(VENV)/.run
 			--output tests/reference/$$study $(if $(YES),--yes); done
 
 report: $(VENV)/.run
-	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG))
+	$(SNAKEMAKE) everything $(if $(CONFIG),--configfile $(CONFIG))
 	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG)) --report $(REPORT)
 
 test: $(VENV)/.dev
@@ -88,8 +92,8 @@ keys: $(VENV)/.run
 
 resume: $(VENV)/.run
 	$(RUN) squeezefilm unlock
-	damaged=$$($(RUN) squeezefilm repair) && $(RUN) snakemake \
-		$(if $(CONFIG),--configfile $(CONFIG)) --rerun-incomplete $${damaged:+--forcerun $$damaged}
+	damaged=$$($(RUN) squeezefilm repair) && $(SNAKEMAKE) --rerun-incomplete \
+		$(if $(CONFIG),--configfile $(CONFIG)) $${damaged:+--forcerun $$damaged}
 
 lock: $(VENV)/.dev
 	$(COMPILE) --upgrade --output-file requirements.lock requirements.in
