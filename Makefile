@@ -19,7 +19,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
-	@echo "make quick    the same rules on a small study, in under a minute"
+	@echo "make quick    the same rules on a small study, in a minute or two"
 	@echo "make check    everything anew where it is not, and every number beside its reference"
 	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
 	@echo "make test     the tests"
