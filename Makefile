@@ -1,21 +1,25 @@
 # `make paper` makes everything of the paper, `make test` runs the tests; each sets itself up.
-# Needs python3 (3.11 or later) and make.
+# Needs python3 (3.11 or later) and make. OPTIONS are snakemake's, as in
+# `make resume OPTIONS="--workflow-profile profiles/slurm"`; CONFIG names another study.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+CONFIG :=
+OPTIONS :=
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH"
+SNAKEMAKE = $(RUN) snakemake $(OPTIONS)
 STUDIES ?= paper quick
 REPORT ?= results/report.html
 COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 \
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper quick check reference report test test-check test-faults test-browser lint format lock resume clean test-cluster
+.PHONY: help paper quick check reference report test test-check test-faults test-browser lint format keys lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
-	@echo "make quick    the same rules on a small study, in under a minute"
+	@echo "make quick    the same rules on a small study, in a minute or two"
 	@echo "make check    everything anew where it is not, and every number beside its reference"
 	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
 	@echo "make test     the tests"
@@ -25,21 +29,22 @@ help:
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
+	@echo "make keys     the table of a study's keys in config/README.md, from the schema"
 	@echo "make resume   go on after a run was killed, or a result was damaged"
 	@echo "make reference      make the reference that is checked against; asks first, or YES=1"
 	@echo "make lock     pin the newest versions of all packages"
 	@echo "make clean    remove results, logs and the environment"
 
 paper: $(VENV)/.run
-	$(RUN) snakemake
+	$(SNAKEMAKE)
 
 quick: $(VENV)/.run
-	$(RUN) snakemake --configfile config/quick.yaml
+	$(SNAKEMAKE) --configfile config/quick.yaml
 
 # Both studies are checked, also when the first one fails.
 check: $(VENV)/.run
 	failed=0; for study in $(STUDIES); do \
-		$(RUN) snakemake check --configfile config/$$study.yaml || failed=1; done; exit $$failed
+		$(SNAKEMAKE) check --configfile config/$$study.yaml || failed=1; done; exit $$failed
 
 reference: $(VENV)/.run
 	set -e; for study in $(STUDIES); do \
@@ -48,7 +53,7 @@ reference: $(VENV)/.run
 			--output tests/reference/$$study $(if $(YES),--yes); done
 
 report: $(VENV)/.run
-	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG))
+	$(SNAKEMAKE) everything $(if $(CONFIG),--configfile $(CONFIG))
 	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG)) --report $(REPORT)
 
 test: $(VENV)/.dev
@@ -82,10 +87,13 @@ format: $(VENV)/.dev
 	$(RUN) ruff format .
 	$(RUN) snakefmt Snakefile workflow
 
+keys: $(VENV)/.run
+	$(BIN)/python -m squeezefilm.studies.keys config/README.md
+
 resume: $(VENV)/.run
 	$(RUN) squeezefilm unlock
-	damaged=$$($(RUN) squeezefilm repair) && $(RUN) snakemake \
-		$(if $(CONFIG),--configfile $(CONFIG)) --rerun-incomplete $${damaged:+--forcerun $$damaged}
+	damaged=$$($(RUN) squeezefilm repair) && $(SNAKEMAKE) --rerun-incomplete \
+		$(if $(CONFIG),--configfile $(CONFIG)) $${damaged:+--forcerun $$damaged}
 
 lock: $(VENV)/.dev
 	$(COMPILE) --upgrade --output-file requirements.lock requirements.in

@@ -27,7 +27,8 @@ QUICK_TABLES = (
     "results/quick/fits/screen.json",
 )
 # No accounting on this Slurm, so squeue is asked; jobs last seconds, so they are asked for soon.
-IMPATIENT = (
+ON_SLURM = (
+    *("--workflow-profile", "profiles/slurm"),
     *("--slurm-status-command", "squeue"),
     *("--slurm-init-seconds-before-status-checks", "7"),
     *("--latency-wait", "5"),
@@ -78,10 +79,26 @@ class Checkout:
     environment: dict[str, str]
 
     def start(self, *arguments: str) -> Run:
+        return self._start(sys.executable, "-m", "snakemake", *arguments)
+
+    def on_slurm(self, config: str, targets: Sequence[str]) -> Run:
+        return self.start(*targets, "--configfile", config, *ON_SLURM)
+
+    def resume(self, config: str, target: str) -> Run:
+        """Go on as docs/cluster.md says; the environment is that of the tests."""
+        venv = self.folder / ".venv"
+        venv.symlink_to(sys.prefix)
+        options = " ".join((target, *ON_SLURM))
+        return self._start(
+            *("make", "--old-file", ".venv/.run", "resume"),
+            *(f"CONFIG={config}", f"OPTIONS={options}"),
+        )
+
+    def _start(self, *command: str) -> Run:
         log = self.folder / f"run-{time.monotonic_ns()}.log"
         with log.open("wb") as handle:
             process = subprocess.Popen(
-                [sys.executable, "-m", "snakemake", *arguments],
+                command,
                 cwd=self.folder,
                 env=self.environment,
                 stdin=subprocess.DEVNULL,
@@ -90,25 +107,11 @@ class Checkout:
             )
         return Run(process, log)
 
-    def call(self, command: str) -> None:
-        """Run a command of the library."""
-        subprocess.run(
-            [sys.executable, "-m", "squeezefilm", command],
-            cwd=self.folder,
-            env={**self.environment, "PYTHONPATH": "workflow"},
-            check=True,
-            stdout=subprocess.DEVNULL,
-        )
-
-    def on_slurm(self, config: str, targets: Sequence[str]) -> Run:
-        profile = ("--workflow-profile", "profiles/slurm")
-        return self.start(*targets, "--configfile", config, *profile, *IMPATIENT)
-
 
 @pytest.fixture
 def checkout(slurm: Slurm, repository: Path) -> Checkout:
     """A fresh checkout beside Slurm's files, with the profile set up as a user would."""
-    folder = copy_checkout(repository, slurm.folder / f"checkout-{time.monotonic_ns()}")
+    folder = copy_checkout(repository, slurm.folder / f"checkout-{time.monotonic_ns()}", "Makefile")
     write_long_study(folder)
     set_up_profile(folder, scratch=slurm.folder / "scratch")
     return Checkout(folder, slurm.environment)

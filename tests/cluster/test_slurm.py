@@ -75,9 +75,7 @@ def test_a_run_goes_on_after_snakemake_was_killed_though_its_job_writes_later(
         "scontrol", "suspend", old
     )  # so that it writes after the new one, however busy we are
     say(f"snakemake killed while job {old} ran; the job is held up")
-    for command in ("unlock", "repair"):  # as make resume does
-        checkout.call(command)
-    second = checkout.on_slurm(LONG, [LONG_FORCES])
+    second = checkout.resume(LONG, LONG_FORCES)
     second.succeeds()
     assert [job.state for job in jobs_of(second, slurm)] == ["COMPLETED"]
     table = (checkout.folder / LONG_FORCES).read_bytes()

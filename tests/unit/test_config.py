@@ -266,15 +266,3 @@ def test_every_mapping_of_the_schema_rejects_unknown_keys() -> None:
                 check(value, f"{place}.{key}")
 
     check(schema, "schema")
-
-
-def test_every_key_is_explained(repository: Path, paper: str) -> None:
-    explained = (repository / "config" / "README.md").read_text(encoding="utf-8")
-
-    def check(values: dict[str, Any]) -> None:
-        for key, value in values.items():
-            assert f"`{key}`" in explained, f"config/README.md does not explain {key}"
-            if isinstance(value, dict):
-                check(value)
-
-    check(dict(load_config(repository / "config" / "paper.yaml")))

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from squeezefilm.numerics.cross_section import COLUMNS, cross_section
+from squeezefilm.reynolds.galerkin import pressure_at
+from squeezefilm.reynolds.solver import solve
 from squeezefilm.scene import GapShape, Scene
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
@@ -46,9 +48,47 @@ def test_the_surface_swings_by_the_profiles_amplitude(scene: Scene) -> None:
     assert (film["finger_um"] == 5).all()
 
 
-def test_of_another_film_only_the_gap_is_known(scene: Scene) -> None:
-    pad = replace(scene.finger, gap=GapShape(bulge_m=1e-6))
+OTHERS = {
+    "the paper's": {},
+    "a long pad": {"length_x_m": 0.009, "length_y_m": 0.014},
+    "an ellipse, turned": {"shape": "ellipse", "length_y_m": 0.008, "rotation_deg": 20},
+    "a bulging pad": {"gap": GapShape(bulge_m=1e-6)},
+    "a tilted pad": {"gap": GapShape(tilt_x_m=3e-6)},
+    "a sliding pad": {"speed_x_m_per_s": 0.1},
+    "off the centre": {"length_y_m": 0.008},
+}
+
+
+@pytest.mark.parametrize("pad", OTHERS)
+def test_the_pressure_carries_the_force_that_is_simulated(scene: Scene, pad: str) -> None:
+    """Its mean over pad and period is the solver's force, by another method where it has one."""
+    scene = replace(scene, finger=replace(scene.finger, **OTHERS[pad]))
+    if pad == "off the centre":
+        scene = replace(scene, phi_r_m=0.003, phi_deg=30)
+    # The mean over the pad, by Gauss; an ellipse along radii.
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    x, y = (values.ravel() for values in np.meshgrid((1 + nodes) / 2, (1 + nodes) / 2))
+    share = np.outer(weights, weights).ravel() / 4
+    if scene.finger.shape == "ellipse":
+        radius, angle = np.sqrt(x) / 2, 2 * np.pi * y
+        x, y = 0.5 + radius * np.cos(angle), 0.5 + radius * np.sin(angle)
+    pressure = pressure_at(scene, x=x, y=y, instants=24, tolerance=1e-5)
+    force_n = scene.force_scale_n * float(share @ pressure.mean(axis=1))
+    (solution,) = solve([scene], tolerance=1e-6, method="periodic")
+    assert force_n == pytest.approx(solution.force_n, rel=2e-4)
+
+
+def test_the_film_of_another_pad_has_a_pressure(scene: Scene) -> None:
+    pad = replace(scene.finger, shape="ellipse", gap=GapShape(bulge_m=1e-6))
     film = cross_section(replace(scene, finger=pad))
-    assert film["overpressure_kpa"].isna().all()
+    assert film["overpressure_kpa"].notna().all()
+    rim = film[film["x_mm"].abs() > 5 - 1e-9]
+    np.testing.assert_allclose(rim["overpressure_kpa"], 0, atol=1e-9)
     assert film["finger_um"].max() == pytest.approx(6)
     assert film["finger_um"].min() == pytest.approx(5, abs=0.01)
+
+
+def test_of_a_film_without_a_state_only_the_gap_is_known(scene: Scene) -> None:
+    film = cross_section(replace(scene, finger=replace(scene.finger, speed_x_m_per_s=100.0)))
+    assert film["overpressure_kpa"].isna().all()
+    assert film["surface_um"].notna().all()

@@ -205,3 +205,38 @@ def test_error_estimates_are_never_rounded_down() -> None:
 
 def data_of(name: str, study) -> tuple[ModuleType, dict[str, Path]]:
     return figure_data_module(name), {k: Path(v) for k, v in study.figures[name].items()}
+
+
+@pytest.mark.parametrize(
+    ("factor", "ticks"),
+    [(1, [0, 15, 30, 45]), (2, [0, 30, 60, 90]), (4, [0, 45, 90, 135, 180]), (0, [0])],
+)
+@pytest.mark.parametrize("name", ["fig15", "fig16"])
+def test_all_positions_of_a_study_lie_on_the_axes(
+    name: str, factor: float, ticks: list[float], tables: dict[str, Path]
+) -> None:
+    data = pd.read_csv(tables[name])
+    data[[key for key in data if key in ("phi_deg", "phi_max_deg")]] *= factor
+    data[[key for key in data if key.startswith("phi_r_")]] *= 0.01  # a small disc
+    axes = drawn(name, data).axes[-1]
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    assert data["phi_deg"].between(left, right).all()
+    assert data["phi_r_mm"].between(low, high).all()
+    assert high - low < 2 * data["phi_r_mm"].max()
+    inside = [tick for tick in axes.get_xticks() if left <= tick <= right]
+    assert set(ticks) <= set(inside)
+
+
+def test_without_a_pressure_the_overview_has_no_place_for_one(study, tmp_path: Path) -> None:
+    module, inputs = data_of("overview", study)
+    film = pd.read_csv(inputs["film"])
+    config = load_config(study.config)
+    for shown in (True, False):
+        if not shown:
+            inputs["film"] = tmp_path / "film.csv"
+            film.assign(overpressure_kpa=np.nan).to_csv(inputs["film"], index=False)
+        data = module.build(inputs, config)
+        labels = [axes.get_ylabel() for axes in drawn("overview", data).axes]
+        assert ("p − p₀ (kPa)" in labels) == shown
+        assert ("pressure" in data["note"].iloc[0]) == shown
+        assert "16 times of a period" in data["note"].iloc[0]

@@ -88,6 +88,23 @@ def test_what_the_walk_through_shows_is_valid(
         check_study(load_config(tmp_path / "study.yaml"))
 
 
+def test_the_forces_of_the_walk_through_are_those_of_its_commands(
+    walk_through: str,
+    repository: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(repository)
+    section = walk_through.partition("## 5. ")[2].partition("## 6. ")[0]
+    commands = re.findall(r"^    squeezefilm (simulate .*)", section, re.MULTILINE)
+    example, exact = re.findall(r"(0\.7\d+) N", section)
+    for command, force in zip(commands, (example, exact), strict=True):
+        words = command.replace("my-actuator.yaml", "vibrometer.yaml").split()
+        assert cli.main(words) == 0
+        found = float(re.match(r"force (\S+) N", capsys.readouterr().out).group(1))
+        assert f"{found:.{len(force) - 2}f}" == force, command
+
+
 def test_what_the_walk_through_calls_is_there(walk_through: str, repository: Path) -> None:
     called = re.findall(r"^    squeezefilm ([a-z-]+)", walk_through, re.MULTILINE)
     assert {"new", "simulate", "predict", "working-point", "export"} <= set(called)

@@ -6,11 +6,13 @@ from pathlib import Path
 from shlex import quote
 
 LIBRARY = Path(workflow.current_basedir).parent.resolve()
+IS_MODULE = not workflow.modifier.is_main_snakefile()
 sys.path.insert(0, str(LIBRARY))
 
 from squeezefilm import imports
 
 from squeezefilm.runs import atomic, locks, run_card
+from squeezefilm.studies import given
 from squeezefilm.studies.chunks import chunk_counts
 from squeezefilm.studies.config import load_config
 from squeezefilm.errors import InputError, RunError
@@ -25,37 +27,48 @@ def refuse(message):
 
 
 def relative(path):
-    """The path from the working directory: the same in every copy of the checkout."""
+    """The path from the working directory: the same in every copy of the checkout.
+
+    In a module it stays absolute, or the module's prefix would be put before it.
+    """
     path = Path(path).resolve()
+    if IS_MODULE:
+        return str(path)
     return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
 
 
 def config_path():
     """The one configuration file: the paper's, unless --configfile names another.
 
-    Several files would be merged key by key, and a key left out would silently be the paper's.
+    Several files would be merged key by key, and a key left out would silently be the paper's. As a
+    module of another workflow: the file into which the module's config is written.
     """
-    given = workflow.overwrite_configfiles
+    if IS_MODULE:
+        return relative(given.written_study(config, results=Path("results")))
     if workflow.config_settings.config:
-        refuse(
+        raise InputError(
             "--config sets single keys past the file's checks; write a file and give --configfile"
         )
-    if len(given) > 1:
-        refuse("give one --configfile: several would be merged into a study that nobody wrote down")
-    return relative(given[0] if given else LIBRARY.parent / "config" / "paper.yaml")
+    named = workflow.overwrite_configfiles
+    if len(several := max(named, given.configfiles_in(sys.argv[1:]), key=len)) > 1:
+        raise InputError(
+            f"--configfile names {' and '.join(map(str, several))}: give one, for a mixture would "
+            "be a study that nobody wrote down"
+        )
+    return relative(named[0] if named else LIBRARY.parent / "config" / "paper.yaml")
 
 
-def load():
-    try:
-        config = check_study(load_config(config_path()))
-        check_models(config["models"], config["comparison"], place=config.path)
-        return config, chunk_counts(config)
-    except InputError as error:
-        refuse(error)
+def load(path):
+    config = check_study(load_config(path))
+    check_models(config["models"], config["comparison"], place=config.path)
+    return config, chunk_counts(config)
 
 
-CONFIG_FILE = config_path()
-CONFIG, CHUNKS = load()
+try:
+    CONFIG_FILE = config_path()
+    CONFIG, CHUNKS = load(CONFIG_FILE)
+except InputError as error:
+    refuse(error)
 STUDY = CONFIG["study"]
 SCAN = scan_path(CONFIG)
 
@@ -104,7 +117,8 @@ def cores_for(searches):
 CARDS = Path("results") / STUDY / "run_cards"
 MAIN = workflow.is_main_process
 OWNER = locks.new_owner() if MAIN else locks.read_owner(CARDS)
-RUN = str(CARDS / OWNER.run) if OWNER else ""
+# A module's handlers (onstart …) are not called: its runs have no cards.
+RUN = str(CARDS / OWNER.run) if OWNER and not IS_MODULE else ""
 
 
 # Put before every command of every rule: the library is found installed or not, and the python is

@@ -56,10 +56,13 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         ignore_index=True,
     )
     estimate = rounded_up(float((forces["force_error_n"] / forces["force_n"]).max()))
+    seen = f"at {film['phase_deg'].nunique()} times of a period (red: surface up)"
+    if film["overpressure_kpa"].notna().all():  # where there is a state to show (cross_section)
+        seen = f"its pressure {seen} and their mean (thick)"
     note = (
         f"From left to right: a film at h0 = {1e6 * simulated['h0_m']:g} µm, "
-        f"hv = {1e6 * simulated['hv_m']:g} µm, its pressure at {film['phase_deg'].nunique()} times "
-        "of a period (red: surface up) and their mean (thick); the model fitted to the screen; the "
+        f"hv = {1e6 * simulated['hv_m']:g} µm, "
+        f"{seen}; the model fitted to the screen; the "
         "D-optimal points among the screen's; the error of the model fitted to them alone. "
         f"Estimated error of the simulations ≤ {estimate} of the force."
     )

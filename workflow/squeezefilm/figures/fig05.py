@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
+from matplotlib.ticker import MaxNLocator
 
 from squeezefilm.figures import style
 
@@ -39,7 +39,7 @@ def draw(data: pd.DataFrame) -> Figure:
     axes.plot(finger["x_mm"], finger["y_mm"], color="black", label="finger, centred")
     axes.set_aspect("equal")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MultipleLocator(5))
+        axis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     reach = 1.04 * surface["radius_mm"].max()
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-reach, reach)

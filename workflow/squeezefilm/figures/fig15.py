@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from squeezefilm.figures import style
+from squeezefilm.figures import plane, style
 
 COLUMNS = ("phi_deg", "phi_r_mm", "phi_r_limit_mm", "note")
 
@@ -39,12 +39,9 @@ def draw(data: pd.DataFrame) -> Figure:
             va="center",
             fontsize=7,
         )
-    axes.set_xlim(-3, 48)
-    axes.set_ylim(-0.2, 1.15 * max(data["phi_r_mm"].max(), data["phi_r_limit_mm"].max()))
-    axes.set_xticks([0, 15, 30, 45])
-    axes.set_xlabel(r"angular position $\phi_\varphi$ (°)")
-    axes.set_ylabel(r"radial position $\phi_r$ (mm)")
-    axes.grid(True)
+    top = 1.15 * max(data["phi_r_mm"].max(), data["phi_r_limit_mm"].max())
+    axes.set_ylim(-0.06 * top, top)
+    plane.set_up_positions(axes, data["phi_deg"], margin=1 / 15)
     figure.legend(loc="outside upper center", handlelength=1.8)
     style.add_note(figure, data)
     return figure

@@ -57,20 +57,40 @@ def draw(data: pd.DataFrame) -> Figure:
 
 
 def _film(figure: Figure, film: pd.DataFrame, *, bottom: float) -> None:
-    """Above, the pressure at times of the period and its mean; below, the gap that does it."""
+    """Above, the pressure at times of the period and its mean, if it is known; below, the gap."""
     left, width = PLACES[0]
-    half = (TOP - bottom - 0.04) / 2
-    above = figure.add_axes((left, bottom + half + 0.04, width, half))
-    below = figure.add_axes((left, bottom, width, half), sharex=above)
+    height = TOP - bottom
+    if film["overpressure_kpa"].notna().all():
+        height = (height - 0.04) / 2
+        above = figure.add_axes((left, bottom + height + 0.04, width, height))
+        _pressure(above, film)
+    _gap(figure.add_axes((left, bottom, width, height)), film)
+
+
+def _curves(axes: Axes, film: pd.DataFrame, column: str) -> None:
+    """One line for each time of the period, red while the surface is up."""
     highest = film["surface_um"].abs().max()
     for _, row in film.groupby("phase_deg"):
         height = max(row["surface_um"], key=abs)
         colour = mpl.colormaps["coolwarm"](0.5 + 0.5 * height / highest)
-        above.plot(row["x_mm"], row["overpressure_kpa"], color=colour, linewidth=0.5)
-        below.plot(row["x_mm"], row["surface_um"], color=colour, linewidth=0.5)
-    mean = film.groupby("x_mm", as_index=False)[["overpressure_kpa", "finger_um"]].mean()
+        axes.plot(row["x_mm"], row[column], color=colour, linewidth=0.5)
+    axes.set_xlim(film["x_mm"].min(), film["x_mm"].max())
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
+    axes.tick_params(labelsize=TICK_SIZE)
+
+
+def _pressure(above: Axes, film: pd.DataFrame) -> None:
+    _curves(above, film, "overpressure_kpa")
+    mean = film.groupby("x_mm", as_index=False)["overpressure_kpa"].mean()
     above.plot(mean["x_mm"], mean["overpressure_kpa"], color="black", linewidth=1.6)
     above.axhline(0, color="0.5", linewidth=0.4)
+    above.tick_params(labelbottom=False)
+    above.set_ylabel("p − p₀ (kPa)", fontsize=LABEL_SIZE, labelpad=1)
+
+
+def _gap(below: Axes, film: pd.DataFrame) -> None:
+    _curves(below, film, "surface_um")
+    mean = film.groupby("x_mm", as_index=False)["finger_um"].mean()
     top = 1.35 * mean["finger_um"].max()
     lowest = film.groupby("x_mm")["surface_um"].min().to_numpy()
     below.fill_between(mean["x_mm"], lowest, mean["finger_um"], color="#e3eff7", linewidth=0)
@@ -82,15 +102,9 @@ def _film(figure: Figure, film: pd.DataFrame, *, bottom: float) -> None:
     below.text(
         0, mean["finger_um"].min() * 0.73, "film of air", ha="center", va="center", size=TICK_SIZE
     )
-    below.set_ylim(-1.3 * highest, top)
-    below.set_xlim(mean["x_mm"].min(), mean["x_mm"].max())
-    above.tick_params(labelbottom=False)
-    above.set_ylabel("p − p₀ (kPa)", fontsize=LABEL_SIZE, labelpad=1)
+    below.set_ylim(-1.3 * film["surface_um"].abs().max(), top)
     below.set_ylabel("height (µm)", fontsize=LABEL_SIZE, labelpad=1)
     below.set_xlabel("place under the finger (mm)", fontsize=LABEL_SIZE)
-    for axes in (above, below):
-        axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
-        axes.tick_params(labelsize=TICK_SIZE)
 
 
 def _model(

@@ -1,4 +1,4 @@
-"""The plane of gap and amplitude, in which plans and designs are shown."""
+"""The planes in which plans and designs are shown: gap and amplitude, and the finger's position."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
 H0_LABEL = r"mean gap $h_0$ (µm)"
 HV_LABEL = r"amplitude $h_v$ (µm)"
@@ -24,6 +25,17 @@ def set_up(axes: Axes, data: pd.DataFrame, *, headroom: float = 0.15) -> None:
     axes.set_ylabel(HV_LABEL)
     axes.set_xlim(low_h0 - 0.1 * width, high_h0 + 0.1 * width)
     axes.set_ylim(low_hv - 0.13 * height, high_hv + headroom * height)
+    axes.grid(True)
+
+
+def set_up_positions(axes: Axes, angles_deg: pd.Series, *, margin: float) -> None:
+    """Label the axes of polar positions and leave a margin, a share of the range, at the angles."""
+    low, high = min(0.0, float(angles_deg.min())), float(angles_deg.max())
+    room = margin * ((high - low) or 45)
+    axes.set_xlim(low - room, high + room)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
+    axes.set_xlabel(r"angular position $\phi_\varphi$ (°)")
+    axes.set_ylabel(r"radial position $\phi_r$ (mm)")
     axes.grid(True)
 
 

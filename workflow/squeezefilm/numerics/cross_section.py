@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from squeezefilm.numerics.numpy_periodic import periodic_state
+from squeezefilm.reynolds.galerkin import pressure_at
 from squeezefilm.scene import Scene
 
 POINTS, TIMES = 41, 16
+TOLERANCE = 1e-4
+"""Of the largest pressure: a picture shows no more."""
 COLUMNS = ("point_id", "phase_deg", "x_mm", "surface_um", "finger_um", "overpressure_kpa")
 
 
@@ -16,8 +18,7 @@ def cross_section(scene: Scene) -> pd.DataFrame:
     """The film along y = middle of a finger, columns COLUMNS: a row for each time and place.
 
     x_mm counts from the finger's centre along its own axis, heights from the surface at rest. The
-    pressure is that of the isothermal viscous film under a flat square at rest, the paper's; it is
-    NaN for any other film.
+    pressure is that of the periodic state in the pad's modes, NaN where there is none to show.
     """
     x = (1 - np.cos(np.pi * np.arange(POINTS + 2) / (POINTS + 1))) / 2
     phase = 2 * np.pi * np.arange(TIMES) / TIMES
@@ -26,19 +27,8 @@ def cross_section(scene: Scene) -> pd.DataFrame:
     # The gap widens while sin T > 0: the surface goes down.
     surface = -scene.hv_m * np.sin(phase)[:, None] * amplitude
     finger = scene.h0_m + scene.finger.gap.rise_m(x, middle)
-    pressure = np.full(surface.shape, np.nan)
-    if is_plain(scene):
-        state = periodic_state(
-            epsilon=scene.epsilon,
-            sigma=scene.sigma,
-            amplitude=scene.amplitude,
-            nx=POINTS,
-            ny=POINTS,
-            nt=TIMES,
-            tolerance=1e-6,
-        )
-        pressure[:] = 0.0
-        pressure[:, 1:-1] = state.pressure[:, :, POINTS // 2] - 1
+    found = pressure_at(scene, x=x, y=middle, instants=TIMES, tolerance=TOLERANCE)
+    pressure = np.full(surface.shape, np.nan) if found is None else found.T
     shape = np.ones_like(surface)
     return pd.DataFrame(
         {
@@ -50,16 +40,4 @@ def cross_section(scene: Scene) -> pd.DataFrame:
             "overpressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * pressure).ravel(),
         },
         columns=list(COLUMNS),
-    )
-
-
-def is_plain(scene: Scene) -> bool:
-    """Whether the film is the paper's: a square pad at rest, isothermal viscous flow."""
-    return (
-        scene.finger.shape == "rectangle"
-        and scene.finger.gap.flat
-        and scene.aspect == 1
-        and scene.bearing_number == 0
-        and scene.gas.polytropic_exponent == 1
-        and len(scene.flow_coefficients) == 1
     )

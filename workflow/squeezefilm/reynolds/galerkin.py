@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from squeezefilm.reynolds.needs import LeftOut, Needs
+from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.pad_modes import PadGrid, PadModes, pad_modes
 from squeezefilm.reynolds.refinement import ITERATION_SHARE
 from squeezefilm.reynolds.resolution import (
@@ -94,6 +94,11 @@ class _State:
         moments: np.ndarray = (x * self.modes.weights * self.pressure.mean(axis=1)) @ y.T
         return moments
 
+    def carried_to(self, finer: Resolution) -> np.ndarray:
+        """The mass on a finer resolution, a first guess there."""
+        in_time = period(self.mass.shape[1]).interpolation_to(period(finer.instants))
+        return self.modes.carry(self.mass, pad_modes(finer.pad)) @ in_time.T
+
 
 def solve_in_modes(
     scenes: Sequence[Scene],
@@ -108,6 +113,34 @@ def solve_in_modes(
         solutions.append(_solve(scene, need, tolerance=tolerance))
         report(1)
     return solutions
+
+
+def pressure_at(
+    scene: Scene, *, x: np.ndarray, y: np.ndarray, instants: int, tolerance: float
+) -> np.ndarray | None:
+    """Overpressure P − 1 over a period at places x, y in [0, 1] across any pad, each shape (N,).
+
+    Shape (N, instants), at equidistant instants; None where this method finds no state. Resolutions
+    are refined until none of these values changes by more than ``tolerance`` of the largest.
+    """
+    times = period(instants)
+    excursion = scene.epsilon * scene.amplitude(x, y)
+    gap = scene.rest_gap(x, y)[:, None] + excursion[:, None] * np.sin(times.nodes)
+    resolution = first_resolution(scene, needs_of(scene), tolerance=tolerance)
+    state: _State | None = None
+    before: np.ndarray | None = None
+    while resolution.fits and abs(scene.bearing_number) <= LARGEST_BEARING:
+        guess = state.carried_to(resolution) if state is not None else None
+        state = _periodic_state(scene, resolution, guess=guess, tolerance=tolerance)
+        if state.failure:
+            break
+        in_time = period(resolution.instants).interpolation_to(times)
+        excess = state.modes.at(x, y, state.mass @ in_time.T)
+        pressure: np.ndarray = np.expm1(scene.gas.polytropic_exponent * np.log1p(excess / gap))
+        if before is not None and np.abs(pressure - before).max() <= tolerance * np.ptp(pressure):
+            return pressure
+        before, resolution = pressure, resolution.finer
+    return None
 
 
 def wants_modes(scene: Scene) -> bool:
@@ -159,7 +192,6 @@ def halves_left_out(resolution: Resolution, needs: Needs) -> tuple[LeftOut, ...]
 def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
     resolution = first_resolution(scene, needs, tolerance=tolerance)
     before: _State | None = None
-    before_instants = 0
     newton = krylov = 0
     work = 0.0
     status, force, error = "", np.nan, np.nan
@@ -168,10 +200,7 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
         if not resolution.fits:
             status = too_many(resolution)
             break
-        guess = None
-        if before is not None:
-            in_time = period(before_instants).interpolation_to(period(resolution.instants))
-            guess = before.modes.carry(before.mass, pad_modes(resolution.pad)) @ in_time.T
+        guess = before.carried_to(resolution) if before is not None else None
         state = _periodic_state(scene, resolution, guess=guess, tolerance=tolerance)
         newton += state.newton_steps
         krylov += state.krylov_iterations
@@ -192,7 +221,7 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
             if known <= tolerance * abs(mean) + floor:
                 status, force, error = "ok", mean, known
                 break
-        before, before_instants = state, resolution.instants
+        before = state
         resolution = resolution.finer
     return Solution(
         force_n=force * scene.force_scale_n,

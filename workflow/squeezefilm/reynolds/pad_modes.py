@@ -105,6 +105,10 @@ class PadModes(Protocol):
         """⟨∂φ_i/∂x, along_x⟩ + ⟨∂φ_i/∂y, along_y⟩."""
         ...
 
+    def at(self, x: np.ndarray, y: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+        """A sum of modes at other points, x and y of shape (N,): (N, instants)."""
+        ...
+
     def carry(self, coefficients: np.ndarray, finer: Any) -> np.ndarray:
         """The coefficients of the same sum in the modes of a finer grid of this pad."""
         ...
@@ -154,20 +158,32 @@ class _Line:
     slopes: np.ndarray
     basis: _Basis
 
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """The modes' values at other places in [0, 1], (places, modes)."""
+        values, _ = _line_polynomials(self.basis.orders, 2 * places - 1)
+        return values @ self.basis.vectors
 
-def _line(*, degree: int, points: int, length: float, fold: bool) -> _Line:
+
+def _line_polynomials(orders: tuple[int, ...], t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values and derivatives along t in [−1, 1], each (points, polynomials)."""
     from scipy.special import eval_jacobi
 
-    t, shares = np.polynomial.legendre.leggauss(points)
-    if fold:
-        t, shares = t[t < 0], 2 * shares[t < 0]
-    orders = tuple(range(0, degree + 1, 2 if fold else 1))
     values, slopes = np.empty((len(t), len(orders))), np.empty((len(t), len(orders)))
     for index, k in enumerate(orders):
         factor = eval_jacobi(k, 2, 2, t)
         rate = (k + 5) / 2 * eval_jacobi(k - 1, 3, 3, t) if k else 0.0
         values[:, index] = (1 - t**2) * factor
-        slopes[:, index] = ((1 - t**2) * rate - 2 * t * factor) * 2 / length
+        slopes[:, index] = (1 - t**2) * rate - 2 * t * factor
+    return values, slopes
+
+
+def _line(*, degree: int, points: int, length: float, fold: bool) -> _Line:
+    t, shares = np.polynomial.legendre.leggauss(points)
+    if fold:
+        t, shares = t[t < 0], 2 * shares[t < 0]
+    orders = tuple(range(0, degree + 1, 2 if fold else 1))
+    values, slopes = _line_polynomials(orders, t)
+    slopes *= 2 / length
     weights = shares / 2
     mass = values.T @ (weights[:, None] * values)
     basis = _diagonal(orders, mass=mass, stiffness=slopes.T @ (weights[:, None] * slopes))
@@ -218,6 +234,11 @@ class _RectangleModes:
             weighted = self.weights[:, None] * along_y
             total += _products(self.along_x.values.T, self.along_y.slopes.T, weighted)
         return total
+
+    def at(self, x: np.ndarray, y: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+        values_x, values_y = self.along_x.at(x), self.along_y.at(y)
+        table = coefficients.reshape(values_x.shape[1], values_y.shape[1], -1)
+        return np.einsum("ni,nj,ijt->nt", values_x, values_y, table, optimize=True)
 
     def carry(self, coefficients: np.ndarray, finer: _RectangleModes) -> np.ndarray:
         to_x = self.along_x.basis.to(finer.along_x.basis)
@@ -273,6 +294,10 @@ class _DiscModes:
         if along_y is not None:
             total += self.along_y.T @ (self.weights[:, None] * along_y)
         return total
+
+    def at(self, x: np.ndarray, y: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+        values, _, _ = _polynomials(self.basis.orders, 2 * x - 1, 2 * y - 1)
+        return values @ (self.basis.vectors @ coefficients)
 
     def carry(self, coefficients: np.ndarray, finer: _DiscModes) -> np.ndarray:
         return self.basis.to(finer.basis) @ coefficients

@@ -97,11 +97,22 @@ def load_config(path: Path | str) -> Config:
     """
     path = Path(path)
     try:
-        values = yaml.load(path.read_text(encoding="utf-8-sig"), Loader=_Loader)
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such configuration file") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: the configuration cannot be read: {error}") from None
+    return parse_config(text, path=path)
+
+
+def parse_config(text: str, *, path: Path) -> Config:
+    """Validate the text of a configuration file, which is or will be at ``path``.
+
+    Raises:
+        InputError: as ``load_config`` does.
+    """
+    try:
+        values = yaml.load(text, Loader=_Loader)
     except (yaml.YAMLError, ValueError) as error:
         raise InputError(f"{path}: not valid YAML: {_one_line(error)}") from None
     except RecursionError:

@@ -1,0 +1,45 @@
+"""What the Makefile hands to snakemake, and that the docs say the same."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+PROFILE = "--workflow-profile profiles/slurm"
+RECIPE = f'make resume OPTIONS="{PROFILE}"'
+
+
+def commands(repository: Path, *words: str) -> list[str]:
+    """The lines of snakemake that `make` would run."""
+    done = subprocess.run(
+        ["make", "--dry-run", "--old-file", ".venv/.run", *words],
+        cwd=repository,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    lines = done.stdout.replace("\\\n", " ").splitlines()
+    return [" ".join(line.split()) for line in lines if " snakemake" in line]
+
+
+@pytest.mark.parametrize("target", ["resume", "paper", "quick", "report"])
+def test_options_reach_snakemake(repository: Path, target: str) -> None:
+    first, *_ = commands(repository, target, f"OPTIONS={PROFILE}")
+    assert PROFILE in first
+
+
+def test_a_run_is_resumed_with_its_options_study_and_target(repository: Path) -> None:
+    words = (f"OPTIONS=sweep {PROFILE}", "CONFIG=config/sweep.yaml")
+    (line,) = commands(repository, "resume", *words)
+    # The target stands before --configfile, which would take it for another file.
+    expected = f"snakemake sweep {PROFILE} --rerun-incomplete --configfile config/sweep.yaml"
+    assert expected in line
+
+
+def test_there_is_one_recipe_to_resume_on_a_cluster(repository: Path) -> None:
+    for page in ("docs/cluster.md", "docs/faults.md"):
+        assert RECIPE in (repository / page).read_text(encoding="utf-8"), page
+    for path in [repository / "README.md", *sorted((repository / "docs").glob("*.md"))]:
+        assert "squeezefilm unlock &&" not in path.read_text(encoding="utf-8"), path.name

@@ -1,0 +1,123 @@
+"""A study given by another workflow, or twice on the command line, is used as given or refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import yaml
+
+from squeezefilm.studies.config import load_config
+from squeezefilm.tables import read_scenes
+
+from .conftest import snakemake
+
+SCENES = "results/mine/simulations/screen/scenes.csv"
+OUTER = """
+configfile: "mine.yaml"
+
+module film:
+    snakefile: "{snakefile}"
+    config: {config}
+{more}
+
+use rule * from film as film_*
+"""
+Edit = Callable[[dict[str, Any]], object]
+
+
+@pytest.fixture
+def outer(repository: Path, tmp_path: Path) -> Callable[..., Path]:
+    """A folder with a workflow of its own that uses this one as a module."""
+
+    def write(edit: Edit = lambda study: None, *, config: str = "config", more: str = "") -> Path:
+        text = (repository / "config/quick.yaml").read_text(encoding="utf-8")
+        study = yaml.safe_load(text)
+        study["study"] = "mine"
+        edit(study)
+        (tmp_path / "mine.yaml").write_text(yaml.safe_dump(study), encoding="utf-8")
+        snakefile = repository / "workflow/Snakefile"
+        (tmp_path / "Snakefile").write_text(
+            OUTER.format(snakefile=snakefile, config=config, more=more), encoding="utf-8"
+        )
+        return tmp_path
+
+    return write
+
+
+def other_gaps(study: dict[str, Any]) -> None:
+    study["screen"]["h0_m"] = {"start": 6e-6, "stop": 8e-6, "levels": 3}
+
+
+def test_a_module_makes_the_study_that_it_is_given(outer: Callable[..., Path]) -> None:
+    folder = outer(other_gaps)
+    done = snakemake(folder, SCENES, "--cores", "1")
+    assert done.returncode == 0, done.stdout
+    h0_m = pd.Series(read_scenes(folder / SCENES)["h0_m"].unique())
+    assert h0_m.tolist() == pytest.approx([6e-6, 7e-6, 8e-6])
+    # What the commands read is the study, whole, and nothing of another one.
+    assert dict(load_config(folder / "results/mine/study.yaml")) == dict(
+        load_config(folder / "mine.yaml")
+    )
+    assert [path.name for path in (folder / "results").iterdir()] == ["mine"]
+    again = snakemake(folder, SCENES, "--cores", "1")
+    assert "Nothing to be done" in again.stdout
+
+
+def test_a_module_plans_as_much_as_the_workflow_alone(outer: Callable[..., Path]) -> None:
+    done = snakemake(outer(), "film_everything", "--dry-run", "--quiet", "progress")
+    assert done.returncode == 0, done.stdout
+    assert "results/mine/models/two_factor" in done.stdout
+    assert "results/paper" not in done.stdout
+
+
+def test_a_module_s_prefix_is_for_its_results(outer: Callable[..., Path]) -> None:
+    folder = outer(more='    prefix: "sub"')
+    done = snakemake(folder, f"sub/{SCENES}", "--dry-run")
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (lambda study: study.pop("gas"), "top level: missing 'gas'"),
+        (lambda study: study["solver"].update(tolerance=7), "solver.tolerance: 7"),
+        (lambda study: study.update(study="../paper"), "study: '../paper'"),
+        (
+            lambda study: study["actuator"].update(
+                profile={"kind": "measured", "file": "scan.csv", "axisymmetric": True}
+            ),
+            "scan.csv: there is no such scan",
+        ),
+    ],
+)
+def test_a_module_s_study_is_checked_as_a_file_is(
+    outer: Callable[..., Path], edit: Edit, message: str
+) -> None:
+    refused(snakemake(outer(edit), SCENES, "--dry-run").stdout, message)
+
+
+def test_a_module_without_a_study_is_not_the_paper(outer: Callable[..., Path]) -> None:
+    folder = outer(config="dict()")
+    refused(snakemake(folder, "film_all", "--dry-run").stdout, "the module's config: there is none")
+
+
+def refused(output: str, *messages: str) -> None:
+    assert "squeezefilm: error:" in output
+    for message in messages:
+        assert message in output
+    assert "Traceback" not in output
+    assert "Building DAG" not in output
+
+
+@pytest.mark.parametrize("between", [(), ("--configfile",)], ids=["one option", "two options"])
+def test_two_files_are_refused_by_name(
+    repository: Path, tmp_path: Path, between: tuple[str, ...]
+) -> None:
+    quick, paper = (str(repository / f"config/{name}.yaml") for name in ("quick", "paper"))
+    words = ("--snakefile", str(repository / "Snakefile"), "--dry-run")
+    done = snakemake(tmp_path, *words, "--configfile", quick, *between, paper)
+    refused(done.stdout, f"--configfile names {quick} and {paper}")
