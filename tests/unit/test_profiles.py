@@ -18,8 +18,9 @@ from squeezefilm.figure_data import profile as profile_figure
 from squeezefilm.figures import figure_module, style
 from squeezefilm.profiles.choice import make_profile
 from squeezefilm.profiles.scan_tables import points_table, summary_of
-from squeezefilm.profiles.scans import SmoothedScan, read_scan, smoothed_scan
+from squeezefilm.profiles.scans import SmoothedScan, smoothed_scan
 from squeezefilm.profiles.shapes import Modes, Profile, Sinc
+from squeezefilm.profiles.vibrometer import read_scan
 from squeezefilm.profiles.zernike import modes_at, orders_up_to
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import load_config
