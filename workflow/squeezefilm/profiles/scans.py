@@ -173,12 +173,7 @@ def smoothed(
     largest_m = largest_magnitude(
         lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), radius_m=surface_radius_m
     )
-    bias_m = _bias_of_largest(fit, noise_m)
-    if not bias_m < LARGEST_ERROR * largest_m:
-        raise InputError(
-            f"{scan.path}: the profile's maximum cannot be told from noise; the scan needs more "
-            "points, or less noise"
-        )
+    bias_m = min(_bias_of_largest(fit, noise_m), LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
     other = best_fit(scan.path, x[kept], y[kept], across[kept], axisymmetric)
     result = SmoothedScan(
@@ -343,4 +338,9 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
             f"{path}: the profile is known to ±{error[worst]:.0%} of its maximum only at "
             f"x = {x_m[worst] * 1e3:.2f} mm, y = {y_m[worst] * 1e3:.2f} mm; the scan needs more "
             "points there, or less noise"
+        )
+    if smoothed.peak_bias_m >= LARGEST_ERROR * smoothed.peak_m:
+        raise InputError(
+            f"{path}: the profile's maximum cannot be told from the noise; the scan needs more "
+            "points, or less noise"
         )
