@@ -268,13 +268,13 @@ def _without_strays(
         if np.array_equal(near, kept):
             break
         kept = near
-        strays = np.flatnonzero(~kept)
-        if len(strays) > max(1, LARGEST_STRAY * len(kept)):
-            lines = ", ".join(str(line) for line in scan.lines[strays[:6]])
-            raise InputError(
-                f"{scan.path}: {len(strays)} of {len(kept)} points (lines {lines}, …) lie far from "
-                "every smooth profile through the rest: more than stray points; look at them"
-            )
+    strays = np.flatnonzero(~kept)
+    if len(strays) > max(1, LARGEST_STRAY * len(kept)):
+        lines = ", ".join(str(line) for line in scan.lines[strays[:6]])
+        raise InputError(
+            f"{scan.path}: {len(strays)} of {len(kept)} points (lines {lines}, …) lie far from "
+            "every smooth profile through the rest: more than stray points; look at them"
+        )
     fit = best_fit(scan.path, x[kept], y[kept], measured[kept], axisymmetric)
     return fit, kept
 
