@@ -103,8 +103,10 @@ def test_strays_are_not_fitted(scene: Scene) -> None:
     )
     assert with_strays.outliers.sum() == 3
     assert np.abs(with_strays.residual_m[with_strays.outliers]) == pytest.approx(3e-6, rel=0.05)
-    forces = [s.force_n for s in solve([on(scene, s.profile) for s in (with_strays, without)],
-                                       tolerance=1e-3)]
+    forces = [
+        s.force_n
+        for s in solve([on(scene, s.profile) for s in (with_strays, without)], tolerance=1e-3)
+    ]
     assert forces[0] == pytest.approx(forces[1], rel=0.02)
 
 

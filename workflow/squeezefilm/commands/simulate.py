@@ -24,8 +24,8 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.quantities import quantity, with_error
 from squeezefilm.profiles.folds import FOLDED
+from squeezefilm.quantities import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, choose_device, describe
 from squeezefilm.reynolds.needs import needs_of

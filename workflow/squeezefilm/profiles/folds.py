@@ -17,8 +17,8 @@ from squeezefilm.profiles.least_squares import POINTS_PER_MODE, best_fit
 from squeezefilm.profiles.zernike import modes_at, orders_up_to
 
 FOLDED = (
-    "the scan has no phase or sign and looks folded up at a node line: the force is that of another "
-    "surface, and no error here contains the difference"
+    "the scan has no phase or sign and looks folded up at a node line: the force is that of "
+    "another surface, and no error here contains the difference"
 )
 
 SEARCH_DEGREE = 9
