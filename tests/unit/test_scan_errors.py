@@ -186,7 +186,8 @@ def test_a_force_of_a_scan_says_what_the_scan_leaves_open(
     assert cli.main(["simulate", "--h0", "5um", "--hv", "2um", "--config", str(config)]) == 0
     first = capsys.readouterr().out.splitlines()[0]
     force, error = (float(first.split()[index]) for index in (1, 4))
-    assert "scan's noise" in first and "solver 4e-05 N" in first
+    assert "scan's noise" in first
+    assert "solver 4e-05 N" in first
     assert abs(force - 0.78383) < error < 0.02
     assert len(first.split()[1]) <= 5  # no digit beyond the error
 
