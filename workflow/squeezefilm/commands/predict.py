@@ -8,7 +8,8 @@ first:last:count; every combination is a point. POINTS.csv has the columns h0_m,
 finger off the centre, x_m, y_m or phi_r_m, phi_deg. `force_error_n` is what the model erred by at
 points that were left out of its fit (root mean square); --validation gives the summary of
 `squeezefilm validate` to take instead. `note` says where a point lies outside the ranges that the
-model was fitted on. The noise of a measured profile is in no model's error: `squeezefilm profile` says it.
+model was fitted on. The noise of a measured profile is in no model's error: `squeezefilm profile`
+says it.
 """
 
 from __future__ import annotations
