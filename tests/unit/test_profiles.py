@@ -18,8 +18,9 @@ from squeezefilm.figure_data import profile as profile_figure
 from squeezefilm.figures import figure_module, style
 from squeezefilm.profiles.choice import make_profile
 from squeezefilm.profiles.scan_tables import points_table, summary_of
-from squeezefilm.profiles.scans import SmoothedScan, read_scan, smoothed_scan
+from squeezefilm.profiles.scans import SmoothedScan, smoothed_scan
 from squeezefilm.profiles.shapes import Modes, Profile, Sinc
+from squeezefilm.profiles.vibrometer import read_scan
 from squeezefilm.profiles.zernike import modes_at, orders_up_to
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import load_config
@@ -195,7 +196,7 @@ def test_a_stray_point_is_named(smooth: Smooth) -> None:
     cells = lines[200].split(",")
     lines[200] = ",".join([*cells[:2], f"{float(cells[2]) + 0.3:.4f}", cells[3]])
     smoothed = smooth("\n".join(lines), axisymmetric=False)
-    summary = summary_of(smoothed, spread=0.0)
+    summary = summary_of(smoothed, noise=0.0, error=0.0)
     assert summary["outlier_lines"] == [201]
     rows = points_table(smoothed)
     assert list(rows.loc[rows["outlier"], "line"]) == [201]
@@ -337,12 +338,12 @@ def test_the_scan_is_drawn_with_its_residuals(smooth: Smooth) -> None:
     lines = scan_text(noise=0.02, missing=0.1, seed=2).splitlines()
     lines[77] = lines[77].split(",")[0] + ",0.75,2.0,0"
     smoothed = smooth("\n".join(lines), axisymmetric=False)
-    summary = summary_of(smoothed, spread=0.01)
+    summary = summary_of(smoothed, noise=0.01, error=0.01)
     data = profile_figure.build(smoothed, summary)
     module = figure_module("profile")
     assert set(module.COLUMNS) <= set(data.columns)
     assert set(data["layer"]) == {"points", "outliers", "profile"}
-    assert "1 far from the rest (line 78)" in data["note"].iloc[0]
+    assert "1 far from the rest, left out (line 78)" in data["note"].iloc[0]
     with style.settings():
         left, right = module.draw(data).axes
     drawn = left.lines[0].get_xdata()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
@@ -56,3 +57,11 @@ def _registry() -> Any:
     from pint import UnitRegistry  # slow to import, and only needed where units are typed
 
     return UnitRegistry()
+
+
+def with_error(force_n: float, error_n: float) -> str:
+    """A force and its error, both to the digits that the error, with two digits, leaves."""
+    if not (math.isfinite(error_n) and error_n > 0):
+        return f"{force_n:.9g} N ± {error_n:.1g} N"
+    places = min(max(1 - math.floor(math.log10(error_n)), 0), 15)
+    return f"{force_n:.{places}f} N ± {error_n:.2g} N"

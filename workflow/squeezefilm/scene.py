@@ -242,10 +242,11 @@ class Scene:
     def closure(self) -> float:
         """Largest excursion over gap, |ε s|/(gap at rest): 1 where surface and finger touch.
 
-        ε itself for a flat gap: the profile's maximum might lie under the finger.
+        For a flat gap as if the profile's maximum lay under the finger: ε, or a little more where
+        noise has put something on the maximum of a measured profile.
         """
         if self.finger.gap.flat:
-            return self.epsilon
+            return self.epsilon * getattr(self.actuator.profile, "largest", 1.0)
         x, y = self.inside()
         gap, excursion = self.rest_gap(x, y), self.epsilon * np.abs(self.amplitude(x, y))
         return float(np.max(np.where(gap > 0, excursion / gap, 1.0)))
@@ -293,7 +294,12 @@ def check_scene(scene: Scene) -> None:
             f"{part} of the finger lies {farthest_m * 1e3:.2f} mm from the centre, off the "
             f"actuator's {scene.actuator.surface_radius_m * 1e3:.2f} mm disc"
         )
-    if not scene.finger.gap.flat and scene.closure() >= 1:
+    if scene.finger.gap.flat and scene.closure() >= 1:
+        raise InputError(
+            f"point {scene.point_id}: hv_m = {scene.hv_m:g} is so near h0_m = {scene.h0_m:g} that "
+            "surface and finger touch within the noise of the measured profile"
+        )
+    if scene.closure() >= 1:
         raise InputError(
             f"point {scene.point_id}: at h0_m = {scene.h0_m:g}, hv_m = {scene.hv_m:g} the tilted "
             "or bulging finger touches the surface; finger.gap leaves too little there"

@@ -11,6 +11,7 @@ points that were left out of its fit (root mean square); --validation gives the 
 `squeezefilm validate` to take instead. `within_percent` is by how much the force may be off at that
 point, judged by simulations that the fit never saw: points left out in turn, or those that
 --control gives. Where both are empty the force is not to be trusted, and `note` says why.
+The noise of a measured profile is in no model's error: `squeezefilm profile` says it.
 """
 
 from __future__ import annotations

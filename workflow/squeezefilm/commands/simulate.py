@@ -5,7 +5,8 @@
 
 Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
 largest overpressure times the finger's area. The exit status is 1 when a scene has no force; all
-rows are written nevertheless, each with its status.
+rows are written nevertheless, each with its status. In a table `force_error_n` is the solver's
+error; what the noise of a measured profile adds, `squeezefilm profile` says.
 """
 
 from __future__ import annotations
@@ -22,9 +23,10 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.quantities import quantity
+from squeezefilm.profiles.folds import FOLDED
+from squeezefilm.quantities import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import choose_device, describe
+from squeezefilm.reynolds.device import Device, choose_device, describe
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
 from squeezefilm.reynolds.regime import regime_notes
@@ -36,7 +38,7 @@ from squeezefilm.studies.solver_settings import (
     add_solver_arguments,
     solver_settings,
 )
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scene_of, smoothed_scan_of
 from squeezefilm.tables import (
     FORCE_COLUMNS,
     ScenePoint,
@@ -102,7 +104,7 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
     )
     if not isfinite(solution.force_n):
         raise RunError(solution.status)
-    print(f"force {solution.force_n:.9g} N ± {solution.force_error_n:.1g} N")
+    print(_force_text(scene, solution, config=config, device=device))
     print(
         f"h0 {scene.h0_m:g} m, hv {scene.hv_m:g} m, phi_r {scene.phi_r_m:g} m, "
         f"phi {scene.phi_deg:g}°; epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}"
@@ -116,6 +118,24 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         print(f"note: {note}")
     if solution.status != "ok":
         raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
+
+
+def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Device) -> str:
+    """The force with all that is known of its error; of a scan, its parts and what was dropped."""
+    smoothed = smoothed_scan_of(config)
+    if smoothed is None:
+        return f"force {with_error(solution.force_n, solution.force_error_n)}"
+    from squeezefilm.profiles.force_errors import scan_errors
+
+    errors = scan_errors([scene], smoothed, device=device)
+    noise_n, dropped_n = float(errors.noise_n[0]), float(errors.out_of_phase_n[0])
+    parts = [f"scan's noise {noise_n:.2g} N at 95 %"]
+    if dropped_n > 0.01 * noise_n:
+        parts.append(f"motion out of phase, left out, about {dropped_n:.2g} N")
+    parts.append(f"solver {solution.force_error_n:.1g} N")
+    total_n = noise_n + dropped_n + solution.force_error_n
+    text = f"force {with_error(solution.force_n, total_n)} ({', '.join(parts)})"
+    return text + f"\nwarning: {FOLDED}" * smoothed.folded
 
 
 def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
@@ -159,6 +179,13 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
                 for scene, solution in zip(scenes, solutions, strict=True)
                 if solution.status != "ok"
             ]
+    smoothed = smoothed_scan_of(config)
+    if smoothed is not None:
+        print(
+            "force_error_n is the solver's error alone: what the scan's noise adds, "
+            "`squeezefilm profile` says" + f"; warning: {FOLDED}" * smoothed.folded,
+            file=sys.stderr,
+        )
     print(
         f"{len(table) - len(failures)} of {len(table)} scenes solved in {seconds:.3f} s",
         file=sys.stderr,

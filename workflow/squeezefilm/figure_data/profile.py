@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.profiles.folds import FOLDED
 from squeezefilm.profiles.scan_tables import points_table
 from squeezefilm.profiles.scans import SmoothedScan
 
@@ -38,14 +39,19 @@ def note(summary: dict[str, Any], *, name: str) -> str:
     outliers = summary["outlier_lines"]
     lines = ", ".join(map(str, outliers[:6])) + (", …" if len(outliers) > 6 else "")
     word = "line" if len(outliers) == 1 else "lines"
-    far = f", {len(outliers)} far from the rest ({word} {lines})" if outliers else ""
+    far = f", {len(outliers)} far from the rest, left out ({word} {lines})" if outliers else ""
+    sides = "" if summary["signed"] else " No phase or sign: all amplitudes taken to one side."
+    folded = f" WARNING: {FOLDED}." if summary["folded"] else ""
     return (
         f"{name}: {summary['points']} points, {summary['missing']} missing{far}. Zernike modes up "
         f"to degree {summary['degree']}, by cross-validation. Noise "
-        f"{summary['noise_share']:.1%} of the maximum of {summary['peak_um']:.3g} µm; standard "
-        f"error of the profile {summary['mean_standard_error_share']:.1%} on average, at most "
-        f"{summary['largest_standard_error_share']:.1%}; of a force by the noise at most "
-        f"{summary['largest_force_noise_share']:.1%}."
+        f"{summary['noise_share']:.1%} of the maximum of {summary['peak_um']:.3g} µm, from which "
+        f"{summary['peak_bias_share']:.1%} were taken as the noise's; standard error of the "
+        f"profile {summary['mean_standard_error_share']:.1%} on average, at most "
+        f"{summary['largest_standard_error_share']:.1%}; of a force by the noise, at 95 %, at most "
+        f"{summary['largest_force_noise_share']:.1%}. Motion out of phase, left out: "
+        f"{summary['quadrature_share']:.1%} in rms with its noise; without it forces are about "
+        f"{summary['out_of_phase_effect']:.2%} low.{sides}{folded}"
     )
 
 

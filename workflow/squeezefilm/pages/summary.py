@@ -120,6 +120,14 @@ def _accuracy(
         "Where the numerics have been made, tables and pictures in this report compare the solver "
         "with other people's methods, and on stiff and extreme films.\n"
     )
+    if settings["actuator"]["profile"]["kind"] == "measured":
+        yield (
+            "*The scan.* The errors above and in the tables of forces are the solver's alone. The "
+            "profile was measured: what its noise, and motion out of phase that is left out, leave "
+            "open in the forces is larger as a rule, and is part of no model's error either; "
+            "the measured profile's figure and `profile/forces.csv` have it (`snakemake "
+            "profile`).\n"
+        )
     yield (
         "*Models.* The global error is |model − simulation| over |simulation|, norms over all "
         "points of a plan; the worst is the largest relative error of a single point.\n"

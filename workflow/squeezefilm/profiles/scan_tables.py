@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.profiles.scans import SmoothedScan
+from squeezefilm.profiles.scans import SmoothedScan, polar_net
 
 
 def points_table(smoothed: SmoothedScan) -> pd.DataFrame:
@@ -28,16 +28,15 @@ def points_table(smoothed: SmoothedScan) -> pd.DataFrame:
     )
 
 
-def summary_of(smoothed: SmoothedScan, *, spread: float) -> dict[str, Any]:
-    """The scan in numbers; shares are of the profile's maximum.
+def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[str, Any]:
+    """The scan in numbers; shares are of the profile's maximum, or of a force.
 
     Args:
-        spread: largest relative standard deviation of a force by the noise.
+        noise: largest share of a force that the noise leaves open, at 95 %.
+        error: the same with what motion out of phase would do.
     """
-    radius_m = np.linspace(0, smoothed.profile.surface_radius_m, 41)
-    angle = np.linspace(0, 2 * np.pi, 72, endpoint=False)
-    r, phi = np.meshgrid(radius_m, angle, indexing="ij")
-    error = smoothed.standard_error(x_m=r * np.cos(phi), y_m=r * np.sin(phi))
+    r, _, x_m, y_m = polar_net(smoothed.profile.surface_radius_m)
+    standard = smoothed.standard_error(x_m=x_m, y_m=y_m)
     return {
         "points": len(smoothed.measured_m),
         "missing": smoothed.scan.missing,
@@ -49,7 +48,12 @@ def summary_of(smoothed: SmoothedScan, *, spread: float) -> dict[str, Any]:
         "noise_share": smoothed.noise_m / smoothed.peak_m,
         "cross_validation_share": smoothed.scores[smoothed.degree] / smoothed.peak_m,
         "quadrature_share": smoothed.quadrature,
-        "largest_standard_error_share": float(error.max()),
-        "mean_standard_error_share": float(np.average(error, weights=r + 1e-30)),
-        "largest_force_noise_share": spread,
+        "largest_standard_error_share": float(standard.max()),
+        "mean_standard_error_share": float(np.average(standard, weights=r + 1e-30)),
+        "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
+        "out_of_phase_effect": smoothed.out_of_phase_effect,
+        "signed": smoothed.scan.signed,
+        "folded": smoothed.folded,
+        "largest_force_noise_share": noise,
+        "largest_force_error_share": error,
     }

@@ -109,12 +109,14 @@ class Formula:
 class Modes:
     """A sum of Zernike modes on the actuator's disc: a measured profile, smoothed (scans.py).
 
-    ``orders`` are the modes' (n, m), cosine for m ≥ 0 and sine for m < 0.
+    ``orders`` are the modes' (n, m), cosine for m ≥ 0 and sine for m < 0. ``largest`` is the
+    largest magnitude on the disc: above 1 by what noise has put on the maximum.
     """
 
     orders: tuple[tuple[int, int], ...]
     coefficients: tuple[float, ...]
     surface_radius_m: float
+    largest: float = 1.0
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         from squeezefilm.profiles.zernike import modes_at

@@ -53,7 +53,7 @@ def smoothed_scan_of(config: Config) -> SmoothedScan | None:
     return smoothed_scan(
         path,
         surface_radius_m=actuator["surface_radius_m"],
-        axisymmetric=actuator["profile"]["axisymmetric"],
+        **{key: value for key, value in actuator["profile"].items() if key not in ("kind", "file")},
     )
 
 
