@@ -28,9 +28,10 @@ from squeezefilm.reynolds.resolution import (
     MOMENTS,
     MOST_TIME,
     ROUND_OFF,
+    ROUNDED,
     first_grid,
 )
-from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
+from squeezefilm.reynolds.solution import Solution, error_text, left_out_text, refusal
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
@@ -128,10 +129,9 @@ def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolut
         epsilon=scene.closure(),
         sigma=scene.sigma / min(1.0, narrowest) ** 2,
         aspect=scene.aspect,
-        needs=replace(
-            needs, curvature_x=needs.curvature_x + bent, curvature_y=needs.curvature_y + bent
-        ),
+        needs=needs,
         tolerance=tolerance,
+        bend=bent,
     )
     degree = max(8, 2 * round(max(grid.x.full_points, grid.y.full_points) / 2))
     fold_x, fold_y = needs.fold_x and gap.tilt_x_m == 0, needs.fold_y and gap.tilt_y_m == 0
@@ -152,10 +152,11 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
     newton = krylov = 0
     work = 0.0
     status, force, error = "", np.nan, np.nan
+    reached = "the error is not known"
     residual = 0.0
     while True:
         if not resolution.fits:
-            status = f"tolerance not reached: modes of degree {resolution.pad.degree} are too many"
+            status = f"tolerance not reached: modes of degree {resolution.pad.degree} are too many; {reached}"
             break
         guess = None
         if before is not None:
@@ -178,9 +179,11 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
             floor = ROUND_OFF * state.largest
             change = float(np.abs(state.moments - before.moments).max())
             known = MOMENT_FACTOR * change + residual / (1 - scene.closure()) + floor
-            if known <= tolerance * abs(mean) + floor:
+            allowed = tolerance * abs(mean) + ROUNDED * floor / (1 - scene.closure())
+            if known <= allowed:
                 status, force, error = "ok", mean, known
                 break
+            reached = error_text(known, allowed=allowed, force=mean)
         before, before_instants = state, resolution.instants
         resolution = resolution.finer
     return Solution(
@@ -237,7 +240,8 @@ def _periodic_state(
                 failure = "the pressure became infinite"
                 break
             force = film.mean_overpressure
-            goal = ITERATION_SHARE * tolerance * (1 - scene.closure()) * abs(force)
+            share = ITERATION_SHARE * tolerance * (1 - scene.closure())
+            goal = max(share * abs(force), ROUND_OFF * float(np.abs(film.pressure).max()))
             if size <= goal or size == 0:
                 failure = ""
                 break

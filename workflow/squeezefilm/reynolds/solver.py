@@ -15,6 +15,7 @@ from squeezefilm.reynolds.limits import LimitForces, limit_axis, limit_points
 from squeezefilm.reynolds.marching import solve_marching
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import solve_periodic
+from squeezefilm.reynolds.resolution import nodes_for_profile, unseen_profile
 from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
 from squeezefilm.scene import Scene
 
@@ -78,10 +79,12 @@ def solve(
         report: called with the number of scenes that were finished, as they are.
     """
     needs = [needs_of(scene) for scene in scenes]
-    solutions: dict[int, Solution] = {}
+    solutions = _unseen(scenes, needs, tolerance=tolerance, method=method)
+    report(len(solutions))
     for index, result in by_limits(scenes, needs, tolerance=tolerance, method=method).items():
-        solutions[index] = _limit_solution(scenes[index], needs[index], result, tolerance)
-        report(1)
+        if index not in solutions:
+            solutions[index] = _limit_solution(scenes[index], needs[index], result, tolerance)
+            report(1)
     if method in LIMITS:
         for index in set(range(len(scenes))) - set(solutions):
             reason = f"{method} does not know this scene's finger, profile or terms"
@@ -111,6 +114,18 @@ def solve(
     return [solutions[index] for index in range(len(scenes))]
 
 
+def _unseen(
+    scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
+) -> dict[int, Solution]:
+    """Refusals, by index, of scenes whose profile no grid sees."""
+    reasons = (
+        unseen_profile(need, scene.finger, tolerance=tolerance)
+        for scene, need in zip(scenes, needs, strict=True)
+    )
+    name = "periodic" if method == "auto" else method
+    return {i: refusal(reason, method=name) for i, reason in enumerate(reasons) if reason}
+
+
 def by_limits(
     scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
 ) -> dict[int, LimitResult]:
@@ -126,7 +141,7 @@ def by_limits(
             and _applies(name, scenes[index], needs[index])
             and (method != "auto" or _promises(name, scenes[index], needs[index], tolerance))
         ]
-        for index, result in _evaluate(name, scenes, waiting, tolerance=tolerance).items():
+        for index, result in _evaluate(name, scenes, needs, waiting, tolerance=tolerance).items():
             if method != "auto" or result.holds(tolerance):
                 results[index] = result
     return results
@@ -162,16 +177,23 @@ def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
 
 
 def _evaluate(
-    name: str, scenes: Sequence[Scene], which: Sequence[int], *, tolerance: float
+    name: str,
+    scenes: Sequence[Scene],
+    needs: Sequence[Needs],
+    which: Sequence[int],
+    *,
+    tolerance: float,
 ) -> dict[int, LimitResult]:
     """One limit on some of the scenes, those with one grid together."""
     groups: dict[tuple[int, int], list[int]] = defaultdict(list)
     for index in which:
         scene = scenes[index]
         layers = scene.sigma if name in RESOLVES_LAYERS else 1.0
+        seen_x, seen_y = nodes_for_profile(needs[index], tolerance=tolerance)
+        # The error estimate wants every other node to see the profile.
         groups[
-            limit_points(tolerance=tolerance, sigma=layers),
-            limit_points(tolerance=tolerance, sigma=layers * scene.aspect**2),
+            max(limit_points(tolerance=tolerance, sigma=layers), 2 * seen_x + 1),
+            max(limit_points(tolerance=tolerance, sigma=layers * scene.aspect**2), 2 * seen_y + 1),
         ].append(index)
     results = {}
     for (nx, ny), group in groups.items():
