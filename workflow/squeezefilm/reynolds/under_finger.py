@@ -87,7 +87,7 @@ class UnderFinger:
         """Width of what the coarsest probe misses most, at half of its height."""
         scene, (x, y) = self._scene, self._probes[0].worst
         angle = np.pi / 4 * np.arange(8)
-        way_m = scene.finger.length_x_m * np.geomspace(1e-6, 1, 100)
+        way_m = scene.finger.length_x_m * np.geomspace(1e-6, 1, 300)
         values = scene.amplitude(
             x + np.outer(way_m, np.cos(angle)) / scene.finger.length_x_m,
             y + np.outer(way_m, np.sin(angle)) / scene.finger.length_y_m,
