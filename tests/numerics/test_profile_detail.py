@@ -102,7 +102,7 @@ def test_a_refusal_gives_its_error_in_the_tolerance_s_terms() -> None:
 
 def test_the_finest_grid_follows_the_device_s_memory() -> None:
     scene = film(epsilon=0.4, sigma=2331.0, profile=wave(1 / 8))
-    small = replace(choose_device(), memory_bytes=100 * 2**20, rooms=[])
+    small = replace(choose_device(), memory_bytes=20 * 2**20, rooms=[])
     (solution,) = solve([scene], tolerance=1e-6, method="periodic", device=small)
     assert "tolerance not reached on the finest grid" in solution.status
     assert "of the force" in solution.status  # two grids that fit have told the error
@@ -118,7 +118,7 @@ def test_a_profile_next_to_nothing_bears_nothing_within_its_error(
     spot = formula(f"exp(-((x-{centre_m})/1e-3)**2)")
     scene = film(epsilon=0.4, sigma=100.0, profile=spot)
     scene = replace(scene, finger=replace(scene.finger, shape=shape))
-    (solution,) = solve([scene], tolerance=1e-4, method="periodic")
+    (solution,) = solve([scene], tolerance=1e-2, method="periodic")
     assert solution.status == "ok"
     assert abs(solution.force_n) <= solution.force_error_n < 1e-25
 

@@ -81,10 +81,17 @@ def solve(
     needs = [needs_of(scene) for scene in scenes]
     solutions = _unseen(scenes, needs, tolerance=tolerance, method=method)
     report(len(solutions))
-    for index, result in by_limits(scenes, needs, tolerance=tolerance, method=method).items():
-        if index not in solutions:
-            solutions[index] = _limit_solution(scenes[index], needs[index], result, tolerance)
-            report(1)
+    seen = [index for index in range(len(scenes)) if index not in solutions]
+    found = by_limits(
+        [scenes[index] for index in seen],
+        [needs[index] for index in seen],
+        tolerance=tolerance,
+        method=method,
+    )
+    for place, result in found.items():
+        index = seen[place]
+        solutions[index] = _limit_solution(scenes[index], needs[index], result, tolerance)
+        report(1)
     if method in LIMITS:
         for index in set(range(len(scenes))) - set(solutions):
             reason = f"{method} does not know this scene's finger, profile or terms"
