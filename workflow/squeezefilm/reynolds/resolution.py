@@ -71,8 +71,8 @@ def unseen_profile(needs: Needs, finger: Finger, *, tolerance: float) -> str | N
     return (
         f"the profile has a feature about {1e6 * needs.profile.feature_m:.2g} µm wide under the "
         f"finger: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
-        f"{1e6 * apart_m:.2g} µm apart, misses {probe.missed:.1g} of the profile there, and may "
-        f"miss {share:.1g} at this tolerance"
+        f"{1e6 * apart_m:.2g} µm apart, does not show it to {share:.1g} of the profile's largest "
+        "value, as this tolerance asks"
     )
 
 
