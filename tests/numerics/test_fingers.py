@@ -87,6 +87,14 @@ def test_an_ellipse_holds_its_tolerance() -> None:
         assert rough.force_error_n <= 1e-3 * abs(rough.force_n)
 
 
+def test_an_ellipse_s_error_estimate_has_a_margin() -> None:
+    """Where ε is small the iteration's last residual is the error itself, and no more than that."""
+    scene = ellipse(epsilon=0.12, sigma=159.0, aspect=1.12, profile=PISTON)
+    rough, fine = solved(scene, tolerance=1e-2), solved(scene, tolerance=1e-4)
+    assert rough.method == "periodic-modes"
+    assert abs(rough.force_n - fine.force_n) <= 0.75 * rough.force_error_n
+
+
 @pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
 def test_turning_finger_place_and_profile_changes_nothing(outline: str) -> None:
     """Off the centre and off the axes, so that turning the wrong way would show."""
