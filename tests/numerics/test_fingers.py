@@ -88,8 +88,10 @@ def test_an_ellipse_holds_its_tolerance() -> None:
 
 
 def test_an_ellipse_s_error_estimate_has_a_margin() -> None:
-    """Where ε is small the iteration's last residual is the error itself, and no more than that."""
-    scene = ellipse(epsilon=0.12, sigma=159.0, aspect=1.12, profile=PISTON)
+    """A mass error moves the pressure of a heated film by n/H, and ε is too small to hide that."""
+    scene = ellipse(
+        epsilon=0.1164, sigma=158.95, aspect=1.12167, profile=PISTON, polytropic_exponent=1.4
+    )
     rough, fine = solved(scene, tolerance=1e-2), solved(scene, tolerance=1e-4)
     assert rough.method == "periodic-modes"
     assert abs(rough.force_n - fine.force_n) <= 0.75 * rough.force_error_n

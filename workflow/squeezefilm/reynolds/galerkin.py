@@ -36,9 +36,9 @@ from squeezefilm.reynolds.spectral import period
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
 METHOD = "periodic-modes"
-# Estimates are this many times those of the grids. Without it 2 of 60 forces of random pads were off
-# by 1.2 and 1.9 times their estimate: few modes agree by chance, and where ε is small nothing else
-# widens what the iteration leaves. With it 208 forces were off by 0.48 of it at most.
+# Estimates are this many times those of the grids. Without it 2 of 60 forces of random pads were
+# off by 1.2 and 1.9 times their estimate, for few modes agree by chance; with it 208 forces were off
+# by 0.48 of it at most.
 MARGIN = 2.0
 MOST_NEWTON = 40
 MOST_KRYLOV = 120
@@ -183,7 +183,9 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
         if before is not None:
             floor = ROUND_OFF * state.largest
             change = float(np.abs(state.moments - before.moments).max())
-            known = MOMENT_FACTOR * change + residual / (1 - scene.closure())
+            # A mass error w moves the pressure by about n w/H.
+            left = scene.gas.polytropic_exponent * residual / (1 - scene.closure())
+            known = MOMENT_FACTOR * change + left
             known = MARGIN * known + floor
             allowed = tolerance * abs(mean) + ROUNDED * floor / (1 - scene.closure())
             if known <= allowed:

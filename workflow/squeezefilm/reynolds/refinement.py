@@ -207,7 +207,9 @@ def _judge(
     error = np.full(len(group), np.inf)
     if len(grids) > 1 and grids[-1].finer_than(grids[-2]):
         change = _change(stages[-2], grids[-2], states, grids[-1])
-        error = MOMENT_FACTOR * change + states.residual / (1 - epsilon) + floor
+        # A mass error w moves the pressure by about n w/H.
+        exponent = np.array([progress.scene.gas.polytropic_exponent for progress in group])
+        error = MOMENT_FACTOR * change + exponent * states.residual / (1 - epsilon) + floor
     # What rounding leaves, of grids and of the iteration, is no reason for a finer grid.
     allowed = tolerance * np.abs(states.mean) + ROUNDED * floor / (1 - epsilon)
     finer = finer_grid(grids[-1], room=room)
