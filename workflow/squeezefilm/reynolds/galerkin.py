@@ -37,7 +37,7 @@ from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
 METHOD = "periodic-modes"
 # Estimates are this many times those of the grids. Without it 2 of 60 forces of random pads were
-# off by 1.2 and 1.9 times their estimate, for few modes agree by chance; with it 208 forces were off
+# off by 1.2 and 1.9 times their estimate, for few modes agree by chance; with it 208 were off
 # by 0.48 of it at most.
 MARGIN = 2.0
 MOST_NEWTON = 40
