@@ -155,7 +155,7 @@ def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance: float) -> Non
     solutions = solve(scenes, tolerance=tolerance, report=finished.append)
     assert alike([solutions[at] for at in (0, 2, 3, 5)], solve(good, tolerance=tolerance))
     assert solutions[1].status == "unexpected error: LinAlgError: singular matrix"
-    assert solutions[4].status == "the profile is not a finite number all over the finger"
+    assert solutions[4].status == "the profile has no finite value at some place under the finger"
     assert np.isnan([solutions[1].force_n, solutions[4].force_n]).all()
     assert sum(finished) == len(scenes)
     explained = [each.status for each in explain(scenes, tolerance=tolerance)]
@@ -242,7 +242,7 @@ def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved() -
     ]
     first, second, third = solve(scenes, tolerance=1e-6)
     assert first.status == third.status == "ok"
-    assert "tolerance not reached on the finest grid" in second.status
+    assert "the finest grid" in second.status
     assert np.isnan(second.force_n)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, hypot, isfinite, pi, radians, sin, sqrt
 from typing import TypeVar
 
@@ -126,6 +126,10 @@ class Finger:
             return x, y
         c, s = cos(radians(self.rotation_deg)), sin(radians(self.rotation_deg))
         return c * x - s * y, s * x + c * y
+
+    def turned_back(self, x: Number, y: Number) -> tuple[Number, Number]:
+        """Coordinates along the actuator's axes in the finger's own."""
+        return replace(self, rotation_deg=-self.rotation_deg).turned(x, y)
 
 
 @dataclass(frozen=True)

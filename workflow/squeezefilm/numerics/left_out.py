@@ -150,7 +150,7 @@ def _always_periodic(
 
 
 def _changed_needs(
-    scenes: Sequence[Scene], *, tolerance: float, device: Device, **needs: bool
+    scenes: Sequence[Scene], *, tolerance: float, device: Device, **needs: Any
 ) -> list[Solution]:
     changed = [replace(needs_of(scene), **needs) for scene in scenes]
     return solve_periodic(scenes, changed, tolerance=tolerance, device=device)

@@ -10,6 +10,10 @@ import numpy as np
 
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 
+# Nodes across the finger beyond which none is tried: there rounding begins to show at 1e-6, and a
+# scene takes minutes.
+MOST_SPACE = 320
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -49,6 +53,10 @@ class Grid:
     def count(self) -> int:
         """Number of unknowns."""
         return self.nx * self.ny * self.nt
+
+    def sees(self, nodes_x: int, nodes_y: int) -> bool:
+        """Whether it has so many nodes across the finger along x and y."""
+        return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
 
     def finer_than(self, other: Grid) -> bool:
         """In every direction: only then does the difference between two grids show every error."""

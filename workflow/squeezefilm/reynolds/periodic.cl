@@ -15,6 +15,14 @@ static double mean_overpressure(const Grid *g, const Film *film, __local double 
     return sum_over_group(sum_of(sum), scratch) / g->nt;
 }
 
+/* Largest |p|. */
+static double largest_overpressure(const Grid *g, const Film *film, __local double *scratch)
+{
+    double4 size = (double4)(0.0);
+    FOR_EACH(i, g->count4) size = larger(size, fabs(film->p[i]));
+    return max_over_group(max_of(size), scratch);
+}
+
 /* Largest share of a pressure step that takes at most 9/10 of the pressure anywhere. */
 static double safe_share(const Grid *g, const Film *film, matrix4 step, __local double *scratch)
 {
@@ -34,6 +42,9 @@ static void carry(const Grid *g, int nx, int ny, int nt, matrix m, field coarse,
     multiply(along_x, g->nx, nx, (matrix4)work_a, (field4)work_b, ny * g->nt4, 1, 0);
     multiply(along_y, g->ny, ny, (matrix4)work_b, (field4)fine, g->nt4, g->nx, 0);
 }
+
+/* The iteration's rounding error of the mass, relative to the largest overpressure. */
+#define ROUNDING 1e-14
 
 enum { CONVERGED = 0, STALLED = 1, NOT_FINITE = 2 };
 
@@ -58,7 +69,8 @@ static Solved solve(const Grid *g, Film *film, double tolerance, int most_newton
             break;
         }
         /* The force answers to an error w with at most its mean, so this bounds its error. */
-        const double goal = tolerance * fabs(s.force);
+        const double goal = fmax(tolerance * fabs(s.force),
+                                 ROUNDING * largest_overpressure(g, film, scratch));
         if (s.left <= goal || s.left == 0.0) {
             s.status = CONVERGED;
             break;
@@ -167,16 +179,15 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             const Solved solved =
                 solve(&g, &film, tolerance, most_newton, most_krylov, basis, small, scratch);
             status = solved.status;
-            double4 size = (double4)(0.0), deficit = (double4)(-INFINITY), thinness = deficit;
+            double4 deficit = (double4)(-INFINITY), thinness = deficit;
             FOR_EACH_POINT(&g, place, t, i)
             {
-                const double4 p = film.p[i], pressure = 1.0 + p;
-                size = larger(size, fabs(p));
+                const double4 pressure = 1.0 + film.p[i];
                 deficit = larger(deficit, -pressure);
                 const double4 density = 1.0 + density_rise(&film, p);
                 thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
             }
-            const double largest = max_over_group(max_of(size), scratch);
+            const double largest = largest_overpressure(&g, &film, scratch);
             const double lowest = -max_over_group(max_of(deficit), scratch);
             const double thinnest = -max_over_group(max_of(thinness), scratch);
             if (get_local_id(0) == 0) {

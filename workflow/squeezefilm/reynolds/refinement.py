@@ -15,12 +15,15 @@ from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, Problems, State
 from squeezefilm.reynolds.resolution import (
     MOMENT_FACTOR,
     MOMENTS,
+    MOST_UNKNOWNS,
     ROUND_OFF,
+    ROUNDED,
     finer_grid,
     first_grid,
+    nodes_for_profile,
     start_grid,
 )
-from squeezefilm.reynolds.solution import Solution, left_out_text
+from squeezefilm.reynolds.solution import Solution, error_text, left_out_text
 from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
 # Share of the tolerance that Newton's iteration may leave; the grids get the rest.
@@ -33,6 +36,10 @@ IN_FLIGHT = 2
 LEAST_BATCH, MOST_BATCH = 16, 128
 # States of one launch; more go into several.
 LAUNCH_BYTES = 256 * 2**20
+# Fields of a grid that a work-group needs at least, and the part of the device's memory, one in so
+# many, that they may take: devices give no more in one piece.
+LEAST_FIELDS = 36
+MEMORY_PARTS = 4
 
 
 @dataclass
@@ -64,6 +71,7 @@ def solve_periodic(
 ) -> list[Solution]:
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
     solutions: dict[int, Solution] = {}
+    room = min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS))
     size = min(max(-(-len(scenes) // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
     starts = iter(range(0, len(scenes), size))
     flying: deque[tuple[list[list[_Progress]], Launch]] = deque()
@@ -76,13 +84,16 @@ def solve_periodic(
     while True:
         while len(flying) < IN_FLIGHT and (start := next(starts, None)) is not None:
             stop = min(start + size, len(scenes))
-            fly(_begun(i, scenes[i], needs[i], tolerance=tolerance) for i in range(start, stop))
+            fly(
+                _begun(i, scenes[i], needs[i], tolerance=tolerance, room=room)
+                for i in range(start, stop)
+            )
         if not flying:
             break
         groups, landing = flying.popleft()
         unfinished = []
         for group, stages in zip(groups, landing.states(), strict=True):
-            judged = _judge(group, stages, tolerance=tolerance)
+            judged = _judge(group, stages, tolerance=tolerance, room=room)
             for progress, solution in zip(group, judged, strict=True):
                 if solution is None:
                     unfinished.append(progress)
@@ -93,22 +104,28 @@ def solve_periodic(
     return [solutions[index] for index in range(len(scenes))]
 
 
-def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float) -> _Progress:
-    grids = first_grids(scene, needs, tolerance=tolerance)
+def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float) -> _Progress:
+    grids = first_grids(scene, needs, tolerance=tolerance, room=room)
     return _Progress(index=index, scene=scene, needs=needs, grids=grids)
 
 
-def first_grids(scene: Scene, needs: Needs, *, tolerance: float) -> tuple[Grid, ...]:
+def first_grids(
+    scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS
+) -> tuple[Grid, ...]:
     """Those of the first launch: a start, if it pays, and the two that it takes to know the error.
 
-    Without a finer one, where the first is the finest that there is, the start takes its part.
+    Args:
+        room: most unknowns of a grid that the device has memory for.
     """
-    first = grid_for(scene, needs, tolerance=tolerance)
-    wanted = start_grid(first), first, finer_grid(first)
+    first = grid_for(scene, needs, tolerance=tolerance, room=room)
+    start = start_grid(first)
+    if start and not start.sees(*nodes_for_profile(needs, tolerance=tolerance)):
+        start = None  # what does not see the profile is no guess
+    wanted = start, first, finer_grid(first, room=room)
     return tuple(grid for grid in wanted if grid is not None)
 
 
-def grid_for(scene: Scene, needs: Needs, *, tolerance: float) -> Grid:
+def grid_for(scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS) -> Grid:
     """The first grid of a scene's sequence."""
     return first_grid(
         epsilon=scene.epsilon,
@@ -116,6 +133,7 @@ def grid_for(scene: Scene, needs: Needs, *, tolerance: float) -> Grid:
         aspect=scene.aspect,
         needs=needs,
         tolerance=tolerance,
+        room=room,
     )
 
 
@@ -180,27 +198,35 @@ def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> tuple[np.ndarray, np.nda
 
 
 def _judge(
-    group: Sequence[_Progress], stages: Sequence[States], *, tolerance: float
+    group: Sequence[_Progress], stages: Sequence[States], *, tolerance: float, room: float
 ) -> list[Solution | None]:
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
     floor = ROUND_OFF * states.largest
+    epsilon = np.array([progress.scene.epsilon for progress in group])
     error = np.full(len(group), np.inf)
     if len(grids) > 1 and grids[-1].finer_than(grids[-2]):
-        epsilon = np.array([progress.scene.epsilon for progress in group])
         change = _change(stages[-2], grids[-2], states, grids[-1])
-        error = MOMENT_FACTOR * change + states.residual / (1 - epsilon) + floor
-    enough = error <= tolerance * np.abs(states.mean) + floor
+        # A mass error w moves the pressure by about n w/H.
+        exponent = np.array([progress.scene.gas.polytropic_exponent for progress in group])
+        error = MOMENT_FACTOR * change + exponent * states.residual / (1 - epsilon) + floor
+    # What rounding leaves, of grids and of the iteration, is no reason for a finer grid.
+    allowed = tolerance * np.abs(states.mean) + ROUNDED * floor / (1 - epsilon)
+    finer = finer_grid(grids[-1], room=room)
     return [
-        _judge_scene(
-            progress, stages, position, error=float(error[position]), enough=bool(enough[position])
-        )
-        for position, progress in enumerate(group)
+        _judge_scene(progress, stages, position, finer=finer, error=float(e), allowed=float(a))
+        for position, (progress, e, a) in enumerate(zip(group, error, allowed, strict=True))
     ]
 
 
 def _judge_scene(
-    progress: _Progress, stages: Sequence[States], position: int, *, error: float, enough: bool
+    progress: _Progress,
+    stages: Sequence[States],
+    position: int,
+    *,
+    finer: Grid | None,
+    error: float,
+    allowed: float,
 ) -> Solution | None:
     scene, states, grid = progress.scene, stages[-1], progress.grids[-1]
     for each, its_grid in zip(stages, progress.grids, strict=True):
@@ -236,12 +262,13 @@ def _judge_scene(
         return finished(
             status=f"gas too rarefied: D falls to {thinnest:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
         )
-    if enough:
-        return finished(status="ok", force=float(states.mean[position]), error=error)
-    finer = finer_grid(grid)
+    force = float(states.mean[position])
+    if error <= allowed:
+        return finished(status="ok", force=force, error=error)
     if finer is None:
+        reason = error_text(error, allowed=allowed, force=force)
         return finished(
-            status=f"tolerance not reached on the finest grid ({_size(grid)}): error {error:.1e}"
+            status=f"tolerance not reached on the finest grid ({_size(grid)}): {reason}"
         )
     progress.grids, progress.overpressure = (grid, finer), states.overpressure[position].copy()
     return None

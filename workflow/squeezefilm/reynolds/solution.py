@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import nan
+from math import isfinite, nan
 
 from squeezefilm.reynolds.needs import LeftOut
 
@@ -43,6 +43,14 @@ class Solution:
 def left_out_text(parts: Iterable[LeftOut]) -> str:
     """The ``left_out`` column of a scene."""
     return "; ".join(part.what for part in parts)
+
+
+def error_text(error: float, *, allowed: float, force: float) -> str:
+    """An error that is too large, in the terms of the tolerance: as a share of the force."""
+    if force == 0 or not isfinite(error):
+        return "the error is not known"
+    size = abs(force)
+    return f"error {error / size:.1e} of the force, {allowed / size:.1g} allowed"
 
 
 def refusal(status: str, *, method: str) -> Solution:

@@ -18,6 +18,7 @@ from squeezefilm.reynolds.limits import LimitForces, limit_axis, limit_points
 from squeezefilm.reynolds.marching import solve_marching
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import solve_periodic
+from squeezefilm.reynolds.resolution import nodes_for_profile, unseen_profile
 from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
 from squeezefilm.scene import Scene
 
@@ -205,18 +206,29 @@ def ways_of(
     scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
 ) -> list[Way]:
     """How ``solve`` treats each scene, as far as that is decided before solving."""
-    limit_results = by_limits(scenes, needs, tolerance=tolerance, method=method)
+    unseen = [
+        unseen_profile(need, scene.finger, tolerance=tolerance)
+        for scene, need in zip(scenes, needs, strict=True)
+    ]
+    seen = [index for index, reason in enumerate(unseen) if reason is None]
+    found = by_limits(
+        [scenes[index] for index in seen],
+        [needs[index] for index in seen],
+        tolerance=tolerance,
+        method=method,
+    )
+    limit_results = {seen[place]: result for place, result in found.items()}
     return [
-        _way(scene, need, limit_results.get(index), tolerance=tolerance, method=method)
-        for index, (scene, need) in enumerate(zip(scenes, needs, strict=True))
+        Way("periodic" if method == "auto" else method, refused=reason)
+        if reason
+        else _way(scene, need, limit_results.get(index), tolerance=tolerance, method=method)
+        for index, (scene, need, reason) in enumerate(zip(scenes, needs, unseen, strict=True))
     ]
 
 
 def _way(
     scene: Scene, needs: Needs, limit: LimitResult | None, *, tolerance: float, method: str
 ) -> Way:
-    if not isfinite(needs.curvature_x + needs.curvature_y):
-        return Way(method, refused="the profile is not a finite number all over the finger")
     if limit is not None:
         return Way(limit.method, limit=limit)
     if method in LIMITS:
@@ -246,7 +258,7 @@ def by_limits(
             and _applies(name, scenes[index], needs[index])
             and (method != "auto" or _promises(name, scenes[index], needs[index], tolerance))
         ]
-        for index, result in _evaluate(name, scenes, waiting, tolerance=tolerance).items():
+        for index, result in _evaluate(name, scenes, needs, waiting, tolerance=tolerance).items():
             if method != "auto" or result.holds(tolerance):
                 results[index] = result
     return results
@@ -282,16 +294,23 @@ def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
 
 
 def _evaluate(
-    name: str, scenes: Sequence[Scene], which: Sequence[int], *, tolerance: float
+    name: str,
+    scenes: Sequence[Scene],
+    needs: Sequence[Needs],
+    which: Sequence[int],
+    *,
+    tolerance: float,
 ) -> dict[int, LimitResult]:
     """One limit on some of the scenes, those with one grid together."""
     groups: dict[tuple[int, int], list[int]] = defaultdict(list)
     for index in which:
         scene = scenes[index]
         layers = scene.sigma if name in RESOLVES_LAYERS else 1.0
+        seen_x, seen_y = nodes_for_profile(needs[index], tolerance=tolerance)
+        # The error estimate wants every other node to see the profile.
         groups[
-            limit_points(tolerance=tolerance, sigma=layers),
-            limit_points(tolerance=tolerance, sigma=layers * scene.aspect**2),
+            max(limit_points(tolerance=tolerance, sigma=layers), 2 * seen_x + 1),
+            max(limit_points(tolerance=tolerance, sigma=layers * scene.aspect**2), 2 * seen_y + 1),
         ].append(index)
     results = {}
     for (nx, ny), group in groups.items():

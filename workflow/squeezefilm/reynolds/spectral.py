@@ -113,21 +113,25 @@ class Axis:
 
     @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def interpolation_to(self, finer: Axis) -> np.ndarray:
-        """Matrix that carries values on this axis to another one, shape (finer.points, n).
+        """Matrix that carries values on this axis to another one, shape (finer.points, n)."""
+        return self._fold(self.to_points(finer.nodes)[:, 1:-1], square=False)
+
+    def to_points(self, places: np.ndarray) -> np.ndarray:
+        """Matrix from values on all nodes, ends included, to some places (m,), shape (m, nodes).
 
         Barycentric formula for Chebyshev–Lobatto nodes (Berrut and Trefethen 2004).
         """
         order = self.full_points + 1
         weights = (-1.0) ** np.arange(order + 1)
         weights[[0, -1]] /= 2
-        distance = np.subtract.outer(finer.nodes, self.all_nodes)
+        distance = np.subtract.outer(places, self.all_nodes)
         hit = distance == 0
         distance[hit] = 1.0
         matrix = weights / distance
         matrix[hit.any(axis=1)] = 0.0
         matrix[hit] = 1.0
         matrix /= matrix.sum(axis=1, keepdims=True)
-        return self._fold(matrix[:, 1:-1], square=False)
+        return matrix
 
     def _fold(self, matrix: np.ndarray, *, square: bool = True) -> np.ndarray:
         if not self.folded:
