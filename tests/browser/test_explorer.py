@@ -15,9 +15,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
+from squeezefilm.io.tables import FACTOR_COLUMNS, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors, get_model
-from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces
 
 from .conftest import DESKTOP, PHONE, Browser
 

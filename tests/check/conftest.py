@@ -10,8 +10,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.checking.show import read_check
+from reporting.check.show import read_check
+from squeezefilm.cli import main as cli
 
 from ..workflow.conftest import QUICK, copy_checkout, snakemake
 

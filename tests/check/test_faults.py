@@ -16,8 +16,8 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from squeezefilm.figures import figure_module, style
-from squeezefilm.tables import read_json, write_json
+from reporting.figures import figure_module, style
+from squeezefilm.io.tables import read_json, write_json
 
 from ..workflow.conftest import copy_checkout
 from .conftest import REFERENCE, Checked, Results, run_check

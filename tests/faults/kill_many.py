@@ -42,6 +42,7 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")
 TARGETS = ("fig07", "fig08")
 SNAKEMAKE = (sys.executable, "-m", "snakemake", *TARGETS, "--configfile", "config/quick.yaml")
+PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
 LIBRARY = (sys.executable, "-m", "squeezefilm")
 VICTIMS = ("group", "snakemake", "job")
 STAGES = {"simulate": "simulation", "fit": "fit", "plot": "plotting", "warm": "compilation"}
@@ -292,9 +293,9 @@ def stage_of(job: psutil.Process) -> str:
         words = job.cmdline()
     except psutil.Error:
         return ""
-    if "squeezefilm" not in words[1:3] or not Path(words[0]).name.startswith("python"):
+    if not Path(words[0]).name.startswith("python") or words[1] != "-m" or words[2] not in PACKAGES:
         return ""
-    command = words[words.index("squeezefilm") + 1]
+    command = words[3]
     return STAGES.get(command, command)
 
 

@@ -169,7 +169,7 @@ def write_json(values, path):
 
 def test_a_job_that_outlives_its_run_does_not_spoil_the_next_one(checkout: Checkout) -> None:
     """The code is mended after the kill: what the old job writes last is of the old code."""
-    code = checkout.folder / "workflow/squeezefilm/commands/fit.py"
+    code = checkout.folder / "workflow/squeezefilm/cli/steps/fit.py"
     right = code.read_text()
     code.write_text(right + OLD_CODE)
     running = checkout.start()

@@ -6,11 +6,11 @@ from math import pi
 
 import numpy as np
 
-from squeezefilm.profiles.shapes import Piston, Profile, Sinc
+from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
+from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import Problems, States, solve_batch
-from squeezefilm.scene import Actuator, Finger, Gas, Scene
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from squeezefilm.numerics.equal_error import equal_error
-from squeezefilm.numerics.work_precision import CHOSEN
+from numerics.equal_error import equal_error
+from numerics.work_precision import CHOSEN
 
 
 def row(method: str, error: float, seconds: float, **other: object) -> dict[str, object]:

@@ -11,14 +11,14 @@ import pandas as pd
 import pytest
 from films import PISTON, SINC, film
 
-from squeezefilm.cli import main
-from squeezefilm.profiles.shapes import Profile, StandingWave
+from squeezefilm.cli.main import main
+from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.vibration.shapes import Profile, StandingWave
+from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import settling, solve
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.scene import GapShape, Scene
 from squeezefilm.studies.plans import plan
-from squeezefilm.tables import write_table
 
 SCENES = [
     film(epsilon=0.4, sigma=583.0),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from films import film
 
-from squeezefilm.numerics.left_out import measure
+from numerics.left_out import measure
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
 
 

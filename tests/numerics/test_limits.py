@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from films import PISTON, SINC, film, mean_overpressure
 
-from squeezefilm.profiles.shapes import Profile, Sinc
+from squeezefilm.film.vibration.shapes import Profile, Sinc
 from squeezefilm.reynolds import boundary_layer
 from squeezefilm.reynolds.limits import (
     LimitForces,

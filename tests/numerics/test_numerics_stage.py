@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from squeezefilm.numerics import analytic, stability
-from squeezefilm.numerics.explicit_march import step_limit
-from squeezefilm.numerics.films import PISTON, Film, Mirrored
-from squeezefilm.numerics.numpy_periodic import periodic_state
-from squeezefilm.numerics.reference import lobatto, reference_force
-from squeezefilm.numerics.state_checks import check_state, unfold
-from squeezefilm.numerics.timing import measure
-from squeezefilm.numerics.work_precision import FILMS, work_precision
+from numerics import analytic, stability
+from numerics.explicit_march import step_limit
+from numerics.films import PISTON, Film, Mirrored
+from numerics.numpy_periodic import periodic_state
+from numerics.reference import lobatto, reference_force
+from numerics.state_checks import check_state, unfold
+from numerics.timing import measure
+from numerics.work_precision import FILMS, work_precision
 from squeezefilm.reynolds import periodic
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid

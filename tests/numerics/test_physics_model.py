@@ -8,8 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.commands import limits
-from squeezefilm.commands.limits import with_limits
+from squeezefilm.cli.steps import limits
+from squeezefilm.cli.steps.limits import with_limits
+from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import COLUMNS, Factors, get_model
 from squeezefilm.models.local_fit import local_fit
@@ -18,7 +19,6 @@ from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import factor_ranges, random_plan
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import FACTOR_COLUMNS, scene_points
 
 REPOSITORY = Path(__file__).parents[2]
 FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)

@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 from films import PISTON, SINC, film
 
-from squeezefilm.profiles.shapes import Profile
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.regime import regime_notes, slip_share
-from squeezefilm.scene import Scene
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,10 @@ import pandas as pd
 import pytest
 from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 
-from squeezefilm.cli import main
-from squeezefilm.profiles.shapes import Sinc
+from squeezefilm.cli.main import main
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.io.tables import ScenePoint, write_table
 from squeezefilm.reynolds import refinement, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.explain import explain
@@ -21,11 +23,9 @@ from squeezefilm.reynolds.periodic import Batch, Launch, launch
 from squeezefilm.reynolds.refinement import problems_of
 from squeezefilm.reynolds.solution import Solution
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.scene import Scene
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint, write_table
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ import pytest
 from films import PISTON, film, mean_overpressure, periodic_state
 from scipy.optimize import brentq
 
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.galerkin import _periodic_state, first_resolution
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.scene import Scene
 
 
 @pytest.mark.parametrize("rarefaction", ["none", "slip", "fukui-kaneko"])

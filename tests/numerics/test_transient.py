@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from films import PISTON, SINC, film, mean_overpressure
 
-from squeezefilm.errors import InputError
-from squeezefilm.profiles.shapes import Profile
+from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import Problems

@@ -11,20 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from squeezefilm.errors import RunError
-from squeezefilm.numerics import (
-    chebyshev_march,
-    finite_elements,
-    freefem,
-    method_of_lines,
-    numpy_periodic,
-)
-from squeezefilm.numerics.yardstick import (
-    FloatArray,
-    graded_edges,
-    march_to_periodic,
-    periods_to_settle,
-)
+from numerics import chebyshev_march, finite_elements, freefem, method_of_lines, numpy_periodic
+from numerics.yardstick import FloatArray, graded_edges, march_to_periodic, periods_to_settle
+from squeezefilm.io.errors import RunError
 
 CENTRED = (True, True)
 SQUEEZE_5UM = 12 * 1.81e-5 * 2 * math.pi * 43_270 * 0.01**2 / (101_325 * 5e-6**2)

@@ -10,12 +10,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
-from squeezefilm.models.trust import Trust
-from squeezefilm.paper import uncertainty
-from squeezefilm.studies.config import load_config
-from squeezefilm.tables import (
+from paper import uncertainty
+from squeezefilm.cli import main as cli
+from squeezefilm.io.tables import (
     DESIGN_COLUMNS,
     FACTOR_COLUMNS,
     FORCE_COLUMNS,
@@ -23,6 +20,9 @@ from squeezefilm.tables import (
     write_json,
     write_table,
 )
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
+from squeezefilm.models.trust import Trust
+from squeezefilm.studies.config import load_config
 
 THETA = {
     "screen": (7.6240, 1.91659, -1.001314),

@@ -12,12 +12,12 @@ import matplotlib.pyplot as plt
 import pandas as pd
 import pytest
 
-from squeezefilm.errors import InputError
-from squeezefilm.figures import style
-from squeezefilm.pages.markdown import write_markdown
-from squeezefilm.runs import atomic, job
-from squeezefilm.runs.atomic import whole_file
-from squeezefilm.tables import write_json, write_table
+from reporting.figures import style
+from squeezefilm.io import atomic, job
+from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.tables import write_json, write_table
 
 TABLE = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6]})
 
@@ -83,7 +83,7 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(
     path = tmp_path / "plan" / "forces.csv"
     write_markdown("before", path)
     code = (
-        "import os, signal; from squeezefilm.runs.atomic import whole_file\n"
+        "import os, signal; from squeezefilm.io.atomic import whole_file\n"
         f"with whole_file({str(path)!r}) as part:\n"
         "    part.write_text('half')\n"
         "    os.kill(os.getpid(), signal.SIGKILL)"

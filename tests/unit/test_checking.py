@@ -10,20 +10,20 @@ import pandas as pd
 import pytest
 import yaml
 
-from squeezefilm import cli
-from squeezefilm.checking.compare import PASSED, compare, to_table
-from squeezefilm.checking.designs import Efficient
-from squeezefilm.checking.drawings import read_drawing
-from squeezefilm.checking.figure_tables import _each_pattern_once
-from squeezefilm.checking.quantities import SAMPLE, Quantity, column_quantities
-from squeezefilm.checking.reference import differences, read_reference, write_reference
-from squeezefilm.checking.show import on_screen, read_check, status
-from squeezefilm.checking.tolerances import GIVEN, SAME, AtMost, Close, Closeness, LastDigit
-from squeezefilm.commands import check, reference
-from squeezefilm.errors import InputError
-from squeezefilm.figures import style
+from reporting.check.compare import PASSED, compare, to_table
+from reporting.check.designs import Efficient
+from reporting.check.drawings import read_drawing
+from reporting.check.figure_tables import _each_pattern_once
+from reporting.check.quantities import SAMPLE, Quantity, column_quantities
+from reporting.check.reference import differences, read_reference, write_reference
+from reporting.check.show import on_screen, read_check, status
+from reporting.check.tolerances import GIVEN, SAME, AtMost, Close, Closeness, LastDigit
+from reporting.commands import check, reference
+from reporting.figures import style
+from squeezefilm.cli import main as cli
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import SCHEMA_PATH
-from squeezefilm.tables import write_table
 
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}

@@ -7,9 +7,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm.cli import main
-from squeezefilm.commands import simulate
-from squeezefilm.errors import InputError
+from squeezefilm.cli.main import main
+from squeezefilm.cli.use import simulate
+from squeezefilm.io.errors import InputError
 from squeezefilm.studies import chunks
 from squeezefilm.studies.chunks import chunk_counts, expected_seconds
 from squeezefilm.studies.config import Config, load_config

@@ -9,17 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.errors import InputError
-from squeezefilm.paper.claims import (
-    CLAIMS,
-    COLUMNS,
-    INPUTS,
-    Results,
-    judge,
-    read_results,
-    to_markdown,
-)
+from paper.claims import CLAIMS, COLUMNS, INPUTS, Results, judge, read_results, to_markdown
+from squeezefilm.cli import main as cli
+from squeezefilm.io.errors import InputError
 
 
 @pytest.fixture(scope="module")

@@ -8,11 +8,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm.cli import COMMANDS, main
-from squeezefilm.commands.gather import in_order
-from squeezefilm.errors import InputError
-from squeezefilm.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
+from squeezefilm.cli.main import commands_of, installed, main
+from squeezefilm.cli.steps.gather import in_order
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
 
+COMMANDS = commands_of(installed())
 Capture = pytest.CaptureFixture[str]
 
 
@@ -35,7 +36,7 @@ def test_help_lists_every_command(capsys: Capture) -> None:
     with pytest.raises(SystemExit):
         main(["--help"])
     text = capsys.readouterr().out
-    for command, summary in COMMANDS.items():
+    for command, (_, summary) in COMMANDS.items():
         assert command in text
         assert summary.split()[0] in text
 

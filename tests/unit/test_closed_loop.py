@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.closed_loop import Goal, Outcome, Pool, _Loop, run_loop
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, Factors, make_model
 
 GRID = 9

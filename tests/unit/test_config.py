@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from squeezefilm.commands.plan import make_plan
-from squeezefilm.errors import InputError
+from squeezefilm.cli.steps.plan import make_plan
+from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import SCHEMA_PATH, Config, load_config
 from squeezefilm.studies.study import check_study
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from squeezefilm.numerics.cross_section import COLUMNS, cross_section
+from numerics.cross_section import COLUMNS, cross_section
+from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds.galerkin import pressure_at
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.scene import GapShape, Scene
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint
 
 
 @pytest.fixture(scope="module")

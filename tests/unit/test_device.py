@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 import yaml
 
-from squeezefilm.cli import main
-from squeezefilm.errors import InputError
+from squeezefilm.cli.main import main
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import read_json
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study
-from squeezefilm.tables import read_json
 
 
 def test_a_device_that_is_not_there_is_refused_with_those_that_are(

@@ -10,18 +10,17 @@ from pathlib import Path
 import pytest
 import yaml
 
-from squeezefilm.imports import LIBRARY, code_of
+from squeezefilm.runs.code import WORKFLOW, code_of
 
 CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
+PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
 DISTRIBUTION = {
     "markdown_it": "markdown-it-py",
     "mpl_toolkits": "matplotlib",
     "skfem": "scikit-fem",
     "yaml": "pyyaml",
 }
-RULE = re.compile(
-    r"conda:\s*\"../../envs/(\w+)\.yaml\".*?python -m squeezefilm ([\w-]+)", re.DOTALL
-)
+RULE = re.compile(r"conda:\s*\"../../envs/(\w+)\.yaml\".*?python -m \w+ ([\w-]+)", re.DOTALL)
 
 
 def commands_of_environments(repository: Path) -> list[tuple[str, str]]:
@@ -78,8 +77,9 @@ def test_an_environment_has_what_its_commands_import(environment: str, command: 
     plug_ins = {"plot": "figures", "figure-data": "figure_data"}.get(command)
     files = set(code_of(command))
     if plug_ins:
-        for path in (LIBRARY / plug_ins).glob("*.py"):
-            files.update(code_of(command, f"{plug_ins}.{path.stem}".removesuffix(".__init__")))
+        for path in WORKFLOW.glob(f"*/{plug_ins}/*.py"):
+            name = ".".join(path.relative_to(WORKFLOW).with_suffix("").parts)
+            files.update(code_of(command, name.removesuffix(".__init__")))
     needed = set().union(*(third_party(path) for path in files if path.suffix == ".py"))
     missing = {CONDA_NAME.get(name, name) for name in needed} - set(dependencies(environment))
     # Only for one scene on the command line, and for what runs outside of rules.
@@ -94,7 +94,7 @@ def third_party(path: Path) -> set[str]:
             names.update(name.name.partition(".")[0] for name in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             names.add(node.module.partition(".")[0])
-    names -= set(sys.stdlib_module_names) | {"squeezefilm"}
+    names -= set(sys.stdlib_module_names) | set(PACKAGES)
     return {DISTRIBUTION.get(name, name) for name in names}
 
 
@@ -112,7 +112,7 @@ def test_the_locks_agree_and_name_no_address() -> None:
 
 
 def test_the_lock_has_every_package_that_the_library_imports() -> None:
-    wanted = set().union(*(third_party(path) for path in LIBRARY.rglob("*.py")))
+    wanted = set().union(*(third_party(path) for path in WORKFLOW.rglob("*.py")))
     text = (REPOSITORY / "requirements.in").read_text(encoding="utf-8")
     named = {re.split(r"[\[=<> ]", line)[0] for line in text.splitlines() if line[:1].isalpha()}
     assert wanted <= named

@@ -9,9 +9,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.errors import InputError
-from squeezefilm.explorer import Study, explorer_page
+from reporting.explorer import Study, explorer_page
+from squeezefilm.cli import main as cli
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import read_fit
 
 LIBRARY = "/* the drawing library */"

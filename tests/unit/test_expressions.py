@@ -5,9 +5,9 @@ import time
 import numpy as np
 import pytest
 
-from squeezefilm.errors import InputError
-from squeezefilm.models.derivatives import derivative
-from squeezefilm.models.expressions import FUNCTIONS, Program, parse
+from squeezefilm.formulas.derivatives import derivative
+from squeezefilm.formulas.expressions import FUNCTIONS, Program, parse
+from squeezefilm.io.errors import InputError
 
 NAMES = ("a", "b", "x", "h0")
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.fit import Fit, fit_by_differential_evolution, fit_model
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 

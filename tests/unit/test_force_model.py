@@ -3,14 +3,8 @@
 import numpy as np
 import pytest
 
-from squeezefilm.errors import InputError
-from squeezefilm.models.force_model import (
-    FOUR_FACTOR,
-    TWO_FACTOR,
-    Factors,
-    get_model,
-    make_model,
-)
+from squeezefilm.io.errors import InputError
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model, make_model
 
 THETA = {
     TWO_FACTOR: np.array([7.624, 1.9166, -1.0013]),

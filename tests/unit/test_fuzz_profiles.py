@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 import yaml
 
-from squeezefilm.commands.example_scan import scan_text
-from squeezefilm.errors import InputError
-from squeezefilm.profiles.scans import smoothed_scan
+from squeezefilm.cli.use.example_scan import scan_text
+from squeezefilm.film.vibration.scans import smoothed_scan
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study, scene_of
-from squeezefilm.tables import ScenePoint
 
 RADIUS_M = 0.01
 # Every fourth point of the example, so that a fit takes a millisecond.

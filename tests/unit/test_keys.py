@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import SCHEMA_PATH, load_config
 from squeezefilm.studies.keys import key_table, with_key_table
 

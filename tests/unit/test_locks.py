@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.cli import main
-from squeezefilm.errors import InputError, RunError
+from squeezefilm.cli.main import main
+from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.job import CURRENT
 from squeezefilm.runs import locks
-from squeezefilm.runs.job import CURRENT
 
 Capture = pytest.CaptureFixture[str]
 

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.errors import InputError
+from squeezefilm.cli import main as cli
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import TWO_FACTOR, Factors, get_model, library, make_model
@@ -18,7 +18,7 @@ from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import check_models, model_named
 from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.profile_likelihood import parameter_ranges
-from squeezefilm.search import nelder_mead
+from squeezefilm.models.search import nelder_mead
 from squeezefilm.studies.config import load_config
 
 REFERENCE = Path(__file__).parents[1] / "reference"

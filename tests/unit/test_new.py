@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from squeezefilm import cli
+from squeezefilm.cli import main as cli
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study, scan_path, smoothed_scan_of
 
@@ -108,7 +108,7 @@ def test_the_forces_of_the_walk_through_are_those_of_its_commands(
 def test_what_the_walk_through_calls_is_there(walk_through: str, repository: Path) -> None:
     called = re.findall(r"^    squeezefilm ([a-z-]+)", walk_through, re.MULTILINE)
     assert {"new", "simulate", "predict", "working-point", "export"} <= set(called)
-    assert set(called) <= set(cli.COMMANDS)
+    assert set(called) <= set(cli.commands_of(cli.installed()))
     rules = "".join(path.read_text("utf-8") for path in repository.glob("workflow/rules/*.smk"))
     for target in re.findall(r"^    snakemake ([a-z]+)", walk_through, re.MULTILINE):
         assert re.search(rf"^ *rule {target}:", rules, re.MULTILINE), target

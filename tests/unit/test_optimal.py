@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.cli import main
+from squeezefilm.cli.main import main
 from squeezefilm.designs.design import d_efficiency
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 

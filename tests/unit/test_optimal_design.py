@@ -11,7 +11,7 @@ from squeezefilm.designs.continuous_design import Gradients, optimal_in_box, sen
 from squeezefilm.designs.design import Box, grid
 from squeezefilm.designs.exact_design import exchange
 from squeezefilm.designs.optimal_design import assess, maximin_design, optimal_weights
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 
 LINE = Box(("x",), (-1.0,), (1.0,))
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.pages.page import to_html
-from squeezefilm.pages.summary import to_markdown
-from squeezefilm.runs.history import to_markdown as runs_markdown
+from reporting.pages.history import to_markdown as runs_markdown
+from reporting.pages.page import to_html
+from reporting.pages.summary import to_markdown
+from squeezefilm.cli import main as cli
 from squeezefilm.studies.config import load_config
 
 

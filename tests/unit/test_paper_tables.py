@@ -7,11 +7,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.errors import InputError
+from paper.paper_tables import TABLES, table_recipe
+from squeezefilm.cli import main as cli
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import read_json
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.paper.paper_tables import TABLES, table_recipe
-from squeezefilm.tables import read_json
 
 
 def made(study, number: str, folder: Path) -> tuple[pd.DataFrame, str]:

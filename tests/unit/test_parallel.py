@@ -12,8 +12,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from squeezefilm.errors import InputError, RunError
-from squeezefilm.runs.parallel import spread
+from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.parallel import spread
 
 
 @pytest.mark.parametrize("processes", [1, 3])
@@ -47,7 +47,7 @@ def test_a_process_that_is_killed_is_told_and_not_waited_for() -> None:
 
 def test_processes_end_with_the_one_that_started_them(repository: Path) -> None:
     code = (
-        "import os, time; from squeezefilm.runs.parallel import spread\n"
+        "import os, time; from squeezefilm.io.parallel import spread\n"
         "task = lambda _: (os.write(1, b'%d\\n' % os.getpid()), time.sleep(60))\n"
         "spread(task, [1, 2], processes=2)"
     )

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import TWO_FACTOR, Factors, make_model
 from squeezefilm.models.local_fit import local_fit, sum_of_squares
 from squeezefilm.models.profile_likelihood import parameter_ranges

@@ -11,21 +11,21 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from squeezefilm.commands.example_scan import scan_text
-from squeezefilm.errors import InputError
-from squeezefilm.figure_data import fig05
-from squeezefilm.figure_data import profile as profile_figure
-from squeezefilm.figures import figure_module, style
-from squeezefilm.profiles.choice import make_profile
-from squeezefilm.profiles.scan_tables import points_table, summary_of
-from squeezefilm.profiles.scans import SmoothedScan, smoothed_scan
-from squeezefilm.profiles.shapes import Modes, Profile, Sinc
-from squeezefilm.profiles.vibrometer import read_scan
-from squeezefilm.profiles.zernike import modes_at, orders_up_to
+from paper.figure_data import fig05
+from reporting.figures import figure_module, style
+from squeezefilm.cli.use.example_scan import scan_text
+from squeezefilm.film.vibration import residuals as profile_figure
+from squeezefilm.film.vibration.choice import make_profile
+from squeezefilm.film.vibration.scan_tables import points_table, summary_of
+from squeezefilm.film.vibration.scans import SmoothedScan, smoothed_scan
+from squeezefilm.film.vibration.shapes import Modes, Profile, Sinc
+from squeezefilm.film.vibration.vibrometer import read_scan
+from squeezefilm.film.vibration.zernike import modes_at, orders_up_to
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
-from squeezefilm.tables import ScenePoint
 
 RADIUS_M = 0.01
 Smooth = Callable[..., SmoothedScan]

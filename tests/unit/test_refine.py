@@ -11,14 +11,14 @@ import pandas as pd
 import pytest
 import yaml
 
-from squeezefilm.cli import main
-from squeezefilm.commands import refine as refine_command
+from squeezefilm.cli.main import main
+from squeezefilm.cli.steps import refine as refine_command
 from squeezefilm.designs.experiments import factors_of
+from squeezefilm.io.tables import SCENE_COLUMNS, read_forces, write_table
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.weak_spots import in_words, weak_spots
 from squeezefilm.studies.config import load_config
-from squeezefilm.tables import SCENE_COLUMNS, read_forces, write_table
 
 Capture = pytest.CaptureFixture[str]
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from jinja2 import Template
 
-from squeezefilm.figures import FIGURES
+from reporting.figures import FIGURES
 
 
 def caption(repository: Path, figure: str) -> str:

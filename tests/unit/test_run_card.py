@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.cli import main
-from squeezefilm.runs import job as this_job
+from squeezefilm.cli.main import main
+from squeezefilm.io import job as this_job
 from squeezefilm.runs import locks, run_card
 from squeezefilm.studies.config import Config, load_config
 

@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 import yaml
 
-from squeezefilm import cli
-from squeezefilm.errors import InputError
-from squeezefilm.profiles.choice import make_profile
-from squeezefilm.profiles.force_errors import out_of_phase_effect, scan_errors
-from squeezefilm.profiles.scans import SmoothedScan, smoothed
-from squeezefilm.profiles.shapes import Modes, Profile
-from squeezefilm.profiles.vibrometer import Scan
+from squeezefilm.cli import main as cli
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.choice import make_profile
+from squeezefilm.film.vibration.scans import SmoothedScan, smoothed
+from squeezefilm.film.vibration.shapes import Modes, Profile
+from squeezefilm.film.vibration.vibrometer import Scan
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.scene import Scene
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.scan_errors import out_of_phase_effect, scan_errors
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint
 
 RADIUS_M = 0.01
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from squeezefilm.errors import InputError
-from squeezefilm.profiles.choice import make_profile
-from squeezefilm.profiles.shapes import Piston, Sinc
-from squeezefilm.scene import Scene, check_scene
+from squeezefilm.film.scene import Scene, check_scene
+from squeezefilm.film.vibration.choice import make_profile
+from squeezefilm.film.vibration.shapes import Piston, Sinc
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import ScenePoint
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.design import Box
-from squeezefilm.errors import InputError
-from squeezefilm.scene import check_scene
+from squeezefilm.film.scene import check_scene
+from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.space import Space
 

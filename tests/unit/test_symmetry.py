@@ -9,16 +9,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
+from squeezefilm.cli import main as cli
 from squeezefilm.designs.design import Box
-from squeezefilm.directions import Directions
-from squeezefilm.errors import InputError
+from squeezefilm.film.directions import Directions
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import factor_ranges, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, directions_of, scene_of
-from squeezefilm.tables import ScenePoint
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
 SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}

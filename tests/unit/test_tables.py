@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.errors import InputError
-from squeezefilm.tables import (
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
     read_forces,

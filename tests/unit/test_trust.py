@@ -14,7 +14,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
+from squeezefilm.cli import main as cli
+from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.models.cross_validation import left_out_predictions
 from squeezefilm.models.fit import refit
 from squeezefilm.models.force_model import Factors, get_model
@@ -23,7 +24,6 @@ from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import centred_grid, level_values, plan, random_plan
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint
 
 TOLERANCE = 1e-4
 START = {"two_factor": (7.0, 1.0, -1.0), "four_factor": (7.0, 1.0, -1.0, 0.01, -50.0)}
@@ -163,7 +163,7 @@ def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:
     force = get_model(model).evaluate(theta, factors)
     points = table[list(FACTOR_COLUMNS)].to_dict("records")
     scripts = "".join(
-        (repository / "workflow/squeezefilm/explorer" / name).read_text(encoding="utf-8")
+        (repository / "workflow/reporting/explorer" / name).read_text(encoding="utf-8")
         for name in ("model.js", "trust.js")
     )
     program = (

@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.errors import RunError
-from squeezefilm.paper import uncertainty
-from squeezefilm.paper.claims import CLAIMS
-from squeezefilm.paper.uncertainty import ASSUMPTIONS, compare, differences, to_markdown
-from squeezefilm.scene import Scene
+from paper import uncertainty
+from paper.claims import CLAIMS
+from paper.uncertainty import ASSUMPTIONS, compare, differences, to_markdown
+from squeezefilm.cli import main as cli
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import RunError
 from squeezefilm.studies.config import Config, load_config
 
 FORCE_N = 0.962042

@@ -11,15 +11,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm import cli
-from squeezefilm.commands.limit_table import tabulate
-from squeezefilm.errors import InputError
+from squeezefilm.cli import main as cli
+from squeezefilm.cli.steps.limit_table import tabulate
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.quantities import quantities
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
 from squeezefilm.models.generated_code import c_source, python_source
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.trust import Trust, Unseen
-from squeezefilm.quantities import quantities
 from squeezefilm.studies.config import load_config
 
 THETA = {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.validation import relative_errors, summarise
 
 SIMULATION = [1.0, 2.0, 4.0, 0.1]

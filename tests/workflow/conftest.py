@@ -102,7 +102,7 @@ def _read_traces(folder: Path, checkout: Path) -> Iterator[Trace]:
             for key in ("modules", "opened")
         }
         # Snakemake's own process loads the library too, to read the configuration.
-        if Path("workflow/squeezefilm/__main__.py") in files["modules"]:
+        if any(path.name == "__main__.py" for path in files["modules"]):
             yield Trace(
                 tuple(trace["arguments"]),
                 files["modules"],

@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 import yaml
 
+from squeezefilm.io.tables import read_scenes
 from squeezefilm.studies.config import load_config
-from squeezefilm.tables import read_scenes
 
 from .conftest import snakemake
 

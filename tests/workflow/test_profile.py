@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.imports import may_read
+from squeezefilm.runs.code import may_read
 
 from .conftest import copy_checkout, snakemake
 

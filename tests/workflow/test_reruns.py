@@ -20,17 +20,19 @@ from typing import Any
 import pytest
 import yaml
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import SCHEMA_PATH, load_config
 from squeezefilm.studies.study import check_study
 
 from .conftest import EVERYTHING, Finished, Planner, Trace
 
-LIBRARY = Path("workflow/squeezefilm")
+WORKFLOW = Path("workflow")
+LIBRARY = WORKFLOW / "squeezefilm"
+PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
 REPOSITORY = Path(__file__).resolve().parents[2]
 CODE = sorted(
     path.relative_to(REPOSITORY)
-    for folder in (REPOSITORY / LIBRARY, REPOSITORY / "workflow/schemas")
+    for folder in (REPOSITORY / WORKFLOW / name for name in (*PACKAGES, "schemas"))
     for path in folder.rglob("*")
     if path.is_file() and path.suffix != ".pyc"
 )
@@ -85,7 +87,7 @@ def jobs(finished: Finished, planner: Planner) -> list[Job]:
     traces = {" ".join(trace.arguments): trace for trace in finished.traces}
     found = []
     for command, rows in by_command.items():
-        words = " ".join(command.split("-m squeezefilm ")[1].split(" >")[0].split())
+        words = " ".join(re.split(r"python -m \w+ ", command)[1].split(" >")[0].split())
         trace = traces[words]
         may_load = (imported_by(module, finished.folder) for module in trace.modules)
         found.append(

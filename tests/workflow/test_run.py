@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.tables import read_forces, read_scenes
+from squeezefilm.io.tables import read_forces, read_scenes
 
 from .conftest import EVERYTHING, QUICK, Finished, copy_checkout, snakemake
 

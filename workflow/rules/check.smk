@@ -32,13 +32,13 @@ rule compare_with_reference:
         mem_mb=1000,
         runtime=5,
     params:
-        settings=settings("commands.check"),
+        settings=settings("check"),
         results=lambda wildcards, output: str(Path(output.csv).parents[1]),
         reference=lambda wildcards: relative(REFERENCE),
     message:
         "Every number beside its reference"
     shell:
-        "python -m squeezefilm check {params.results} --config {input.config} "
+        "python -m reporting check {params.results} --config {input.config} "
         "--reference {params.reference} --output {output.csv} --markdown {output.markdown} "
         "--keep-going >{log} 2>&1"
 
@@ -59,7 +59,7 @@ rule check:
     message:
         "Is everything as in the reference?"
     shell:
-        "python -m squeezefilm verdict {input.table} 2>&1 | tee {log}"
+        "python -m reporting verdict {input.table} 2>&1 | tee {log}"
 
 
 rule check_page:
@@ -85,7 +85,7 @@ rule check_page:
     message:
         "The check as a page"
     shell:
-        "python -m squeezefilm pages {input.markdown} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.markdown} --output {output} >{log} 2>&1"
 
 
 # Run cards are read as they are when all else is made; this run's own is among them.
@@ -116,5 +116,5 @@ rule runs_page:
     message:
         "The runs that made all this, as a page"
     shell:
-        "{{ python -m squeezefilm runs {params.cards} --output {output.markdown} "
-        "&& python -m squeezefilm pages {output.markdown} --output {output.html}; }} >{log} 2>&1"
+        "{{ python -m reporting runs {params.cards} --output {output.markdown} "
+        "&& python -m reporting pages {output.markdown} --output {output.html}; }} >{log} 2>&1"

@@ -9,13 +9,14 @@ LIBRARY = Path(workflow.current_basedir).parent.resolve()
 IS_MODULE = not workflow.modifier.is_main_snakefile()
 sys.path.insert(0, str(LIBRARY))
 
-from squeezefilm import imports
+from squeezefilm.runs import code as code_files
 
-from squeezefilm.runs import atomic, locks, run_card
+from squeezefilm.io import atomic
+from squeezefilm.runs import locks, run_card
 from squeezefilm.studies import given
 from squeezefilm.studies.chunks import chunk_counts
 from squeezefilm.studies.config import load_config
-from squeezefilm.errors import InputError, RunError
+from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.models.library import check_models
 from squeezefilm.studies.study import check_study, scan_path
 
@@ -84,19 +85,26 @@ def code(command, *modules):
 
     They are the library's, and a measured profile where the command reads the actuator.
     """
-    files = imports.code_of(command, *modules)
-    if SCAN and imports.may_read("actuator", f"commands.{command.replace('-', '_')}", *modules):
+    files = code_files.code_of(command, *modules)
+    if SCAN and code_files.may_read("actuator", code_files.command_module(command), *modules):
         files = [*files, SCAN]
     return [relative(path) for path in files]
 
 
-def settings(module, key=None):
-    """The sections of the configuration that a module reads, to name as a rule's params.
+def settings(reader, key=None):
+    """The sections that a command, or a module by its dotted name, reads: to name as params.
 
     As text with sorted keys, so that their order in the file does not matter.
     """
-    sections = {name: CONFIG[name] for name in imports.sections_of(module, key)}
+    place = reader if "." in reader else code_files.command_module(reader)
+    sections = {name: CONFIG[name] for name in code_files.sections_of(place, key)}
     return json.dumps(sections, sort_keys=True)
+
+
+def room(kind, name):
+    """The dotted name of a figure's module, in whichever package has it."""
+    (path,) = LIBRARY.glob(f"*/{kind}/{name}.py")
+    return ".".join(path.relative_to(LIBRARY).with_suffix("").parts)
 
 
 def chunk_files(plan, suffix):

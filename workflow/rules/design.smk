@@ -20,7 +20,7 @@ rule design_two_factor:
         mem_mb=1000,
         runtime=30,
     params:
-        settings=settings("commands.design", "two-factor"),
+        settings=settings("design", "two-factor"),
     message:
         "D-optimal searches with the two-factor model"
     shell:
@@ -49,7 +49,7 @@ rule design_four_factor:
         mem_mb=1000,
         runtime=30,
     params:
-        settings=settings("commands.design", "four-factor"),
+        settings=settings("design", "four-factor"),
     message:
         "D-optimal searches with the four-factor model"
     shell:

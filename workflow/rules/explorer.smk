@@ -29,12 +29,12 @@ rule explorer:
         mem_mb=500,
         runtime=5,
     params:
-        settings=settings("commands.explorer"),
+        settings=settings("explorer"),
         forces=lambda wildcards, input: " ".join(
             f"{plan}={path}" for plan, path in zip(EXPLORER_PLANS, input.forces)
         ),
     message:
         "The explorer: a page to play with the models"
     shell:
-        "python -m squeezefilm explorer {input.fits} --forces {params.forces} "
+        "python -m reporting explorer {input.fits} --forces {params.forces} "
         "--config {input.config} --output {output} >{log} 2>&1"

@@ -133,7 +133,7 @@ wildcard_constraints:
 rule figure_data:
     input:
         unpack(lambda wildcards: FIGURE_INPUTS[wildcards.figure]),
-        code=lambda wildcards: code("figure-data", f"figure_data.{wildcards.figure}"),
+        code=lambda wildcards: code("figure-data", room("figure_data", wildcards.figure)),
         config=ancient(CONFIG_FILE),
     output:
         "<results>/figures/{figure}.csv",
@@ -147,20 +147,21 @@ rule figure_data:
         mem_mb=500,
         runtime=5,
     params:
-        settings=lambda wildcards: settings(f"figure_data.{wildcards.figure}"),
+        settings=lambda wildcards: settings(room("figure_data", wildcards.figure)),
+        room=lambda wildcards: room("figure_data", wildcards.figure),
         tables=lambda wildcards, input: " ".join(
             f"{name}={input[name]}" for name in FIGURE_INPUTS[wildcards.figure]
         ),
     message:
         "Data of {wildcards.figure}"
     shell:
-        "python -m squeezefilm figure-data {wildcards.figure} {params.tables} "
+        "python -m reporting figure-data {params.room} {params.tables} "
         "--config {input.config} --output {output} >{log} 2>&1"
 
 
 rule plot:
     input:
-        code=lambda wildcards: code("plot", f"figures.{wildcards.figure}"),
+        code=lambda wildcards: code("plot", room("figures", wildcards.figure)),
         data="<results>/figures/{figure}.csv",
     output:
         png="<results>/figures/{figure}.png",
@@ -182,10 +183,12 @@ rule plot:
     resources:
         mem_mb=1000,
         runtime=5,
+    params:
+        room=lambda wildcards: room("figures", wildcards.figure),
     message:
         "Draw {wildcards.figure}"
     shell:
-        "python -m squeezefilm plot {wildcards.figure} {input.data} "
+        "python -m reporting plot {params.room} {input.data} "
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 
@@ -212,7 +215,7 @@ rule table:
     message:
         "Table {wildcards.number}"
     shell:
-        "python -m squeezefilm table {wildcards.number} {params.tables} "
+        "python -m paper table {wildcards.number} {params.tables} "
         "--output {output.csv} --markdown {output.markdown} >{log} 2>&1"
 
 
@@ -237,7 +240,7 @@ rule compare_claims:
     message:
         "The paper's claims beside ours"
     shell:
-        "python -m squeezefilm claims {params.tables} "
+        "python -m paper claims {params.tables} "
         "--output {output.csv} --markdown {output.markdown} >{log} 2>&1"
 
 

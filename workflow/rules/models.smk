@@ -28,7 +28,7 @@ rule limits:
         mem_mb=1000,
         runtime=5,
     params:
-        settings=settings("commands.limits"),
+        settings=settings("limits"),
     message:
         "What physics says of {wildcards.plan} with nothing fitted"
     shell:
@@ -52,7 +52,7 @@ rule limit_table:
         mem_mb=1000,
         runtime=5,
     params:
-        settings=settings("commands.limit_table"),
+        settings=settings("limit-table"),
     message:
         "What physics says all over the space, for models that use it"
     shell:
@@ -78,7 +78,7 @@ rule fit_candidate:
         mem_mb=1000,
         runtime=30,
     params:
-        settings=settings("commands.fit"),
+        settings=settings("fit"),
     message:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
     shell:
@@ -112,18 +112,18 @@ rule compare:
         mem_mb=1000,
         runtime=5,
     params:
-        settings=settings("commands.compare"),
+        settings=settings("compare"),
     message:
         "Candidates side by side on {wildcards.space} points"
     shell:
-        "python -m squeezefilm compare {wildcards.space} {input.fits} --config {input.config} "
+        "python -m reporting compare {wildcards.space} {input.fits} --config {input.config} "
         "--forces {input.forces} --limits {input.limits} --output {output.table} --report {output.text} "
         "--errors {output.errors} >{log} 2>&1"
 
 
 rule plot_model_errors:
     input:
-        code=code("plot", "figures.model_errors"),
+        code=code("plot", room("figures", "model_errors")),
         data="<results>/models/{space}_errors.csv",
     output:
         png="<results>/models/{space}_errors.png",
@@ -145,7 +145,7 @@ rule plot_model_errors:
     message:
         "Draw the candidates' errors on {wildcards.space} points"
     shell:
-        "python -m squeezefilm plot model_errors {input.data} "
+        "python -m reporting plot model_errors {input.data} "
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 
@@ -175,7 +175,7 @@ rule models_page:
     message:
         "The comparison of models as pages"
     shell:
-        "python -m squeezefilm pages {input.tables} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.tables} --output {output} >{log} 2>&1"
 
 
 rule models:

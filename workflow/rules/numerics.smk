@@ -33,12 +33,12 @@ rule work_precision:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("commands.work_precision"),
+        settings=settings("work-precision"),
         blas=ONE_BLAS_THREAD,
     message:
         "Error against run time of the solver and of other methods"
     shell:
-        "{params.blas} python -m squeezefilm work-precision {input.fit} "
+        "{params.blas} python -m numerics work-precision {input.fit} "
         "--config {input.config} --output {output} >{log} 2>&1"
 
 
@@ -60,7 +60,7 @@ rule equal_error:
     message:
         "How many times less time the solver takes at equal error"
     shell:
-        "python -m squeezefilm equal-error {input.table} --output {output} >{log} 2>&1"
+        "python -m numerics equal-error {input.table} --output {output} >{log} 2>&1"
 
 
 rule stability:
@@ -80,12 +80,12 @@ rule stability:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("commands.stability"),
+        settings=settings("stability"),
         blas=ONE_BLAS_THREAD,
     message:
         "Stiff and extreme films, each with a verdict"
     shell:
-        "{params.blas} POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm stability "
+        "{params.blas} POCL_MAX_PTHREAD_COUNT={threads} python -m numerics stability "
         "--config {input.config} --output {output} >{log} 2>&1"
 
 
@@ -109,12 +109,12 @@ rule left_out:
         mem_mb=2000,
         runtime=10,
     params:
-        settings=settings("commands.left_out"),
+        settings=settings("left-out"),
         blas=ONE_BLAS_THREAD,
     message:
         "What leaving things out saves, and that it costs no accuracy"
     shell:
-        "{params.blas} python -m squeezefilm left-out {input.scenes} --config {input.config} "
+        "{params.blas} python -m numerics left-out {input.scenes} --config {input.config} "
         "--output {output} >{log} 2>&1"
 
 
@@ -135,11 +135,11 @@ rule roofline:
         mem_mb=2000,
         runtime=10,
     params:
-        settings=settings("commands.roofline"),
+        settings=settings("roofline"),
     message:
         "The solver's kernels beside the limits of the device"
     shell:
-        "python -m squeezefilm roofline --config {input.config} --output {output} >{log} 2>&1"
+        "python -m numerics roofline --config {input.config} --output {output} >{log} 2>&1"
 
 
 rule cost:
@@ -159,12 +159,12 @@ rule cost:
         mem_mb=4000,
         runtime=30,
     params:
-        settings=settings("commands.cost"),
+        settings=settings("cost"),
         blas=ONE_BLAS_THREAD,
     message:
         "Run time and memory against the size of the problem"
     shell:
-        "{params.blas} python -m squeezefilm cost --config {input.config} "
+        "{params.blas} python -m numerics cost --config {input.config} "
         "--output {output} >{log} 2>&1"
 
 
@@ -187,12 +187,12 @@ rule conditioning:
         mem_mb=1000,
         runtime=30,
     params:
-        settings=settings("commands.conditioning"),
+        settings=settings("conditioning"),
         blas=ONE_BLAS_THREAD,
     message:
         "How force errors move the fit and the design"
     shell:
-        "{params.blas} python -m squeezefilm conditioning {input.screen} {input.design} "
+        "{params.blas} python -m numerics conditioning {input.screen} {input.design} "
         "{input.fit} {input.searches} --config {input.config} --output {output} >{log} 2>&1"
 
 
@@ -215,19 +215,19 @@ rule paper_signature:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("commands.paper_signature"),
+        settings=settings("paper-signature"),
         blas=ONE_BLAS_THREAD,
     message:
         "Which numerical shortcuts would give the errors that the paper reports"
     shell:
-        "{params.blas} python -m squeezefilm paper-signature {input.screen} {input.design} "
+        "{params.blas} python -m paper paper-signature {input.screen} {input.design} "
         "{input.extrapolation} --config {input.config} --output {output.table} "
         "--points {output.points} >{log} 2>&1"
 
 
 rule plot_numerics:
     input:
-        code=lambda wildcards: code("plot", f"figures.{wildcards.numerics_figure}"),
+        code=lambda wildcards: code("plot", room("figures", wildcards.numerics_figure)),
         data="<results>/numerics/{numerics_figure}.csv",
     output:
         png="<results>/numerics/{numerics_figure}.png",
@@ -248,10 +248,12 @@ rule plot_numerics:
     resources:
         mem_mb=1000,
         runtime=5,
+    params:
+        room=lambda wildcards: room("figures", wildcards.numerics_figure),
     message:
         "Draw {wildcards.numerics_figure}"
     shell:
-        "python -m squeezefilm plot {wildcards.numerics_figure} {input.data} "
+        "python -m reporting plot {params.room} {input.data} "
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 

@@ -21,7 +21,7 @@ if SCAN:
             mem_mb=2000,
             runtime=30,
         params:
-            settings=settings("commands.profile"),
+            settings=settings("profile"),
         message:
             "Smooth the measured profile; simulate it with other noise"
         shell:
@@ -32,7 +32,7 @@ if SCAN:
 
     rule draw_profile:
         input:
-            code=code("plot", "figures.profile"),
+            code=code("plot", room("figures", "profile")),
             data="<results>/figures/profile.csv",
         output:
             png="<results>/figures/profile.png",
@@ -54,7 +54,7 @@ if SCAN:
         message:
             "Draw the measured profile"
         shell:
-            "python -m squeezefilm plot profile {input.data} "
+            "python -m reporting plot profile {input.data} "
             "--output {output.png} {output.svg} >{log} 2>&1"
 
     rule profile:

@@ -49,7 +49,7 @@ rule optimal_design:
         mem_mb=1000,
         runtime=10,
     params:
-        settings=settings("commands.optimal"),
+        settings=settings("optimal"),
         plans=lambda wildcards, input: " ".join(
             f"{name}={path}"
             for name, path in zip(JUDGED_PLANS[wildcards.space], input.plans, strict=True)
@@ -65,7 +65,7 @@ rule optimal_design:
 
 rule plot_sensitivity:
     input:
-        code=code("plot", "figures.sensitivity"),
+        code=code("plot", room("figures", "sensitivity")),
         data="<results>/designs/optimal_{space}_sensitivity.csv",
     output:
         png="<results>/designs/optimal_{space}_sensitivity.png",
@@ -87,7 +87,7 @@ rule plot_sensitivity:
     message:
         "Draw the sensitivity of the {wildcards.space} design"
     shell:
-        "python -m squeezefilm plot sensitivity {input.data} "
+        "python -m reporting plot sensitivity {input.data} "
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 
@@ -131,7 +131,7 @@ rule refine_model:
         mem_mb=2000,
         runtime=60,
     params:
-        settings=settings("commands.refine"),
+        settings=settings("refine"),
     message:
         "Refine {wildcards.model} over the {wildcards.space} space"
     shell:
@@ -171,14 +171,14 @@ rule refine_report:
     message:
         "What was estimated over the {wildcards.space} space, and the truth"
     shell:
-        "python -m squeezefilm refine-report {params.folders} --forces {input.forces} "
+        "python -m reporting refine-report {params.folders} --forces {input.forces} "
         "--limits {input.limits} --output {output.table} --report {output.text} "
         "--figure {output.figure} >{log} 2>&1"
 
 
 rule plot_refine:
     input:
-        code=code("plot", "figures.refine"),
+        code=code("plot", room("figures", "refine")),
         data="<results>/refine/{space}_figure.csv",
     output:
         png="<results>/refine/{space}.png",
@@ -200,7 +200,7 @@ rule plot_refine:
     message:
         "Draw the refinement over the {wildcards.space} space"
     shell:
-        "python -m squeezefilm plot refine {input.data} "
+        "python -m reporting plot refine {input.data} "
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 
@@ -230,7 +230,7 @@ rule refine_page:
     message:
         "The refinement as pages"
     shell:
-        "python -m squeezefilm pages {input.tables} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.tables} --output {output} >{log} 2>&1"
 
 
 rule refine:

@@ -43,7 +43,7 @@ rule summary:
         mem_mb=500,
         runtime=5,
     params:
-        settings=settings("commands.summary"),
+        settings=settings("summary"),
         results=lambda wildcards, output: str(Path(output[0]).parent),
         plans=SUMMARY_PLANS,
         fits=FITS,
@@ -51,7 +51,7 @@ rule summary:
     message:
         "The study on one page"
     shell:
-        "python -m squeezefilm summary {params.results} --config {input.config} --forces {params.plans} "
+        "python -m reporting summary {params.results} --config {input.config} --forces {params.plans} "
         "--fits {params.fits} --validations {params.pairs} --output {output} >{log} 2>&1"
 
 
@@ -102,5 +102,5 @@ rule pages:
     message:
         "Pages of the report"
     shell:
-        "python -m squeezefilm pages {input.summary} {input.claims} "
+        "python -m reporting pages {input.summary} {input.claims} "
         "{input.uncertainty} {input.tables} --output {output} >{log} 2>&1"

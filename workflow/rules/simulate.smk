@@ -25,7 +25,7 @@ rule plan:
         mem_mb=500,
         runtime=5,
     params:
-        settings=lambda wildcards: settings("commands.plan", wildcards.plan),
+        settings=lambda wildcards: settings("plan", wildcards.plan),
         design=lambda wildcards, input: f"--design {input.design}" if input.design else "",
     message:
         "Points to simulate: {wildcards.plan}"
@@ -51,7 +51,7 @@ rule plan_extrapolation:
         mem_mb=500,
         runtime=5,
     params:
-        settings=settings("commands.extrapolate"),
+        settings=settings("extrapolate"),
     message:
         "Points to simulate: where the fitted models expect the wanted force"
     shell:
@@ -77,7 +77,7 @@ rule compile_kernels:
         mem_mb=1000,
         runtime=5,
     params:
-        settings=settings("commands.warm"),
+        settings=settings("warm"),
     message:
         "Compile the kernels"
     shell:
@@ -104,7 +104,7 @@ rule simulate:
         mem_mb=lambda wildcards, attempt: 2000 * attempt,
         runtime=lambda wildcards, attempt: 30 * attempt,
     params:
-        settings=settings("commands.simulate"),
+        settings=settings("simulate"),
     message:
         "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
     shell:
@@ -204,7 +204,7 @@ rule explain:
         mem_mb=1000,
         runtime=5,
     params:
-        settings=settings("commands.explain"),
+        settings=settings("explain"),
     message:
         "What {wildcards.plan} needs, and what is left out"
     shell:

@@ -20,11 +20,11 @@ rule uncertainty_table:
         mem_mb=1000,
         runtime=10,
     params:
-        settings=settings("commands.uncertainty"),
+        settings=settings("uncertainty"),
     message:
         "What would explain the differences from the paper"
     shell:
-        "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm uncertainty "
+        "POCL_MAX_PTHREAD_COUNT={threads} python -m paper uncertainty "
         "--config {input.config} --output {output.csv} --markdown {output.markdown} "
         "--curves {output.curves} >{log} 2>&1"
 
@@ -46,9 +46,9 @@ rule cross_section:
         mem_mb=1000,
         runtime=5,
     params:
-        settings=settings("commands.cross_section"),
+        settings=settings("cross-section"),
     message:
         "Gap and pressure under the finger over a period"
     shell:
-        "OPENBLAS_NUM_THREADS=1 python -m squeezefilm cross-section {input.scenes} "
+        "OPENBLAS_NUM_THREADS=1 python -m reporting cross-section {input.scenes} "
         "--config {input.config} --output {output} >{log} 2>&1"

@@ -38,7 +38,7 @@ rule validate:
         mem_mb=500,
         runtime=5,
     params:
-        settings=settings("commands.validate"),
+        settings=settings("validate"),
     message:
         "Judge the fit {wildcards.fit} on {wildcards.plan}"
     shell:

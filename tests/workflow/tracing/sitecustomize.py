@@ -12,6 +12,8 @@ import os
 import sys
 import uuid
 
+PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
+
 opened: set[str] = set()
 sections: set[str] = set()
 
@@ -50,7 +52,7 @@ def write() -> None:
     loaded = {
         os.path.realpath(module.__file__)
         for name, module in list(sys.modules.items())
-        if name.partition(".")[0] == "squeezefilm" and getattr(module, "__file__", None)
+        if name.partition(".")[0] in PACKAGES and getattr(module, "__file__", None)
     }
     main = sys.modules["__main__"]
     if loaded and getattr(main, "__file__", None):

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from squeezefilm.designs.exact_design import exchange
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import ExpressionModel, Factors
 from squeezefilm.models.local_fit import local_fit, sum_of_squares

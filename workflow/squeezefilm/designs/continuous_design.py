@@ -17,7 +17,7 @@ from scipy.optimize import minimize
 
 from squeezefilm.designs.design import Box
 from squeezefilm.designs.optimal_design import optimal_weights, stacked_derivatives
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 
 Array = NDArray[np.float64]
 Gradients = Callable[[Array], Array]

@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
 from squeezefilm.designs.exact_design import exchange
-from squeezefilm.errors import InputError
-from squeezefilm.search import genetic_search
+from squeezefilm.io.errors import InputError
+from squeezefilm.models.search import genetic_search
 
 Array = NDArray[np.float64]
 Gradient = Callable[[Array], Array]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.designs.optimal_design import stacked_derivatives
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

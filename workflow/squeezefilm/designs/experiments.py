@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.sources import read_columns
+from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.sources import read_columns
-from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
 
 ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
 """What a reader of a refinement's rounds may count on; the table has more."""

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr
 from scipy.optimize import minimize, nnls
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, differential_evolution
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, Factors
 from squeezefilm.models.local_fit import local_fit
-from squeezefilm.search import Array, Objective, genetic_search, nelder_mead
+from squeezefilm.models.search import Array, Objective, genetic_search, nelder_mead
 
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from squeezefilm.directions import Directions
-from squeezefilm.errors import InputError
+from squeezefilm.film.directions import Directions
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import read_json
 from squeezefilm.models.force_model import ExpressionModel, Factors, get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.trust import Trust, Unseen, Verdict
-from squeezefilm.tables import read_json
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,10 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.errors import InputError
-from squeezefilm.models.derivatives import derivative
-from squeezefilm.models.expressions import Expression, Name, Program, parse, walk
-from squeezefilm.models.units import parameter_units
+from squeezefilm.formulas.derivatives import derivative
+from squeezefilm.formulas.expressions import Expression, Name, Program, parse, walk
+from squeezefilm.formulas.units import parameter_units
+from squeezefilm.io.errors import InputError
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from math import isnan
 from pathlib import Path
 from string import Template
 
-from squeezefilm.errors import InputError
-from squeezefilm.models.expressions import Name, Node, Number
+from squeezefilm.formulas.expressions import Name, Node, Number
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.force_model import (
     CARTESIAN,

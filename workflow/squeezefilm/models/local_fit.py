@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, Factors
 
 Array = NDArray[np.float64]

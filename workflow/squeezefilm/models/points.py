@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.quantities import quantities
+from squeezefilm.io.sources import read_columns
 from squeezefilm.models.force_model import CARTESIAN, COLUMNS, POLAR, Factors
-from squeezefilm.quantities import quantities
-from squeezefilm.sources import read_columns
 
 OPTIONS = {
     "h0_m": ("--h0", "m", "mean gap, e.g. 5um; several 5um,6um; or 5um:10um:6"),

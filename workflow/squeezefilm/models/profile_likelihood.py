@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 from scipy.optimize import brentq
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, Factors
 from squeezefilm.models.local_fit import local_fit, sum_of_squares
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64

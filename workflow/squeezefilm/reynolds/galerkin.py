@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from squeezefilm.film.scene import FUKUI_KANEKO_LEAST_D, Scene
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.pad_modes import PadGrid, PadModes, pad_modes
 from squeezefilm.reynolds.refinement import ITERATION_SHARE
@@ -33,7 +34,6 @@ from squeezefilm.reynolds.resolution import (
 )
 from squeezefilm.reynolds.solution import Solution, error_text, left_out_text
 from squeezefilm.reynolds.spectral import period
-from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
 METHOD = "periodic-modes"
 # Estimates are this many times those of the grids. Without it 2 of 60 forces of random pads were

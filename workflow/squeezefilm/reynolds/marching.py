@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.galerkin import wants_modes
 from squeezefilm.reynolds.grid import Grid
@@ -22,7 +23,6 @@ from squeezefilm.reynolds.settling import (
     transient_force,
 )
 from squeezefilm.reynolds.solution import Solution, left_out_text
-from squeezefilm.scene import Scene
 
 # Neither scheme is preconditioned for sliding: beyond this, steps become many or slow.
 LARGEST_BEARING = 30.0

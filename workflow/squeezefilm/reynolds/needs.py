@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
-from squeezefilm.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from squeezefilm.film.scene import FUKUI_KANEKO_LEAST_D, Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
@@ -24,7 +25,6 @@ from squeezefilm.reynolds.resolution import (
     start_grid,
 )
 from squeezefilm.reynolds.solution import Solution, error_text, left_out_text
-from squeezefilm.scene import FUKUI_KANEKO_LEAST_D, Scene
 
 # Share of the tolerance that Newton's iteration may leave; the grids get the rest.
 ITERATION_SHARE = 0.2

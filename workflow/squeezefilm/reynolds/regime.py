@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.limits import limit_axis, limit_points, small_amplitude
-from squeezefilm.scene import Scene
 
 LEAST_SHARE = 0.005
 # Inertia's share of the mean force per unit of ρωh0²/μ: 4.4 % (centred) to 5.4 % (at the rim of the

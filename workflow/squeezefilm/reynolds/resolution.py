@@ -8,10 +8,10 @@ from __future__ import annotations
 from dataclasses import replace
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 
+from squeezefilm.film.scene import Finger
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.under_finger import Probe
-from squeezefilm.scene import Finger
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
 MOST_TIME = 192

@@ -12,7 +12,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import Problems
 

@@ -10,7 +10,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from squeezefilm.errors import InputError
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds import galerkin, limits, marching
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.galerkin import solve_in_modes, wants_modes
@@ -20,7 +21,6 @@ from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import solve_periodic
 from squeezefilm.reynolds.resolution import nodes_for_profile, unseen_profile
 from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
-from squeezefilm.scene import Scene
 
 # The methods from cheap to dear; the limits know their own error before anything is solved.
 LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")

@@ -12,7 +12,7 @@ from math import pi
 
 import numpy as np
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device, aligned, kernel
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import Problems, profile_fields

@@ -12,10 +12,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.profiles.landmarks import landmarks_of
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.landmarks import landmarks_of
 from squeezefilm.reynolds.grid import MOST_SPACE
 from squeezefilm.reynolds.spectral import axis
-from squeezefilm.scene import Scene
 
 # Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
 SYMMETRIC = 1e-13

@@ -20,9 +20,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO
 
-from squeezefilm.errors import InputError, RunError
-from squeezefilm.runs.atomic import whole_file
-from squeezefilm.runs.job import CURRENT
+from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.job import CURRENT
 from squeezefilm.runs.provenance import timestamp
 
 LOCK = "lock"

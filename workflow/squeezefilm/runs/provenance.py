@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 
 from squeezefilm import __version__
-from squeezefilm.runs import job
-from squeezefilm.runs.atomic import whole_file
+from squeezefilm.io import job
+from squeezefilm.io.atomic import whole_file
 
 PACKAGES = (
     "snakemake",

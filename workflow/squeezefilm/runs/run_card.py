@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from squeezefilm.runs.atomic import digest
-from squeezefilm.runs.job import jobs_folder
+from squeezefilm.io.atomic import digest
+from squeezefilm.io.job import jobs_folder
 from squeezefilm.runs.locks import Owner
 from squeezefilm.runs.provenance import timestamp, versions
 
@@ -53,7 +53,7 @@ def begin(
 
     ``cards`` is the study's folder of run cards; the caller holds the study (locks.py).
     """
-    from squeezefilm.tables import write_json
+    from squeezefilm.io.tables import write_json
 
     for path in sorted(cards.glob("*.json")):
         card = _read(path)
@@ -118,8 +118,8 @@ def made_files(cards: Path) -> list[Made]:
 
 
 def _complete(path: Path, *, outcome: str, ended: str | None) -> None:
-    from squeezefilm.pages.markdown import write_markdown
-    from squeezefilm.tables import write_json
+    from squeezefilm.io.markdown import write_markdown
+    from squeezefilm.io.tables import write_json
 
     card = _read(path)
     folder = jobs_folder(path.with_suffix(""))
@@ -142,7 +142,7 @@ def _complete(path: Path, *, outcome: str, ended: str | None) -> None:
 
 def to_markdown(card: Mapping[str, Any]) -> str:
     """A card as a page for people."""
-    from squeezefilm.pages.markdown import markdown_rows
+    from squeezefilm.io.markdown import markdown_rows
 
     facts = [
         ["study", card["study"]],

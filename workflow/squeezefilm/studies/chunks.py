@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from math import ceil
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import factor_ranges, plan_sizes, random_plan
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import scene_points
 
 # One thread of the processor that docs/cluster.md was measured on.
 MFLOP_PER_SECOND = 20_000.0

@@ -12,7 +12,7 @@ from typing import Any
 
 import yaml
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 
 SCHEMA_PATH = Path(__file__).parents[2] / "schemas" / "config.schema.yaml"
 LARGEST_INTEGER = 2**53

@@ -10,8 +10,8 @@ from typing import Any
 
 import yaml
 
-from squeezefilm.errors import InputError
-from squeezefilm.runs.atomic import whole_file
+from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import parse_config
 
 OPTIONS = ("--configfile", "--configfiles")

@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from squeezefilm.errors import InputError
+from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import SCHEMA_PATH
 
 Schema = Mapping[str, Any]

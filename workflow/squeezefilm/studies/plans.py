@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.io.tables import SCENE_COLUMNS
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import directions_of
-from squeezefilm.tables import SCENE_COLUMNS
 
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
 PIECE = 2**17

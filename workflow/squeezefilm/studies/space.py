@@ -14,12 +14,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from squeezefilm.designs.design import Box, coordinates
-from squeezefilm.errors import InputError
-from squeezefilm.scene import Scene, check_scene
+from squeezefilm.film.scene import Scene, check_scene
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import factor_ranges, plan
 from squeezefilm.studies.study import scene_of
-from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint
 
 Array = NDArray[np.float64]
 

@@ -7,17 +7,17 @@ from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from squeezefilm.directions import Directions
-from squeezefilm.errors import InputError
-from squeezefilm.profiles.choice import make_profile
-from squeezefilm.profiles.shapes import Profile
-from squeezefilm.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
+from squeezefilm.film.directions import Directions
+from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
+from squeezefilm.film.vibration.choice import make_profile
+from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.symmetry import symmetric_directions
-from squeezefilm.tables import ScenePoint
 
 if TYPE_CHECKING:
-    from squeezefilm.profiles.scans import SmoothedScan
+    from squeezefilm.film.vibration.scans import SmoothedScan
 
 SECTIONS = ("gas", "actuator", "finger")
 
@@ -44,7 +44,7 @@ def scan_path(config: Config) -> Path | None:
 
 def smoothed_scan_of(config: Config) -> SmoothedScan | None:
     """The measured vibration shape with all that is known of it; None if it is not measured."""
-    from squeezefilm.profiles.scans import smoothed_scan
+    from squeezefilm.film.vibration.scans import smoothed_scan
 
     path = scan_path(config)
     if path is None:

@@ -8,9 +8,9 @@ from math import atan2, cos, degrees, pi, radians, sin, sqrt
 
 import numpy as np
 
-from squeezefilm.directions import Directions
-from squeezefilm.profiles.shapes import Profile
-from squeezefilm.scene import Finger
+from squeezefilm.film.directions import Directions
+from squeezefilm.film.scene import Finger
+from squeezefilm.film.vibration.shapes import Profile
 
 # Places on the disc at which a profile is compared with its image: a sunflower's, so that no two
 # are related by symmetry.

@@ -1,0 +1,43 @@
+"""Gap and pressure along the middle of a finger over a period, for pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.galerkin import pressure_at
+
+POINTS, TIMES = 41, 16
+TOLERANCE = 1e-4
+"""Of the largest pressure: a picture shows no more."""
+COLUMNS = ("point_id", "phase_deg", "x_mm", "surface_um", "finger_um", "overpressure_kpa")
+
+
+def cross_section(scene: Scene) -> pd.DataFrame:
+    """The film along y = middle of a finger, columns COLUMNS: a row for each time and place.
+
+    x_mm counts from the finger's centre along its own axis, heights from the surface at rest. The
+    pressure is that of the periodic state in the pad's modes, NaN where there is none to show.
+    """
+    x = (1 - np.cos(np.pi * np.arange(POINTS + 2) / (POINTS + 1))) / 2
+    phase = 2 * np.pi * np.arange(TIMES) / TIMES
+    middle = np.full_like(x, 0.5)
+    amplitude = scene.amplitude(x, middle)
+    # The gap widens while sin T > 0: the surface goes down.
+    surface = -scene.hv_m * np.sin(phase)[:, None] * amplitude
+    finger = scene.h0_m + scene.finger.gap.rise_m(x, middle)
+    found = pressure_at(scene, x=x, y=middle, instants=TIMES, tolerance=TOLERANCE)
+    pressure = np.full(surface.shape, np.nan) if found is None else found.T
+    shape = np.ones_like(surface)
+    return pd.DataFrame(
+        {
+            "point_id": scene.point_id,
+            "phase_deg": (np.degrees(phase)[:, None] * shape).ravel(),
+            "x_mm": (1e3 * scene.finger.length_x_m * (x - 0.5) * shape).ravel(),
+            "surface_um": 1e6 * surface.ravel(),
+            "finger_um": (1e6 * finger * shape).ravel(),
+            "overpressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * pressure).ravel(),
+        },
+        columns=list(COLUMNS),
+    )

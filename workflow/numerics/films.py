@@ -1,0 +1,122 @@
+"""Films given by their dimensionless numbers, as scenes for the solver and for the yardsticks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, degrees, hypot, pi
+
+import numpy as np
+
+from numerics.yardstick import FloatArray, Fold
+from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
+from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
+
+LENGTH_M = 0.01
+PRESSURE_PA = 101_325.0
+H0_M = 5e-6
+FREQUENCY_HZ = 43_270.0
+SINC = Sinc(wave_number_per_m=109.8)
+PISTON = Piston()
+
+
+@dataclass(frozen=True)
+class Film:
+    """A film of the Reynolds equation in dimensionless form.
+
+    Attributes:
+        name: what tables and figures call it.
+        epsilon, sigma, bearing: excursion ratio, squeeze number, bearing number.
+        profile: vibration shape of the actuator.
+        x, y: the finger's centre on the actuator, in units of its side along x.
+        aspect: the finger's side along y over that along x.
+        knudsen: mean free path over mean gap, with first-order slip; 0 for no rarefaction.
+    """
+
+    name: str
+    epsilon: float
+    sigma: float
+    bearing: float = 0.0
+    profile: Profile = SINC
+    x: float = 0.0
+    y: float = 0.0
+    aspect: float = 1.0
+    knudsen: float = 0.0
+
+    @property
+    def scene(self) -> Scene:
+        """A scene with these numbers: gap, frequency and pressure of the paper, a gas to match."""
+        angular_frequency = 2 * pi * FREQUENCY_HZ
+        viscosity = self.sigma * PRESSURE_PA * H0_M**2 / (12 * angular_frequency * LENGTH_M**2)
+        speed = self.bearing * PRESSURE_PA * H0_M**2 / (6 * viscosity * LENGTH_M)
+        return Scene(
+            point_id=self.name,
+            h0_m=H0_M,
+            hv_m=self.epsilon * H0_M,
+            phi_r_m=hypot(self.x, self.y) * LENGTH_M,
+            phi_deg=degrees(atan2(self.y, self.x)),
+            gas=Gas(
+                viscosity_pa_s=viscosity,
+                ambient_pressure_pa=PRESSURE_PA,
+                density_kg_per_m3=1.2,
+                mean_free_path_m=self.knudsen * H0_M or 67e-9,
+                rarefaction="slip" if self.knudsen else "none",
+                polytropic_exponent=1.0,
+            ),
+            actuator=Actuator(
+                frequency_hz=FREQUENCY_HZ, surface_radius_m=1.0, profile=self.profile
+            ),
+            finger=Finger(
+                length_x_m=LENGTH_M, length_y_m=self.aspect * LENGTH_M, speed_x_m_per_s=speed
+            ),
+        )
+
+    def amplitude(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """The profile s at x, y in [0, 1] across the finger."""
+        return self.scene.amplitude(x, y)
+
+    @property
+    def fold(self) -> Fold:
+        """Whether the film is even about the middle of x and of y, probed at some points."""
+        nodes = np.linspace(0.03, 0.46, 7)
+        x, y = np.meshgrid(nodes, 1.1 * nodes, indexing="ij")
+        s = self.amplitude(x, y)
+        even_x = np.allclose(self.amplitude(1 - x, y), s, rtol=0, atol=1e-13)
+        even_y = np.allclose(self.amplitude(x, 1 - y), s, rtol=0, atol=1e-13)
+        return bool(even_x and self.bearing == 0), bool(even_y)
+
+
+@dataclass(frozen=True)
+class Rough:
+    """A profile as measurements give it: the sinc with bumps of some millimetres.
+
+    Attributes:
+        height: root mean square of the bumps, in units of the maximum.
+        wavelength_m: shortest wavelength of the bumps.
+        seed: of the random phases.
+    """
+
+    height: float
+    wavelength_m: float
+    seed: int = 1
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        random = np.random.default_rng(self.seed)
+        waves = 24
+        size = 2 * pi / self.wavelength_m * random.uniform(0.3, 1.0, waves)
+        direction, phase = random.uniform(0, 2 * pi, (2, waves))
+        bumps = sum(
+            np.cos(k * (np.cos(d) * x_m + np.sin(d) * y_m) + f)
+            for k, d, f in zip(size, direction, phase, strict=True)
+        )
+        smooth = SINC.amplitude(x_m=x_m, y_m=y_m)
+        return np.asarray(smooth * (1 + self.height * np.sqrt(2 / waves) * bumps))
+
+
+@dataclass(frozen=True)
+class Mirrored:
+    """A profile seen in a mirror along x."""
+
+    profile: Profile
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        return self.profile.amplitude(x_m=x_m, y_m=-y_m)

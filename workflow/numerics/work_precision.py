@@ -1,0 +1,406 @@
+"""Error against run time of every method, each along its own path of refinement.
+
+A path is a list of settings made by a rule that is written down here, not by looking at errors:
+the parts of a method's error shall fall at the same rate from rung to rung. A rung that takes
+longer than a given time is the last of its path.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from numerics import chebyshev_march, finite_elements, freefem, method_of_lines, numpy_periodic
+from numerics.films import Film
+from numerics.fixed_grid import problems_on_grid, solve_on_grid
+from numerics.reference import Reference, reference_force
+from numerics.timing import cold_start, measure
+from numerics.yardstick import Fold, periods_to_settle
+from squeezefilm.io.errors import RunError
+from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.settling import transient_force
+
+FILMS = (
+    *(
+        Film(f"ε = {epsilon:g}, σ = {sigma:g}", epsilon, sigma)
+        for epsilon in (0.1, 0.44)
+        for sigma in (20.0, 583.0, 2331.0)
+    ),
+    Film("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
+    Film("ε = 0.9, σ = 583", 0.9, 583.0),
+)
+COLD_FILM = FILMS[4]
+COLUMNS = (
+    "scene",
+    "epsilon",
+    "sigma",
+    "method",
+    "path",
+    "batch",
+    "start",
+    "settings",
+    "status",
+    "force",
+    "reference",
+    "reference_uncertainty",
+    "relative_error",
+    "estimated_error",
+    "cpu_seconds",
+    "wall_seconds",
+    "repeats",
+    "device",
+    "model_error",
+)
+PERIODIC = "periodic state, OpenCL"
+# Other methods of the solver, each with its own region of validity.
+LADDER = ("fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
+MARCH = "time march, OpenCL"
+CHOSEN = "method chosen by the solver"
+OWN = (CHOSEN, PERIODIC, MARCH, *LADDER)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status."""
+
+    force: float
+    estimated_error: float = np.nan
+    status: str = "ok"
+
+
+Run = Callable[[], Answer]
+Rule = Callable[[Film, int], tuple[str, Any, Mapping[str, Any]]]
+"""From a film and a rung to a yardstick's name, its module and its settings."""
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One setting of a method on its path: what it is, and the call that solves `batch` films."""
+
+    method: str
+    path: str
+    settings: str
+    run: Run
+    batch: int = 1
+
+
+def work_precision(
+    films: tuple[Film, ...],
+    *,
+    repeats: int,
+    batch: int,
+    longest_seconds: float,
+    rungs: int,
+    model_error: float,
+    device: Device,
+    log: Callable[[str], None],
+) -> pd.DataFrame:
+    """Rows of COLUMNS: each film by each method, forces in units of p0 l0^2, seconds per film.
+
+    repeats, longest_seconds: timings per rung, and the CPU seconds beyond which a path ends;
+    batch: films solved together; rungs: the most of any path; model_error: relative error of the
+    empirical model, noted in every row; log: told of each film.
+    """
+    rows = []
+    for film in films:
+        log(film.name)
+        reference = reference_force(
+            epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, fold=film.fold
+        )
+        for path in _paths(film, batch=batch, rungs=rungs, device=device):
+            for rung in path:
+                row = _row(film, rung, reference, repeats=repeats, device=device)
+                rows.append(row)
+                if row["cpu_seconds"] * rung.batch > longest_seconds:
+                    break
+    table = pd.DataFrame(rows).assign(model_error=model_error)
+    return table[list(COLUMNS)]
+
+
+def _row(
+    film: Film, rung: Rung, reference: Reference, *, repeats: int, device: Device
+) -> dict[str, Any]:
+    def attempt() -> Answer:
+        try:
+            return rung.run()
+        except RunError as error:
+            return Answer(force=np.nan, status=str(error))
+
+    timed = measure(attempt, repeats=repeats)
+    answer = timed.result
+    return {
+        "scene": film.name,
+        "epsilon": film.epsilon,
+        "sigma": film.sigma,
+        "method": rung.method,
+        "path": rung.path,
+        "batch": rung.batch,
+        "start": "warm",
+        "settings": rung.settings,
+        "status": answer.status,
+        "force": answer.force,
+        "reference": reference.force,
+        "reference_uncertainty": reference.uncertainty / reference.force,
+        "relative_error": abs(answer.force / reference.force - 1),
+        "estimated_error": answer.estimated_error / reference.force,
+        "cpu_seconds": timed.cpu_seconds / rung.batch,
+        "wall_seconds": timed.wall_seconds / rung.batch,
+        "repeats": timed.repeats,
+        "device": _device_of(rung.method, device),
+    }
+
+
+def _device_of(method: str, device: Device) -> str:
+    if method in OWN:
+        return device.name
+    return "FreeFEM" if method.endswith("FreeFEM") else "NumPy, SciPy"
+
+
+def _paths(film: Film, *, batch: int, rungs: int, device: Device) -> Iterator[Iterator[Rung]]:
+    for method in ("auto", "periodic"):
+        for count in (1, batch):
+            yield _by_tolerance(film, method=method, batch=count, device=device, rungs=rungs)
+    for path in ("balanced", "space", "time"):
+        yield _fixed(film, path=path, batch=1, device=device, rungs=rungs)
+    yield _fixed(film, path="balanced", batch=batch, device=device, rungs=rungs)
+    for method in LADDER:
+        yield _limit(film, method, device=device)
+    yield _marched(film, rungs=rungs, device=device)
+    for peer in (_numpy, _chebyshev, _elements_anderson, _elements_marched, _volumes):
+        yield _peer(film, peer, rungs)
+    if freefem.installed():
+        yield _peer(film, _freefem, rungs)
+
+
+# The solver of this project
+
+
+def _decades(rungs: int) -> list[float]:
+    """Tolerances of at most so many rungs, from 1e-1 to 1e-10 where all are wanted."""
+    return [10.0**-k for k in range(1, 11)][:: max(1, 10 // rungs)]
+
+
+def _neighbours(film: Film, count: int) -> list[Film]:
+    """The film, and others like it within 1 % of its epsilon: a batch with nothing in common."""
+    return [replace(film, epsilon=film.epsilon * (1 - 0.01 * k / count)) for k in range(count)]
+
+
+def _by_tolerance(
+    film: Film, *, method: str, batch: int, rungs: int, device: Device
+) -> Iterator[Rung]:
+    """What a user does: a tolerance is asked for, and the error estimated."""
+    scenes = [each.scene for each in _neighbours(film, batch)]
+    for tolerance in _decades(rungs):
+
+        def run(tolerance: float = tolerance) -> Answer:
+            solutions = solve(scenes, tolerance=tolerance, method=method, device=device)
+            return _answer(film, solutions[0])
+
+        name = CHOSEN if method == "auto" else PERIODIC
+        yield Rung(name, "tolerance", f"tolerance={tolerance:.0e}", run, batch)
+
+
+def _answer(film: Film, solution: Solution) -> Answer:
+    scale = film.scene.force_scale_n
+    return Answer(solution.force_n / scale, solution.force_error_n / scale, solution.status)
+
+
+def _fixed(film: Film, *, path: str, batch: int, rungs: int, device: Device) -> Iterator[Rung]:
+    """Given grids: balanced, or refined in space or in time alone."""
+    films = _neighbours(film, batch)
+    grids = [_balanced_grid(film, tolerance, fold=film.fold) for tolerance in _decades(rungs)]
+    finest = _balanced_grid(film, 1e-10, fold=film.fold)
+    if path == "space":
+        grids = [replace(grid, nt=finest.nt) for grid in grids]
+    elif path == "time":
+        grids = [replace(finest, nt=grid.nt) for grid in grids]
+    for grid, tolerance in dict(zip(grids, _decades(rungs), strict=True)).items():
+
+        def run(grid: Grid = grid, tolerance: float = tolerance) -> Answer:
+            share = 0.03 * (tolerance if path == "balanced" else 1e-10)
+            states = solve_on_grid(films, grid=grid, tolerance=share, device=device)
+            stalled = states.status[0] != 0
+            return Answer(states.mean[0], status="stalled" if stalled else "ok")
+
+        yield Rung(PERIODIC, path, _grid_text(grid), run, batch)
+
+
+def _balanced_grid(film: Film, tolerance: float, *, fold: Fold) -> Grid:
+    """A grid whose errors in space and in time are both about the tolerance.
+
+    Chebyshev points resolve a layer of width 1/sqrt(sigma) with a number in proportion to
+    sigma^(1/4); the harmonics of powers of 1/(1 + epsilon sin T) fall by a factor rho each. Counts
+    are multiples of four.
+    """
+    rho = film.epsilon / (1 + math.sqrt(1 - film.epsilon**2))
+    digits = -math.log10(tolerance)
+
+    def points(sigma: float, folded: bool) -> int:
+        nodes = 7 + 0.36 * digits * sigma**0.25
+        return 4 * math.ceil(nodes / (8 if folded else 4))
+
+    return Grid(
+        nx=points(film.sigma, fold[0]),
+        ny=points(film.sigma * film.aspect**2, fold[1]),
+        nt=max(8, 4 * math.ceil(math.log(tolerance) / math.log(rho) / 4)),
+        fold_x=fold[0],
+        fold_y=fold[1],
+    )
+
+
+def _grid_text(grid: Grid) -> str:
+    return f"points={grid.x.full_points}x{grid.y.full_points}x{grid.nt}"
+
+
+def _limit(film: Film, method: str, *, device: Device) -> Iterator[Rung]:
+    """A limit that has no settings; outside its region it gives no force."""
+
+    def run() -> Answer:
+        solutions = solve([film.scene], tolerance=1e-6, method=method, device=device)
+        return _answer(film, solutions[0])
+
+    if np.isfinite(run().force):
+        yield Rung(method, "no setting", "", run)
+
+
+def _marched(film: Film, *, rungs: int, device: Device) -> Iterator[Rung]:
+    """The solver's own march in time, to the same tolerances."""
+    for tolerance in _decades(rungs):
+
+        def run(tolerance: float = tolerance) -> Answer:
+            (found,) = transient_force(
+                problems_on=lambda grid: problems_on_grid([film], grid=grid, tolerance=tolerance),
+                grid=_balanced_grid(film, tolerance, fold=film.fold),
+                tolerance=tolerance,
+                device=device,
+            )
+            return Answer(found.mean, found.error, found.status)
+
+        yield Rung(MARCH, "tolerance", f"tolerance={tolerance:.0e}", run)
+
+
+# Other people's methods
+
+
+def _peer(film: Film, rule: Rule, rungs: int) -> Iterator[Rung]:
+    for level in range(rungs):
+        method, module, settings = rule(film, level)
+
+        def run(module: Any = module, settings: Mapping[str, Any] = settings) -> Answer:
+            found = module.periodic_force(
+                epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, **settings
+            )
+            return Answer(found.force)
+
+        shown = {name: value for name, value in settings.items() if name != "fold"}
+        text = " ".join(f"{name}={value:g}" for name, value in shown.items())
+        yield Rung(method, "balanced", text, run)
+
+
+def _numpy(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
+    """The same grids, without symmetry."""
+    tolerance = 10.0 ** -(level + 1)
+    grid = _balanced_grid(film, tolerance, fold=(False, False))
+    settings = {"nx": grid.nx, "ny": grid.ny, "nt": grid.nt, "tolerance": 1e-3 * tolerance}
+    return "periodic state, NumPy", numpy_periodic, settings
+
+
+def _chebyshev(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
+    """Spectral in space: two points and one decade of the integrator's tolerance a rung."""
+    settings = {"points": 4 + 2 * level, "rtol": 10.0 ** -(level + 2), "fold": film.fold}
+    return "Chebyshev, Radau, Anderson", chebyshev_march, settings
+
+
+def _elements(film: Film, level: int) -> dict[str, Any]:
+    """Of fourth order in space and second in time: each rung divides both errors by four."""
+    return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level, "fold": film.fold}
+
+
+def _elements_marched(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
+    periods = periods_to_settle(sigma=film.sigma, tolerance=0.1 / 4**level)
+    return (
+        "finite elements, Crank–Nicolson from rest",
+        finite_elements,
+        _elements(film, level) | {"periods": periods},
+    )
+
+
+def _freefem(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
+    method, _, settings = _elements_marched(film, level)
+    return f"{method}, FreeFEM", freefem, settings
+
+
+def _elements_anderson(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
+    """The change over a period stands for an error that is larger by the number of e-folds."""
+    tolerance = 1e-3 * film.epsilon**2 / 4**level
+    settings = {"periods": 60, "tolerance": tolerance, "anderson_depth": 10}
+    return (
+        "finite elements, Crank–Nicolson, Anderson",
+        finite_elements,
+        _elements(film, level) | settings,
+    )
+
+
+def _volumes(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
+    """Of second order in space: each rung divides that error and the tolerances by four."""
+    settings = {
+        "cells": 6 * 2**level,
+        "rtol": 1e-3 * film.epsilon / 4**level,
+        "periods": periods_to_settle(sigma=film.sigma, tolerance=0.1 / 4**level),
+        "fold": film.fold,
+    }
+    return "finite volumes, BDF from rest", method_of_lines, settings
+
+
+# Cold starts
+
+
+def cold_starts(*, device: Device, compiling: bool) -> pd.DataFrame:
+    """Times of one film in a new process each: kernels in the caches, the peers, and, if
+    compiling, with empty caches."""
+    film = COLD_FILM
+    scene = f"Film({film.name!r}, {film.epsilon}, {film.sigma})"
+    own = (
+        "from numerics.films import Film; from squeezefilm.reynolds import solve; "
+        f"solve([{scene}.scene], tolerance=1e-6, method='periodic')"
+    )
+    rows = [("tolerance=1e-06", PERIODIC, "cold, kernels compiled before", cold_start(own))]
+    if compiling:
+        with tempfile.TemporaryDirectory() as folder:
+            empty = {"POCL_CACHE_DIR": folder, "XDG_CACHE_HOME": folder}
+            times = cold_start(own, environment=empty)
+            rows.append(("tolerance=1e-06", PERIODIC, "cold, empty caches", times))
+    for rule, level in ((_numpy, 5), (_chebyshev, 3), (_elements_anderson, 2)):
+        method, module, settings = rule(film, level)
+        call = (
+            f"from numerics.films import Film; import {module.__name__} as peer; "
+            f"film = {scene}; peer.periodic_force(epsilon=film.epsilon, sigma=film.sigma, "
+            f"amplitude=film.amplitude, **{dict(settings)!r})"
+        )
+        shown = " ".join(f"{name}={value:g}" for name, value in settings.items() if name != "fold")
+        rows.append((shown, method, "cold", cold_start(call)))
+    return pd.DataFrame(
+        {
+            "scene": film.name,
+            "epsilon": film.epsilon,
+            "sigma": film.sigma,
+            "method": method,
+            "batch": 1,
+            "start": start,
+            "settings": settings,
+            "status": "ok",
+            "cpu_seconds": cpu,
+            "wall_seconds": wall,
+            "repeats": 1,
+            "device": device.name if method == PERIODIC else "NumPy, SciPy",
+        }
+        for settings, method, start, (cpu, wall) in rows
+    )

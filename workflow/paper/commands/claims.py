@@ -1,0 +1,29 @@
+"""Compare the paper's claims with our results: value beside value, with a verdict and a reason.
+
+  squeezefilm claims NAME=PATH ... --output claims.csv --markdown claims.md
+
+Leave the NAME=PATH out to be told which results are needed.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from paper.claims import INPUTS, judge, read_results, to_markdown
+from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.sources import parse_sources
+from squeezefilm.io.tables import write_table
+
+SECTIONS: tuple[str, ...] = ()
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("inputs", metavar="NAME=PATH", nargs="*", help="the results")
+    parser.add_argument("--output", required=True, metavar="CLAIMS.csv")
+    parser.add_argument("--markdown", required=True, metavar="CLAIMS.md")
+
+
+def run(options: argparse.Namespace) -> None:
+    claims = judge(read_results(parse_sources(options.inputs, names=INPUTS, user="claims")))
+    write_table(claims, options.output)
+    write_markdown(to_markdown(claims), options.markdown)

@@ -1,0 +1,75 @@
+"""The searches for a D-optimal design and the patterns they ended in, for Figures 9 to 11."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from reporting.figure_data.common import Inputs, add_limits, micrometres
+from reporting.pages.notes import one_digit
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.sources import read_columns
+from squeezefilm.io.tables import read_json, read_scenes
+
+INPUTS = ("plan", "searches", "summary")
+SEARCH_COLUMNS = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
+
+
+def read_searches(path: Path) -> pd.DataFrame:
+    """Every point of every search."""
+    return read_columns(path, columns=SEARCH_COLUMNS)
+
+
+def patterns_found(path: Path) -> tuple[str, int, dict[str, list[dict[str, Any]]]]:
+    """The study's own scaling, the number of searches, and the patterns of each scaling.
+
+    Raises:
+        InputError: naming the file and the entry that is missing.
+    """
+    summary = read_json(path)
+    try:
+        return summary["scaling"], int(summary["searches"]), dict(summary["scalings"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: not a summary of searches: {error} is missing") from None
+
+
+def pattern_table(inputs: Inputs, *, order: int) -> pd.DataFrame:
+    """Data of one pattern of the study's own scaling, the best being of order 0.
+
+    Layers design (its points) and ridge (equal hv/h0 through a point, within the space); where
+    there are fewer patterns, a row of layer absent.
+    """
+    screen = read_scenes(inputs["plan"])
+    scaling, searches, scalings = patterns_found(inputs["summary"])
+    patterns = scalings[scaling]
+    columns = ["layer", "epsilon", "h0_um", "hv_um"]
+    if order >= len(patterns):
+        found = ", ".join(f"{each['pattern']} ({each['count']})" for each in patterns)
+        note = f"All {searches} searches ended in other patterns: {found}."
+        data = pd.DataFrame([{"layer": "absent"}], columns=columns)
+        return add_limits(data, screen).assign(note=note)
+    pattern = patterns[order]
+    rows = []
+    for point in pattern["points"]:
+        epsilon = point["hv_m"] / point["h0_m"]
+        rows.append(("design", epsilon, point["h0_m"], point["hv_m"]))
+        lowest = max(screen["h0_m"].min(), screen["hv_m"].min() / epsilon)
+        highest = min(screen["h0_m"].max(), screen["hv_m"].max() / epsilon)
+        rows += [
+            ("ridge", epsilon, h0_m, epsilon * h0_m) for h0_m in np.linspace(lowest, highest, 11)
+        ]
+    data = pd.DataFrame(rows, columns=columns)
+    data["h0_um"], data["hv_um"] = micrometres(data["h0_um"]), micrometres(data["hv_um"])
+    behind = pattern["objective_excess"] / patterns[0]["objective"]
+    rank = "the least" if order == 0 else f"{one_digit(behind)} above that of A, in proportion"
+    note = (
+        f"Pattern {pattern['pattern']}: {pattern['count']} of {searches} searches on criterion "
+        f"(12); O = {pattern['objective']:.7g}, {rank}; "
+        f"D-efficiency {pattern['d_efficiency']:.6f}. "
+        "Dashed: equal hv/h0, along which the model does not change, so that the distances of "
+        "(12) alone tell points apart."
+    )
+    return add_limits(data, screen).assign(note=note)

@@ -1,0 +1,66 @@
+"""Figure 14: relative error of the five-point fit at each control point."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from reporting.figures import plane, style
+
+COLUMNS = ("h0_um", "hv_um", "relative_error_percent", "in_band", "band_percent", "note")
+
+
+def draw(data: pd.DataFrame) -> Figure:
+    """Error over amplitude, a line per gap; dots white inside the band and black outside."""
+    figure = style.new_figure(height_in=2.9)
+    axes = figure.subplots()
+    band = float(data["band_percent"].iloc[0])
+    axes.axhspan(-band, band, color="0.94", zorder=0)
+    for edge in (-band, band):
+        axes.axhline(edge, color="0.45", linestyle=(0, (4, 2)), linewidth=0.8)
+    axes.axhline(0, color="0.6", linewidth=0.6)
+    gaps = np.sort(data["h0_um"].unique())
+    colours = mpl.colormaps["viridis"](np.linspace(0, 0.92, len(gaps)))
+    for gap, colour in zip(gaps, colours, strict=True):
+        line = data[data["h0_um"] == gap].sort_values("hv_um")
+        axes.plot(
+            line["hv_um"], line["relative_error_percent"], color=colour, label=f"{gap:g}", zorder=2
+        )
+    inside = data["in_band"].astype(bool)
+    for chosen, colour in ((inside, "white"), (~inside, "black")):
+        axes.plot(
+            data["hv_um"][chosen],
+            data["relative_error_percent"][chosen],
+            "o",
+            color=colour,
+            markersize=3.6,
+            markeredgecolor="black",
+            markeredgewidth=0.6,
+            zorder=3,
+        )
+    reach = max(1.25 * band, 1.1 * data["relative_error_percent"].abs().max())
+    axes.set_ylim(-reach, reach)
+    axes.set_xlabel(plane.HV_LABEL)
+    axes.set_ylabel("relative error (%)")
+    axes.text(
+        0.99,
+        band,
+        f"±{band:g} % band ",
+        transform=axes.get_yaxis_transform(),
+        ha="right",
+        va="bottom",
+        fontsize=7,
+    )
+    figure.legend(
+        loc="outside upper center",
+        title=r"mean gap $h_0$ (µm)",
+        title_fontsize=7,
+        ncols=6,
+        handlelength=1.2,
+        columnspacing=0.8,
+        handletextpad=0.4,
+    )
+    style.add_note(figure, data)
+    return figure

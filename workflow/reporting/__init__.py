@@ -1,0 +1,1 @@
+"""What any study shows: figures, pages, the explorer, the check."""

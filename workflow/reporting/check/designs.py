@@ -1,0 +1,155 @@
+"""Designs, judged by what they are worth and not by where their points lie."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reporting.check.quantities import Quantity, guarded, text_of
+from reporting.check.tolerances import SAME, AtMost, Cells, Close, Closeness, Worst
+from squeezefilm.designs.design import Box, coordinates, d_efficiency, pair_distances
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import read_design, read_json
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.force_model import get_model
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.plans import factor_ranges
+
+DESIGNS = "designs"
+FIT_OF_DESIGN = {
+    "two_factor": "screen",
+    "four_factor": "four_factor",
+    "four_factor_distinct": "four_factor",
+}
+ROUNDING = 1e-9
+LOSS = 1e-3
+
+
+@dataclass(frozen=True)
+class Efficient:
+    """Designs that teach as much: D-efficiency beside the reference's, in the reference's model.
+
+    Cells are the parameters (``theta0``) and the points (``point 1 h0_m``).
+    """
+
+    model: str
+    loss: float = LOSS
+
+    def __str__(self) -> str:
+        return f"D-efficiency at least {1 - self.loss:g} of the reference's"
+
+    def efficiency(self, expected: Cells, got: Cells) -> float:
+        """(det F′F of one design over that of the other) to the 1/p (see design.d_efficiency)."""
+        model = get_model(self.model)
+        theta = [float(expected[name]) for name in model.parameter_names]
+
+        def derivatives(cells: Cells) -> np.ndarray:
+            return model.gradient(theta, model.factors(_points(cells, model.factor_names)))
+
+        return d_efficiency(derivatives(got), derivatives(expected))
+
+    def worst(self, expected: Cells, got: Cells) -> Worst:
+        """The loss of efficiency; a gain is none."""
+        try:
+            lost = max(0.0, 1 - self.efficiency(expected, got))
+        except (InputError, ValueError):
+            lost = math.inf
+        return Worst("D-efficiency", lost / self.loss)
+
+    def shown(self, expected: Cells, got: Cells, cell: str) -> tuple[str, str]:
+        """One, and the efficiency found."""
+        del cell
+        try:
+            return "1", f"{self.efficiency(expected, got):.6f}"
+        except (InputError, ValueError) as error:
+            return "1", str(error)
+
+
+def _points(cells: Cells, factors: tuple[str, ...]) -> np.ndarray:
+    numbers = sorted({int(name.split()[1]) for name in cells if name.startswith("point ")})
+    return np.array(
+        [[float(cells[f"point {number} {factor}"]) for factor in factors] for number in numbers]
+    )
+
+
+def design_quantities(results: Path, config: Config, closeness: Closeness) -> Iterator[Quantity]:
+    """Every design's worth and place in the space, and the patterns that the searches found."""
+    for name in FIT_OF_DESIGN:
+        yield from guarded(DESIGNS, name, partial(_design, results, name, config))
+    yield from guarded(
+        DESIGNS, "two-factor searches", partial(_patterns, results / "designs", closeness)
+    )
+
+
+def _design(results: Path, name: str, config: Config) -> Iterator[Quantity]:
+    design = read_design(results / "designs" / f"{name}.csv")
+    fit = read_fit(results / "fits" / f"{FIT_OF_DESIGN[name]}.json")
+    model = get_model(fit.model)
+    cells = dict(zip(model.parameter_names, map(text_of, fit.theta), strict=True))
+    for number, point in enumerate(design.to_dict("records"), start=1):
+        cells |= {
+            f"point {number} {factor}": text_of(point[factor]) for factor in model.factor_names
+        }
+    yield Quantity(DESIGNS, name, "D-efficiency", cells, Efficient(fit.model))
+    box = _box(config, model.factor_names)
+    points = design[list(model.factor_names)].to_numpy()
+    outside = float(np.max(np.abs(box.to_unit(points) - 0.5)) - 0.5)
+    yield Quantity(
+        DESIGNS,
+        name,
+        "outside the space",
+        {"largest, as a share of the space": f"{max(0.0, outside):.3g}"},
+        AtMost(ROUNDING),
+    )
+    if name == "four_factor_distinct":
+        wanted = config["four_factor_design"]["separation"]
+        least = float(pair_distances(coordinates("scene", box)(points)).min())
+        share = wanted / least if least else math.inf
+        yield Quantity(
+            DESIGNS,
+            name,
+            "nearer than wanted",
+            {"wanted least distance over that found": f"{share:.9g}"},
+            AtMost(1 + ROUNDING),
+        )
+
+
+def _box(config: Config, names: tuple[str, ...]) -> Box:
+    limits = factor_ranges(config)
+    lower, upper = zip(*(limits[name] for name in names), strict=True)
+    return Box(names, lower, upper)
+
+
+def _patterns(folder: Path, closeness: Closeness) -> Iterator[Quantity]:
+    path = folder / "two_factor.json"
+    summary: dict[str, Any] = read_json(path)
+    try:
+        for scaling, patterns in sorted(summary["scalings"].items()):
+            item = f"two-factor searches, {scaling}"
+            names = ", ".join(pattern["pattern"] for pattern in patterns)
+            yield Quantity(DESIGNS, item, "patterns", {"names": names}, SAME)
+            yield Quantity(
+                DESIGNS,
+                item,
+                "criterion (12)",
+                {pattern["pattern"]: text_of(pattern["objective"]) for pattern in patterns},
+                closeness.parameters,
+            )
+            # Which search ends in which pattern is chance: three standard deviations and one.
+            searches = summary["searches"]
+            largest = max(
+                math.sqrt(pattern["count"] * (1 - pattern["count"] / searches))
+                for pattern in patterns
+            )
+            counts = {pattern["pattern"]: str(pattern["count"]) for pattern in patterns}
+            yield Quantity(
+                DESIGNS, item, "searches", counts, Close(absolute=1 + round(3 * largest, 1))
+            )
+    except (KeyError, TypeError):
+        raise InputError(f"{path}: not a summary of two-factor searches") from None

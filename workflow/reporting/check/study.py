@@ -1,0 +1,37 @@
+"""All quantities of a finished study, in the order in which they are judged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from reporting.check.designs import design_quantities
+from reporting.check.drawings import drawing_quantities
+from reporting.check.figure_tables import figure_quantities, table_quantities
+from reporting.check.quantities import Quantity
+from reporting.check.results import (
+    claim_quantities,
+    fit_quantities,
+    numerics_quantities,
+    setting_quantities,
+    simulation_quantities,
+    validation_quantities,
+)
+from reporting.check.tolerances import Closeness
+from squeezefilm.studies.config import Config
+
+
+def study_quantities(results: Path, config: Config) -> list[Quantity]:
+    """What the results in a folder are checked by; config has the sections that decide them."""
+    closeness = Closeness(solver=float(config["solver"]["tolerance"]))
+    return [
+        *setting_quantities(config),
+        *figure_quantities(results, closeness),
+        *table_quantities(results, closeness),
+        *claim_quantities(results, closeness),
+        *simulation_quantities(results, closeness),
+        *fit_quantities(results, config, closeness),
+        *design_quantities(results, config, closeness),
+        *validation_quantities(results, closeness),
+        *drawing_quantities(results),
+        *numerics_quantities(results),
+    ]

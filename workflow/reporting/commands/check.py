@@ -1,0 +1,61 @@
+"""Is a finished study the one that was made before? Compare its results with a small reference.
+
+  squeezefilm check results/paper --config config/paper.yaml --reference tests/reference/paper
+
+Compared are figures' data, the paper's tables, claims, simulations, fits, designs, drawings and
+the verdicts on stiff films, each as closely as the study's tolerance allows. A line is shown for
+each item, with its worst quantity, and every quantity that failed; all of them are in the table.
+The exit status is 1 when anything failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from reporting.check.compare import compare, to_table
+from reporting.check.reference import read_reference
+from reporting.check.show import on_screen, status, to_markdown
+from reporting.check.study import study_quantities
+from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.tables import write_table
+from squeezefilm.studies.config import load_config
+
+SECTIONS = (
+    "gas",
+    "actuator",
+    "finger",
+    "solver",
+    "screen",
+    "fit",
+    "design",
+    "positions",
+    "four_factor_design",
+    "four_factor_control",
+    "error_map",
+    "validation",
+    "extrapolation",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("results", type=Path, metavar="RESULTS", help="the study's results")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--reference", required=True, type=Path, metavar="FOLDER")
+    parser.add_argument("--output", metavar="CHECK.csv", help="the table, a row each quantity")
+    parser.add_argument("--markdown", metavar="CHECK.md", help="the table for people")
+    parser.add_argument(
+        "--keep-going", action="store_true", help="exit status 0 also when something failed"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    config = load_config(options.config).only(SECTIONS)
+    reference = read_reference(options.reference)
+    table = to_table(compare(study_quantities(options.results, config), reference))
+    if options.output:
+        write_table(table, options.output)
+    if options.markdown:
+        write_markdown(to_markdown(table), options.markdown)
+    print(on_screen(table))
+    return 0 if options.keep_going else status(table)

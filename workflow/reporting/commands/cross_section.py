@@ -1,0 +1,30 @@
+"""Gap and pressure along the middle of the finger over a period, as a table.
+
+squeezefilm cross-section SCENES.csv --config CONFIG.yaml --output FILM.csv
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import pandas as pd
+
+from numerics.cross_section import cross_section
+from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
+
+SECTIONS = ("gas", "actuator", "finger")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenes", metavar="SCENES.csv", help="the scenes")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--output", required=True, metavar="FILM.csv", help="table to write")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    points = scene_points(read_scenes(options.scenes))
+    films = [cross_section(scene_of(point, config)) for point in points]
+    write_table(pd.concat(films, ignore_index=True), options.output)

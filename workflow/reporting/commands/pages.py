@@ -1,0 +1,31 @@
+"""Turn Markdown into pages of HTML, each one file that needs nothing from a network.
+
+squeezefilm pages claims.md table1.md --output claims.html table1.html
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from reporting.pages.page import to_html
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.markdown import write_markdown
+
+SECTIONS: tuple[str, ...] = ()
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("markdown", nargs="+", type=Path, metavar="PAGE.md")
+    parser.add_argument("--output", nargs="+", required=True, type=Path, metavar="PAGE.html")
+
+
+def run(options: argparse.Namespace) -> None:
+    if len(options.markdown) != len(options.output):
+        raise InputError("--output: give one name for every page of Markdown")
+    for source, target in zip(options.markdown, options.output, strict=True):
+        try:
+            text = source.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"{source}: the page cannot be read: {error}") from None
+        write_markdown(to_html(text, title=source.stem), target)

@@ -1,0 +1,23 @@
+"""Put the runs that made a study's present results on one page.
+
+squeezefilm runs results/paper/run_cards --output results/paper/runs.md
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from reporting.pages.history import to_markdown
+from squeezefilm.io.markdown import write_markdown
+
+SECTIONS: tuple[str, ...] = ()
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("cards", type=Path, metavar="RUN_CARDS", help="the study's run cards")
+    parser.add_argument("--output", required=True, metavar="RUNS.md")
+
+
+def run(options: argparse.Namespace) -> None:
+    write_markdown(to_markdown(options.cards), options.output)

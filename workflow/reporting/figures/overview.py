@@ -1,0 +1,179 @@
+"""Overview: what a study does, in four steps from a film to the error of a model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+
+from reporting.figures import style, surface
+
+COLUMNS = (
+    "layer",
+    "x_mm",
+    "phase_deg",
+    "surface_um",
+    "finger_um",
+    "overpressure_kpa",
+    "h0_um",
+    "hv_um",
+    "force_n",
+    "relative_error_percent",
+    "text",
+    "note",
+)
+STEPS = ("Simulate", "Fit", "Design", "Validate")
+# Left edge and width of each step's axes, as shares of the figure's width.
+PLACES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
+TOP = 0.82
+GAP_LABEL, AMPLITUDE_LABEL = r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)"
+LABEL_SIZE, TICK_SIZE = 6.5, 6
+
+
+def draw(data: pd.DataFrame) -> Figure:
+    """Layers film; model and simulation; design; map: a step each, with the captions above."""
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.8)
+    figure.set_layout_engine("none")
+    bottom = style.add_note(figure, data) + 0.135
+    captions = list(style.rows(data, "caption")["text"])
+    for number, ((left, width), step, caption) in enumerate(
+        zip(PLACES, STEPS, captions, strict=True), start=1
+    ):
+        middle = left + width / 2
+        figure.text(middle, 0.935, f"{number}  {step}", ha="center", fontsize=9, weight="bold")
+        figure.text(middle, 0.87, caption, ha="center", fontsize=LABEL_SIZE, color="0.25")
+    _film(figure, style.rows(data, "film"), bottom=bottom)
+    left, width = PLACES[1]
+    _model(figure, data, rectangle=(left, bottom - 0.12, width, TOP + 0.14 - bottom))
+    height = TOP - bottom
+    _design(figure.add_axes((PLACES[2][0], bottom, PLACES[2][1], height)), data)
+    _errors(figure.add_axes((PLACES[3][0], bottom, PLACES[3][1], height)), data)
+    return figure
+
+
+def _film(figure: Figure, film: pd.DataFrame, *, bottom: float) -> None:
+    """Above, the pressure at times of the period and its mean, if it is known; below, the gap."""
+    left, width = PLACES[0]
+    height = TOP - bottom
+    if film["overpressure_kpa"].notna().all():
+        height = (height - 0.04) / 2
+        above = figure.add_axes((left, bottom + height + 0.04, width, height))
+        _pressure(above, film)
+    _gap(figure.add_axes((left, bottom, width, height)), film)
+
+
+def _curves(axes: Axes, film: pd.DataFrame, column: str) -> None:
+    """One line for each time of the period, red while the surface is up."""
+    highest = film["surface_um"].abs().max()
+    for _, row in film.groupby("phase_deg"):
+        height = max(row["surface_um"], key=abs)
+        colour = mpl.colormaps["coolwarm"](0.5 + 0.5 * height / highest)
+        axes.plot(row["x_mm"], row[column], color=colour, linewidth=0.5)
+    axes.set_xlim(film["x_mm"].min(), film["x_mm"].max())
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
+    axes.tick_params(labelsize=TICK_SIZE)
+
+
+def _pressure(above: Axes, film: pd.DataFrame) -> None:
+    _curves(above, film, "overpressure_kpa")
+    mean = film.groupby("x_mm", as_index=False)["overpressure_kpa"].mean()
+    above.plot(mean["x_mm"], mean["overpressure_kpa"], color="black", linewidth=1.6)
+    above.axhline(0, color="0.5", linewidth=0.4)
+    above.tick_params(labelbottom=False)
+    above.set_ylabel("p − p₀ (kPa)", fontsize=LABEL_SIZE, labelpad=1)
+
+
+def _gap(below: Axes, film: pd.DataFrame) -> None:
+    _curves(below, film, "surface_um")
+    mean = film.groupby("x_mm", as_index=False)["finger_um"].mean()
+    top = 1.35 * mean["finger_um"].max()
+    lowest = film.groupby("x_mm")["surface_um"].min().to_numpy()
+    below.fill_between(mean["x_mm"], lowest, mean["finger_um"], color="#e3eff7", linewidth=0)
+    below.fill_between(mean["x_mm"], mean["finger_um"], top, color="#e8c4ac", linewidth=0)
+    below.plot(mean["x_mm"], mean["finger_um"], color="#9c5b36")
+    below.text(
+        0, (mean["finger_um"].max() + top) / 2, "finger", ha="center", va="center", size=TICK_SIZE
+    )
+    below.text(
+        0, mean["finger_um"].min() * 0.73, "film of air", ha="center", va="center", size=TICK_SIZE
+    )
+    below.set_ylim(-1.3 * film["surface_um"].abs().max(), top)
+    below.set_ylabel("height (µm)", fontsize=LABEL_SIZE, labelpad=1)
+    below.set_xlabel("place under the finger (mm)", fontsize=LABEL_SIZE)
+
+
+def _model(
+    figure: Figure, data: pd.DataFrame, *, rectangle: tuple[float, float, float, float]
+) -> None:
+    axes = surface.add_force_axes(figure, bottom=0)
+    axes.set_position(rectangle)
+    axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
+    axes.tick_params(labelsize=TICK_SIZE, pad=-4)
+    for axis, label in (
+        (axes.xaxis, r"$h_0$ (µm)"),
+        (axes.yaxis, r"$h_v$ (µm)"),
+        (axes.zaxis, ""),
+    ):
+        axis.set_major_locator(MaxNLocator(nbins=3, steps=[1, 2, 5, 10]))
+        axis.set_label_text(label, fontsize=LABEL_SIZE)
+        axis.labelpad = -9
+    left, low, _, height = rectangle
+    figure.text(left - 0.005, low + 0.76 * height, "force (N)", fontsize=LABEL_SIZE)
+    surface.force_mesh(axes, style.rows(data, "model"))
+    surface.force_points(
+        axes, style.rows(data, "simulation"), color=style.VERMILLION, label="simulation", s=5
+    )
+
+
+def _design(axes: Axes, data: pd.DataFrame) -> None:
+    screen, design = style.rows(data, "simulation"), style.rows(data, "design")
+    axes.plot(screen["h0_um"], screen["hv_um"], "o", **_dots("white", "0.55", size=2.6))
+    axes.plot(design["h0_um"], design["hv_um"], "o", **_dots("black", "white", size=6))
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+    axes.set_xlabel(GAP_LABEL, fontsize=LABEL_SIZE)
+    axes.set_ylabel(AMPLITUDE_LABEL, fontsize=LABEL_SIZE, labelpad=1)
+    axes.tick_params(labelsize=TICK_SIZE)
+
+
+def _dots(fill: str, edge: str, *, size: float) -> dict[str, Any]:
+    return {
+        "color": fill,
+        "markeredgecolor": edge,
+        "markeredgewidth": 0.6,
+        "markersize": size,
+        "clip_on": False,
+        "zorder": 4,
+    }
+
+
+def _errors(axes: Axes, data: pd.DataFrame) -> None:
+    table = style.rows(data, "map").pivot(
+        index="hv_um", columns="h0_um", values="relative_error_percent"
+    )
+    h0_um, hv_um, error = table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
+    reach = float(np.abs(error).max())
+    levels = MaxNLocator(nbins=12, symmetric=True).tick_values(-reach, reach)
+    filled = axes.contourf(h0_um, hv_um, error, levels=levels, cmap=style.DIVERGING)
+    axes.contour(h0_um, hv_um, error, levels=levels, colors="0.3", linewidths=0.3)
+    design = style.rows(data, "design")
+    axes.plot(design["h0_um"], design["hv_um"], "o", **_dots("black", "white", size=4.5))
+    axes.set_yscale("log")  # the error changes fastest at small amplitudes
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.set_xlim(h0_um[0], h0_um[-1])
+    axes.set_ylim(hv_um[0], hv_um[-1])
+    axes.set_xlabel(GAP_LABEL, fontsize=LABEL_SIZE)
+    axes.set_ylabel(AMPLITUDE_LABEL, fontsize=LABEL_SIZE, labelpad=1)
+    axes.tick_params(labelsize=TICK_SIZE)
+    figure = axes.figure
+    assert isinstance(figure, Figure)
+    box = axes.get_position()
+    bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.008, box.y0, 0.009, box.height)))
+    bar.ax.tick_params(labelsize=TICK_SIZE, direction="out", pad=1, length=2)
+    bar.set_label("error (%)", fontsize=LABEL_SIZE, labelpad=0)

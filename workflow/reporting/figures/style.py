@@ -1,0 +1,128 @@
+"""What the figures have in common: size, type, colour, the note below, and saving."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.textpath import text_to_path
+
+from squeezefilm.io.atomic import whole_file
+
+SINGLE_COLUMN_IN = 3.5
+DOUBLE_COLUMN_IN = 7.16
+PNG_DPI = 300
+
+# Okabe and Ito's colours, told apart with every common colour vision.
+BLUE, VERMILLION, GREEN, ORANGE, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7"
+GREY = "#6E6E6E"
+SEQUENTIAL = "viridis"
+DIVERGING = "PuOr_r"
+
+NOTE_SIZE_PT = 6.0
+_NOTE_LINE_IN = NOTE_SIZE_PT * 1.3 / 72
+_MARGIN_IN = 0.03
+_NOTE_INDENT_IN = 0.05
+_INSIDE_A_QUANTITY = re.compile(r"(?<=[≤<×±\d]) (?=[\d%µN×]|mm)")
+
+# DejaVu comes with matplotlib, so figures are the same on every machine; a viewer of the SVG that
+# lacks it falls back to narrower fonts, which still fit.
+_SETTINGS: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "Helvetica"],
+    "mathtext.fontset": "dejavusans",
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "axes.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "grid.linewidth": 0.4,
+    "grid.color": "0.85",
+    "lines.linewidth": 1.0,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "savefig.dpi": PNG_DPI,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "squeezefilm",
+}
+
+
+# Dates and versions would make equal drawings differ.
+_NO_METADATA: dict[str, dict[str, None]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": None},
+    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+
+
+def settings() -> AbstractContextManager[None]:
+    """The style, as a context in which figures are drawn and saved."""
+    everything: dict[Any, Any] = dict(mpl.rcParamsDefault)
+    return mpl.rc_context(everything | {"backend": "agg"} | _SETTINGS)
+
+
+def new_figure(*, width_in: float = SINGLE_COLUMN_IN, height_in: float = 2.7) -> Figure:
+    """An empty figure of a journal's column width whose parts make room for each other."""
+    return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
+def add_note(figure: Figure, data: pd.DataFrame) -> float:
+    """Write the table's ``note`` below the figure; returns the share of the height it takes."""
+    width_in, height_in = figure.get_size_inches()
+    lines = _wrapped(str(data["note"].iloc[0]), width_pt=72 * (width_in - 2 * _NOTE_INDENT_IN))
+    figure.text(
+        _NOTE_INDENT_IN / width_in,
+        _MARGIN_IN / height_in,
+        "\n".join(lines),
+        fontsize=NOTE_SIZE_PT,
+        color="0.25",
+        va="bottom",
+        ha="left",
+        linespacing=1.2,
+    )
+    taken = float((2 * _MARGIN_IN + len(lines) * _NOTE_LINE_IN) / height_in)
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        engine.set(rect=(0, taken, 1, 1 - taken))
+    return taken
+
+
+def _wrapped(text: str, *, width_pt: float) -> list[str]:
+    """The text in lines of at most this width, as measured in the note's font."""
+    font = FontProperties(size=NOTE_SIZE_PT)
+    lines = [""]
+    for word in _INSIDE_A_QUANTITY.sub("\N{NO-BREAK SPACE}", text).split(" "):
+        longer = f"{lines[-1]} {word}".strip()
+        width, _, _ = text_to_path.get_text_width_height_descent(longer, font, False)
+        if width <= width_pt:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
+    """The rows of one layer, in the table's order."""
+    return data[data["layer"] == layer]
+
+
+def save(figure: Figure, paths: Iterable[Path | str]) -> None:
+    """Save in the formats that the names ask for, byte for byte the same each time."""
+    for path in map(Path, paths):
+        with whole_file(path) as part:
+            kind = path.suffix.removeprefix(".")
+            figure.savefig(part, format=kind, metadata=_NO_METADATA[path.suffix])

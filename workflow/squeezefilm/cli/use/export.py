@@ -1,0 +1,43 @@
+"""Write a fitted model as code without dependencies, for firmware and for notebooks.
+
+  squeezefilm export FIT.json --language c --output force.h
+  squeezefilm export FIT.json --language python --output force.py
+
+The C header (C99, <math.h>) has NAME_force_n(h0_m, hv_m, …), the Python module force_n(h0_m, hv_m,
+…), both in newtons from SI units (phi_deg in degrees), with a function that says whether a point
+lies in the ranges of the fit. A model that uses the physics limit is written with its table of it,
+whose error is stated; one that was fitted without --limit-table cannot be exported.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.errors import InputError
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.generated_code import c_source, python_source
+
+SECTIONS: tuple[str, ...] = ()
+LANGUAGES = {"c": c_source, "python": python_source}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
+    parser.add_argument("--language", required=True, choices=LANGUAGES)
+    parser.add_argument("--output", metavar="FILE", help="file to write, else it is shown")
+
+
+def run(options: argparse.Namespace) -> None:
+    fit = read_fit(options.fit)
+    if fit.force_model.column_names and "limit_table" not in fit.values:
+        raise InputError(
+            f"{options.fit}: the model {fit.model} uses the physics limit, which code without "
+            "dependencies cannot solve for; fit it with --limit-table, and its table is exported"
+        )
+    source = LANGUAGES[options.language](fit)
+    if options.output:
+        with whole_file(options.output) as part:
+            part.write_text(source, encoding="utf-8")
+    else:
+        print(source, end="")

@@ -1,5 +1,0 @@
-"""Figure 10: the first optimal pattern."""
-
-from squeezefilm.figures.pattern import COLUMNS, draw
-
-__all__ = ["COLUMNS", "draw"]

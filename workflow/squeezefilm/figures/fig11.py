@@ -1,5 +1,0 @@
-"""Figure 11: the second optimal pattern; says so where the searches found none."""
-
-from squeezefilm.figures.pattern import COLUMNS, draw
-
-__all__ = ["COLUMNS", "draw"]
