@@ -182,9 +182,8 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             double4 deficit = (double4)(-INFINITY), thinness = deficit;
             FOR_EACH_POINT(&g, place, t, i)
             {
-                const double4 pressure = 1.0 + film.p[i];
-                deficit = larger(deficit, -pressure);
-                const double4 density = 1.0 + density_rise(&film, p);
+                const double4 p = film.p[i], density = 1.0 + density_rise(&film, p);
+                deficit = larger(deficit, -(1.0 + p));
                 thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
             }
             const double largest = largest_overpressure(&g, &film, scratch);
