@@ -7,8 +7,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from squeezefilm.designs.box import Box, grid
 from squeezefilm.designs.continuous_design import Gradients, optimal_in_box, sensitivity
-from squeezefilm.designs.design import Box, grid
 from squeezefilm.designs.exact_design import exchange
 from squeezefilm.designs.optimal_design import assess, maximin_design, optimal_weights
 from squeezefilm.io.errors import InputError

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.designs.design import Box
+from squeezefilm.designs.box import Box
 from squeezefilm.film.directions import Directions
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint

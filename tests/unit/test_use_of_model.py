@@ -14,7 +14,7 @@ import pytest
 from squeezefilm.cli import main as cli
 from squeezefilm.cli.steps.limit_table import tabulate
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.quantities import quantities
+from squeezefilm.io.typed_units import quantities
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
 from squeezefilm.models.generated_code import c_source, python_source

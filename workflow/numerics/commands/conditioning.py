@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from numerics.conditioning import conditioning
-from squeezefilm.designs.design import Box
+from squeezefilm.designs.box import Box
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import FACTOR_COLUMNS, read_ok_forces, write_table

@@ -13,7 +13,8 @@ import numpy as np
 
 from reporting.check.quantities import Quantity, guarded, text_of
 from reporting.check.tolerances import SAME, AtMost, Cells, Close, Closeness, Worst
-from squeezefilm.designs.design import Box, coordinates, d_efficiency, pair_distances
+from squeezefilm.designs.box import Box, coordinates, pair_distances
+from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_design, read_json
 from squeezefilm.models.fitted import read_fit
@@ -45,7 +46,7 @@ class Efficient:
         return f"D-efficiency at least {1 - self.loss:g} of the reference's"
 
     def efficiency(self, expected: Cells, got: Cells) -> float:
-        """(det F′F of one design over that of the other) to the 1/p (see design.d_efficiency)."""
+        """(det F′F of one design over that of the other) to the 1/p (see d_efficiency)."""
         model = get_model(self.model)
         theta = [float(expected[name]) for name in model.parameter_names]
 

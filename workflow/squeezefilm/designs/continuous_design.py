@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import solve_triangular
 from scipy.optimize import minimize
 
-from squeezefilm.designs.design import Box
+from squeezefilm.designs.box import Box
 from squeezefilm.designs.optimal_design import optimal_weights, stacked_derivatives
 from squeezefilm.io.errors import InputError
 

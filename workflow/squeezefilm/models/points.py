@@ -10,8 +10,8 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.quantities import quantities
 from squeezefilm.io.sources import read_columns
+from squeezefilm.io.typed_units import quantities
 from squeezefilm.models.force_model import CARTESIAN, COLUMNS, POLAR, Factors
 
 OPTIONS = {

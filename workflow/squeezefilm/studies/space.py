@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from squeezefilm.designs.design import Box, coordinates
+from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.film.scene import Scene, check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint

@@ -21,22 +21,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.designs.design import (
-    Box,
+from squeezefilm.designs.box import Box, coordinates, corners
+from squeezefilm.designs.paper_design import (
     Criterion,
     Design,
-    Pattern,
-    augment,
-    coordinates,
-    corners,
     d_efficiency,
     exchange_design,
-    find_patterns,
-    find_regions,
     search_design,
 )
+from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_regions
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.parallel import spread
+from squeezefilm.io.parallel import parallel_map
 from squeezefilm.io.tables import DESIGN_COLUMNS, write_json, write_table
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import ExpressionModel, get_model
@@ -163,7 +158,7 @@ def _searches(
     criterion: Criterion, points: int, settings: dict[str, Any], *, processes: int
 ) -> list[Design]:
     seeds = range(settings["first_seed"], settings["first_seed"] + settings["searches"])
-    return spread(
+    return parallel_map(
         lambda seed: search_design(criterion, points, seed=seed), seeds, processes=processes
     )
 

@@ -28,12 +28,12 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm import __version__
-from squeezefilm.designs.experiments import check_columns, factors_of
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.parallel import spread
+from squeezefilm.io.parallel import parallel_map
 from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
 from squeezefilm.models.cross_validation import left_out_predictions
+from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fit import Fit, fit_by_differential_evolution, fit_model
 from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
 from squeezefilm.models.identifiability import check_identifiable
@@ -130,7 +130,7 @@ def _runs(
             (fit_by_differential_evolution, bound, first_seed),
         )
     ]
-    return spread(one, ways, processes=processes)
+    return parallel_map(one, ways, processes=processes)
 
 
 def describe(

@@ -27,10 +27,9 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.cli.steps.limits import with_limits
+from squeezefilm.designs.box import corners
 from squeezefilm.designs.continuous_design import ContinuousDesign, optimal_in_box, sensitivity
-from squeezefilm.designs.design import corners
 from squeezefilm.designs.exact_design import exchange
-from squeezefilm.designs.experiments import check_columns, factors_of
 from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
@@ -43,6 +42,7 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
+from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.models.local_fit import local_fit

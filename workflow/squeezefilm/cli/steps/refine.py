@@ -25,8 +25,7 @@ import pandas as pd
 
 from squeezefilm.cli.steps.fit import describe
 from squeezefilm.cli.steps.limits import with_limits
-from squeezefilm.designs.closed_loop import Goal, Outcome, Pool, Round, run_loop
-from squeezefilm.designs.experiments import ROUND_COLUMNS, WHERE_COLUMNS, check_columns
+from squeezefilm.designs.refine_loop import Goal, Outcome, Pool, Round, refine_loop
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import (
     FACTOR_COLUMNS,
@@ -36,6 +35,7 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
+from squeezefilm.models.experiments import ROUND_COLUMNS, WHERE_COLUMNS, check_columns
 from squeezefilm.models.fit import Fit
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.models.library import SPACES, model_named
@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> None:
         _leave_out(options, {"model": model.name, "space": name, "refused": str(error)})
         return
     settings = config["refine"]
-    outcome = run_loop(
+    outcome = refine_loop(
         model,
         ground.pool,
         Goal(

@@ -23,9 +23,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from squeezefilm.designs.experiments import factors_of
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json, read_ok_forces, write_table
+from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import FittedModel, number, read_fit
 from squeezefilm.models.points import (
     add_point_options,

@@ -23,8 +23,8 @@ from squeezefilm.cli.use.predict import (
     within_percent,
 )
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.quantities import quantity
 from squeezefilm.io.tables import write_table
+from squeezefilm.io.typed_units import quantity
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.points import add_point_options, factors_of_points, points_of, show_points

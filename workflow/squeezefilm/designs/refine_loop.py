@@ -173,7 +173,7 @@ class _Loop:
         return np.where(np.isfinite(at).all(axis=1), np.sum(rows**2, axis=0), np.inf)
 
 
-def run_loop(
+def refine_loop(
     model: ExpressionModel,
     pool: Pool,
     goal: Goal,
