@@ -12,7 +12,6 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.cli.steps.limit_table import tabulate
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.typed_units import quantities
 from squeezefilm.models.fitted import read_fit
@@ -21,6 +20,7 @@ from squeezefilm.models.generated_code import c_source, python_source
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.trust import Trust, Unseen
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.physics_limits import limit_table_of
 
 THETA = {
     "two_factor": (7.6240, 1.91659, -1.001314),
@@ -41,7 +41,7 @@ RANGES = {
 @pytest.fixture(scope="module")
 def limit_table(repository) -> dict:
     config = load_config(repository / "config" / "quick.yaml")
-    return tabulate(config).to_dict()
+    return limit_table_of(config).to_dict()
 
 
 def evidence(reach_m: float = 2.9e-3) -> Trust:

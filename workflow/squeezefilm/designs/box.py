@@ -38,6 +38,11 @@ class Box:
                     "the upper one and both finite"
                 )
 
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The limits by the names of the factors."""
+        return dict(zip(self.names, zip(self.lower, self.upper, strict=True), strict=True))
+
     def to_unit(self, points: ArrayLike) -> Array:
         """Points, shape (..., k), with each factor scaled to [0, 1]."""
         low, high = np.array(self.lower), np.array(self.upper)
