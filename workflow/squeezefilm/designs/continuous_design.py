@@ -37,11 +37,12 @@ class ContinuousDesign:
     points: Array
     weights: Array
     derivatives: Array
+    prior: Array
     efficiency_bound: float
 
     def sensitivity(self, derivatives: ArrayLike) -> Array:
         """d(x)/p at points with these derivatives, shape (n, p) or (K, n, p); one at most."""
-        return sensitivity(self.derivatives, derivatives, weights=self.weights)
+        return sensitivity(self.derivatives, derivatives, weights=self.weights, prior=self.prior)
 
 
 def sensitivity(
@@ -49,17 +50,19 @@ def sensitivity(
     derivatives: ArrayLike,
     *,
     weights: ArrayLike | None = None,
+    prior: ArrayLike | None = None,
 ) -> Array:
     """Mean of f' M^-1 f / p of a design with derivatives (K, s, p), at others (K, n, p).
 
-    Equal weights if left out. Undefined derivatives give zero.
+    Equal weights and priors if left out. Undefined derivatives give zero.
     """
     own, other = stacked_derivatives(design), stacked_derivatives(derivatives)
     share = np.full(own.shape[1], 1 / own.shape[1]) if weights is None else np.asarray(weights)
+    layers = np.full(len(own), 1 / len(own)) if prior is None else np.asarray(prior)
     total = np.zeros(other.shape[1])
-    for f, at in zip(own, other, strict=True):
+    for f, at, layer in zip(own, other, layers, strict=True):
         triangle = np.linalg.qr(np.sqrt(share)[:, None] * f, mode="r")
-        total += 1 / len(own) * np.sum(solve_triangular(triangle, at.T, trans="T") ** 2, axis=0)
+        total += layer * np.sum(solve_triangular(triangle, at.T, trans="T") ** 2, axis=0)
     return np.asarray(total / own.shape[2])
 
 
@@ -77,14 +80,18 @@ def optimal_in_box(
     between them. Raises InputError where the candidates cannot tell the parameters apart.
     """
     grid, extra = stacked_derivatives(gradients(candidates)), np.empty((0, candidates.shape[1]))
+    layers = np.full(len(grid), 1 / len(grid))
+    layers = layers / layers.sum()
     best: ContinuousDesign | None = None
     for _ in range(rounds):
         points = np.concatenate([candidates, extra])
         derivatives = np.concatenate([grid, stacked_derivatives(gradients(extra))], axis=1)
-        found = optimal_weights(derivatives, gap=gap / 10)
-        rough = _weighted(points[found.support], found.weights[found.support], gradients, box)
+        found = optimal_weights(derivatives, prior=layers, gap=gap / 10)
+        rough = _weighted(
+            points[found.support], found.weights[found.support], gradients, layers, box
+        )
         moved = _climbed(rough, gradients, box, rough.points)
-        design = _weighted(moved, np.ones(len(moved)), gradients, box)
+        design = _weighted(moved, np.ones(len(moved)), gradients, layers, box)
         level = design.sensitivity(derivatives)
         highest_few = points[np.argsort(level)[-8:]]
         starts = np.unique(np.concatenate([design.points, highest_few]), axis=0)
@@ -101,16 +108,19 @@ def optimal_in_box(
     return best
 
 
-def _weighted(points: Array, weights: Array, gradients: Gradients, box: Box) -> ContinuousDesign:
+def _weighted(
+    points: Array, weights: Array, gradients: Gradients, prior: Array, box: Box
+) -> ContinuousDesign:
     """The best weights for these points, once those that lie together are one."""
     points = _merged(points, weights, box)
     derivatives = stacked_derivatives(gradients(points))
-    found = optimal_weights(derivatives, gap=1e-12)
+    found = optimal_weights(derivatives, prior=prior, gap=1e-12)
     used = found.support
     return ContinuousDesign(
         points=points[used],
         weights=found.weights[used] / found.weights[used].sum(),
         derivatives=derivatives[:, used],
+        prior=prior,
         efficiency_bound=0.0,
     )
 

@@ -9,8 +9,8 @@ M* the best matrix, tr(M^-1 M*) <= max d, and by the inequality of arithmetic an
 (det M / det M*)^(1/p) >= p / max d.
 
 Uncertain parameters. Derivatives may come as a stack, one layer for each of K parameter vectors:
-the criterion is then the mean of log det M_k (Bayesian D), and everything above holds for the mean
-of d_k. `maximin_design` makes the least of the K efficiencies large.
+the criterion is then the mean of log det M_k (Bayesian D), weighted by a prior, and everything
+above holds for the mean of d_k. `maximin_design` makes the least of the K efficiencies large.
 
 Derivatives have shape (n, p) or (K, n, p); rows that are undefined (NaN) carry no information.
 Nothing here knows a model, a factor or a unit, and D-optimality does not depend on the parameters'.
@@ -57,7 +57,11 @@ class ApproximateDesign:
 
 
 def optimal_weights(
-    derivatives: ArrayLike, *, gap: float = 1e-6, rounds: int = 500
+    derivatives: ArrayLike,
+    *,
+    prior: ArrayLike | None = None,
+    gap: float = 1e-6,
+    rounds: int = 500,
 ) -> ApproximateDesign:
     """The D-optimal weights of n candidates, to an efficiency of 1 - gap.
 
@@ -65,10 +69,11 @@ def optimal_weights(
     (vertex exchange, Boehning 1986), with Newton steps between; the candidates of largest
     sensitivity join the set until the equivalence theorem holds for all.
 
-    derivatives are those of the candidates, shape (n, p) or (K, n, p).
+    derivatives are those of the candidates, shape (n, p) or (K, n, p), prior the weights of the K
+    parameter vectors, equal if left out.
     Raises InputError where the candidates cannot tell the parameters apart.
     """
-    problem = _problem(derivatives)
+    problem = _problem(derivatives, prior)
     active = _first_points(problem)
     weights = np.zeros(problem.points)
     weights[active] = 1 / len(active)
@@ -203,9 +208,10 @@ def stacked_derivatives(derivatives: ArrayLike) -> Array:
     return np.where(np.isfinite(f).all(axis=-1, keepdims=True), f, 0.0)
 
 
-def _problem(derivatives: ArrayLike) -> _Problem:
+def _problem(derivatives: ArrayLike, prior: ArrayLike | None = None) -> _Problem:
     f = stacked_derivatives(derivatives)
     layers, _, parameters = f.shape
+    weights = np.ones(layers) if prior is None else np.asarray(prior, dtype=float)
     scale = np.empty((layers, parameters, parameters))
     for layer, each in zip(scale, f, strict=True):
         columns = np.linalg.norm(each, axis=0)
@@ -217,7 +223,7 @@ def _problem(derivatives: ArrayLike) -> _Problem:
         layer[:] = np.linalg.inv(triangle) / columns[:, None] * np.sqrt(len(each))
     return _Problem(
         derivatives=f @ scale,
-        prior=np.full(layers, 1 / layers),
+        prior=weights / weights.sum(),
         scale_log_det=np.asarray(2 * np.linalg.slogdet(scale)[1], dtype=float),
     )
 
