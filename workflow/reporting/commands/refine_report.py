@@ -23,11 +23,16 @@ from reporting.pages.notes import percent
 from squeezefilm.designs.continuous_design import sensitivity
 from squeezefilm.io.markdown import markdown_table, write_markdown
 from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import read_json, read_ok_forces, write_table
+from squeezefilm.io.tables import (
+    ROUND_COLUMNS,
+    WHERE_COLUMNS,
+    read_json,
+    read_ok_forces,
+    write_table,
+)
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import ExpressionModel, Factors
-from squeezefilm.studies.refined_model import ROUND_COLUMNS, WHERE_COLUMNS
 
 SECTIONS: tuple[str, ...] = ()
 TABLE_COLUMNS = (

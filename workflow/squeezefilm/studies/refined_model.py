@@ -25,9 +25,6 @@ from squeezefilm.studies.physics_limits import with_limits
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import directions_of, scene_of
 
-ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
-"""What a reader of a refinement's rounds may count on; the table has more."""
-WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 TYPICAL = 1000
 """Points of the fair sample of the space at which nothing is simulated."""
 ESTIMATED = ("global_error", "global_lower", "global_upper", "lack_of_fit", "worst_error")

@@ -22,16 +22,18 @@ import pandas as pd
 
 from squeezefilm.designs.refine_loop import Round
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import FORCE_COLUMNS, LIMIT_COLUMNS, write_json, write_table
+from squeezefilm.io.tables import (
+    FORCE_COLUMNS,
+    LIMIT_COLUMNS,
+    ROUND_COLUMNS,
+    WHERE_COLUMNS,
+    write_json,
+    write_table,
+)
 from squeezefilm.models.experiments import check_columns
 from squeezefilm.models.library import SPACES, model_named
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.refined_model import (
-    ROUND_COLUMNS,
-    WHERE_COLUMNS,
-    SimulatedSpace,
-    refined_model,
-)
+from squeezefilm.studies.refined_model import SimulatedSpace, refined_model
 
 SECTIONS = (
     "gas",
