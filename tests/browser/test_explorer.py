@@ -18,6 +18,7 @@ from selenium.webdriver.support.ui import Select
 from squeezefilm.io.tables import FACTOR_COLUMNS, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors, get_model
+from squeezefilm.models.working_point import amplitude_for_force
 
 from .conftest import DESKTOP, PHONE, Browser
 
@@ -192,7 +193,7 @@ def test_the_wanted_force_is_met(explorer: Explorer) -> None:
     explorer.element("take").click()
     assert explorer.force_n == pytest.approx(1, rel=0, abs=1e-8)
     fit = explorer.fit("two_factor_design")
-    amplitude_m = get_model(fit.model).amplitude_for_force(fit.theta, force_n=1.0, h0_m=5e-6)
+    amplitude_m = amplitude_for_force(get_model(fit.model), fit.theta, force_n=1.0, h0_m=5e-6)
     assert explorer.text("amplitude") == f"{1e6 * amplitude_m:.3f} µm for 1 N"
 
 

@@ -8,16 +8,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.cli.steps import limits
-from squeezefilm.cli.steps.limits import with_limits
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import COLUMNS, Factors, get_model
 from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.validation import error_sizes
 from squeezefilm.reynolds import solve
+from squeezefilm.studies import physics_limits as limits
 from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.plans import factor_ranges, random_plan
+from squeezefilm.studies.physics_limits import with_limits
+from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
 
 REPOSITORY = Path(__file__).parents[2]
@@ -46,7 +46,7 @@ def reference(name: str, config: Config) -> tuple[Factors, np.ndarray]:
 @pytest.fixture(scope="module")
 def control(config) -> tuple[Factors, np.ndarray]:
     """A thousand random points of the four-factor space, by the periodic state."""
-    ranges = factor_ranges(config)
+    ranges = box_of(config).ranges
     table = limits_of(random_plan(points=1000, seed=11, **ranges), config)
     scenes = [scene_of(point, config) for point in scene_points(table)]
     solutions = solve(scenes, tolerance=1e-5, method="periodic")

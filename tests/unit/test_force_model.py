@@ -5,6 +5,7 @@ import pytest
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model, make_model
+from squeezefilm.models.working_point import amplitude_for_force
 
 THETA = {
     TWO_FACTOR: np.array([7.624, 1.9166, -1.0013]),
@@ -95,7 +96,7 @@ def test_a_point_without_a_derivative_is_refused_by_name() -> None:
 @pytest.mark.parametrize("force_n", [0.01, 0.5, 1.0, 3.0])
 def test_amplitude_for_force_inverts_the_model(model, force_n) -> None:
     where = {"h0_m": 5e-6, "phi_r_m": 1e-3, "phi_deg": 15.0}
-    hv_m = model.amplitude_for_force(THETA[model], force_n=force_n, **where)
+    hv_m = amplitude_for_force(model, THETA[model], force_n=force_n, **where)
     back = model.evaluate(THETA[model], Factors.of(hv_m=hv_m, **where))
     assert back == pytest.approx([force_n], rel=1e-12)
 
@@ -103,17 +104,17 @@ def test_amplitude_for_force_inverts_the_model(model, force_n) -> None:
 @pytest.mark.parametrize("force_n", [-0.5, -5.0, -1.0013 + 0.5, float("nan")])
 def test_a_force_that_no_amplitude_gives_is_refused(force_n) -> None:
     with pytest.raises(InputError, match="force_n"):
-        TWO_FACTOR.amplitude_for_force(THETA[TWO_FACTOR], force_n=force_n, h0_m=5e-6)
+        amplitude_for_force(TWO_FACTOR, THETA[TWO_FACTOR], force_n=force_n, h0_m=5e-6)
 
 
 def test_a_force_beyond_contact_is_refused() -> None:
     # theta1 < 1: the model stays finite up to contact, at 1.73 N for these parameters.
     theta = [1.5, 0.5, -0.5]
     contact = np.sqrt(2.5 / 0.5) - 0.5
-    below = TWO_FACTOR.amplitude_for_force(theta, force_n=contact - 1e-3, h0_m=5e-6)
+    below = amplitude_for_force(TWO_FACTOR, theta, force_n=contact - 1e-3, h0_m=5e-6)
     assert 4.9e-6 < below < 5e-6
     with pytest.raises(InputError, match="below contact"):
-        TWO_FACTOR.amplitude_for_force(theta, force_n=contact + 1e-3, h0_m=5e-6)
+        amplitude_for_force(TWO_FACTOR, theta, force_n=contact + 1e-3, h0_m=5e-6)
 
 
 @pytest.mark.parametrize(

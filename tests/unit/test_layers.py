@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -45,6 +46,32 @@ def test_rooms_of_the_library_import_downwards(room: str) -> None:
         ours = [name.split(".") for name in imported(path) if name.startswith("squeezefilm.")]
         upwards = {parts[1] for parts in ours} & above(ROOMS, room)
         assert not upwards, (path, upwards)
+
+
+def commands() -> list[tuple[str, Path]]:
+    """The dotted name and the file of every command."""
+    found = []
+    for path in sorted(WORKFLOW.rglob("*.py")):
+        *package, name = path.relative_to(WORKFLOW).with_suffix("").parts
+        if name != "__init__" and (
+            package[-1] == "commands" or package[:2] == ["squeezefilm", "cli"]
+        ):
+            found.append((".".join((*package, name)), path))
+    return [pair for pair in found if re.search(r"^def run\(", pair[1].read_text("utf-8"), re.M)]
+
+
+def test_no_command_imports_another() -> None:
+    """What two commands share is no command's: it has a room below them."""
+    names = {name for name, _ in commands()}
+    assert len(names) > 30
+    for name, path in commands():
+        others = {
+            each
+            for each in imported(path)
+            for other in names - {name}
+            if f"{each}.".startswith(f"{other}.")
+        }
+        assert not others, (name, others)
 
 
 def test_every_room_has_its_place() -> None:

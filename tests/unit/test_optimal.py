@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
-from squeezefilm.designs.design import d_efficiency
+from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 
 NAMES = {"output": "d.csv", "efficiencies": "p.csv", "sensitivity": "m.csv", "summary": "s.json"}

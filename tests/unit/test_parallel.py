@@ -13,18 +13,18 @@ import psutil
 import pytest
 
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.parallel import spread
+from squeezefilm.io.parallel import parallel_map
 
 
 @pytest.mark.parametrize("processes", [1, 3])
 def test_results_are_those_of_a_plain_loop_in_order(processes: int) -> None:
     offset = 7
-    results = spread(lambda item: item * item + offset, range(20), processes=processes)
+    results = parallel_map(lambda item: item * item + offset, range(20), processes=processes)
     assert results == [item * item + offset for item in range(20)]
 
 
 def test_several_processes_share_the_work() -> None:
-    assert os.getpid() not in spread(lambda _: os.getpid(), range(4), processes=2)
+    assert os.getpid() not in parallel_map(lambda _: os.getpid(), range(4), processes=2)
 
 
 def test_a_refusal_in_a_process_reaches_the_caller() -> None:
@@ -32,7 +32,7 @@ def test_a_refusal_in_a_process_reaches_the_caller() -> None:
         raise InputError(f"no {item}")
 
     with pytest.raises(InputError, match=r"no \d"):
-        spread(refuse, range(3), processes=2)
+        parallel_map(refuse, range(3), processes=2)
 
 
 def test_a_process_that_is_killed_is_told_and_not_waited_for() -> None:
@@ -42,14 +42,14 @@ def test_a_process_that_is_killed_is_told_and_not_waited_for() -> None:
         return item
 
     with pytest.raises(RunError, match="was killed"):
-        spread(end, range(4), processes=2)
+        parallel_map(end, range(4), processes=2)
 
 
 def test_processes_end_with_the_one_that_started_them(repository: Path) -> None:
     code = (
-        "import os, time; from squeezefilm.io.parallel import spread\n"
+        "import os, time; from squeezefilm.io.parallel import parallel_map\n"
         "task = lambda _: (os.write(1, b'%d\\n' % os.getpid()), time.sleep(60))\n"
-        "spread(task, [1, 2], processes=2)"
+        "parallel_map(task, [1, 2], processes=2)"
     )
     parent = subprocess.Popen(
         [sys.executable, "-c", code],

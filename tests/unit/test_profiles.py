@@ -183,11 +183,11 @@ def test_the_stated_error_covers_the_true_one(smooth: Smooth, axisymmetric: bool
 def test_noise_drawn_anew_spreads_as_the_standard_error_says(smooth: Smooth) -> None:
     smoothed = smooth(scan_text(noise=0.02, missing=0.03, seed=5), axisymmetric=False)
     place = {"x_m": np.array([0.0075]), "y_m": np.array([0.003])}
-    drawn = smoothed.again(count=40, seed=1)
+    drawn = smoothed.residual_bootstrap(count=40, seed=1)
     # Normalised profiles: the peak's own error is taken out of the standard error.
     spread = np.std([shape.amplitude(**place) for shape in drawn])
     assert spread == pytest.approx(smoothed.standard_error(**place)[0], rel=0.4)
-    again = smoothed.again(count=2, seed=1)
+    again = smoothed.residual_bootstrap(count=2, seed=1)
     assert again == drawn[:2]
 
 

@@ -13,8 +13,8 @@ import yaml
 
 from squeezefilm.cli.main import main
 from squeezefilm.cli.steps import refine as refine_command
-from squeezefilm.designs.experiments import factors_of
 from squeezefilm.io.tables import SCENE_COLUMNS, read_forces, write_table
+from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.weak_spots import in_words, weak_spots

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from squeezefilm.designs.design import Box
+from squeezefilm.designs.box import Box
 from squeezefilm.film.scene import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import load_config

@@ -10,13 +10,13 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.designs.design import Box
+from squeezefilm.designs.box import Box
 from squeezefilm.film.directions import Directions
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.plans import factor_ranges, finger_positions, plan_sizes
+from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, directions_of, scene_of
 
@@ -114,13 +114,13 @@ def test_the_template_s_directions_stand_for_all_that_differ(quick: Config) -> N
     places = finger_positions(rectangle)
     assert {angle for _, angle in places} == {0, 45, 90}
     assert plan_sizes(rectangle)["four_factor"] == len(places) * quick["design"]["points"]
-    assert factor_ranges(rectangle)["phi_deg"] == (0, 90)
+    assert box_of(rectangle).ranges["phi_deg"] == (0, 90)
     assert Space.of(rectangle, centred=False).box.upper[3] == 90
 
 
 def test_the_paper_s_positions_are_as_they_were(repository: Path) -> None:
     paper = load_config(repository / "config" / "paper.yaml")
-    assert factor_ranges(paper)["phi_deg"] == (0, 45)
+    assert box_of(paper).ranges["phi_deg"] == (0, 45)
     angles, radii = [0, 15, 30, 45], paper["positions"]["phi_r_m"]
     assert finger_positions(paper) == [(0, 0), *((r, angle) for r in radii for angle in angles)]
 

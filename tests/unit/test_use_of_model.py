@@ -12,15 +12,15 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.cli.steps.limit_table import tabulate
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.quantities import quantities
+from squeezefilm.io.typed_units import quantities
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
 from squeezefilm.models.generated_code import c_source, python_source
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.trust import Trust, Unseen
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.physics_limits import limit_table_of
 
 THETA = {
     "two_factor": (7.6240, 1.91659, -1.001314),
@@ -41,7 +41,7 @@ RANGES = {
 @pytest.fixture(scope="module")
 def limit_table(repository) -> dict:
     config = load_config(repository / "config" / "quick.yaml")
-    return tabulate(config).to_dict()
+    return limit_table_of(config).to_dict()
 
 
 def evidence(reach_m: float = 2.9e-3) -> Trust:
@@ -185,6 +185,8 @@ def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path) -> None:
         (["--h0=5um"], "give --h0 and --hv"),
         (["--h0=5", "--hv=1um"], "--h0 '5' must be a number with a unit of m"),
         (["--h0=5um", "--hv=1N"], "--hv '1N'"),
+        (["--h0=2um+3um", "--hv=1um"], "--h0 '2um+3um'"),
+        (["--h0=5furlong", "--hv=1um"], "a unit of m (m, mm, um, µm, μm, nm)"),
         (["--h0=5um:6um", "--hv=1um"], "first:last:count"),
         (["--h0=5um:6um:100000000", "--hv=1um"], "count must lie"),
         (["--h0=5um:6um:9999", "--hv=1um:2um:9999"], "at most 1000000"),
@@ -203,6 +205,8 @@ def test_points_that_mean_nothing_are_refused(options, message, write_fit, capsy
 def test_quantities_have_units_commas_and_ranges() -> None:
     assert quantities("5um, 0.007mm", option="--h0", unit="m") == pytest.approx([5e-6, 7e-6])
     assert quantities("0deg:45deg:4", option="--phi", unit="deg") == [0, 15, 30, 45]
+    assert quantities("-5e-3 mm,.5µm", option="--x", unit="m") == pytest.approx([-5e-6, 5e-7])
+    assert quantities("1rad", option="--phi", unit="deg") == pytest.approx([180 / math.pi])
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.designs.design import Box, Criterion, coordinates, refine
+from squeezefilm.designs.box import Box, coordinates
+from squeezefilm.designs.paper_design import Criterion, descend
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fit import fit_model
 from squeezefilm.models.force_model import TWO_FACTOR, Factors
@@ -147,7 +148,7 @@ def _design_moves(
             box,
             distance=coordinates(scaling, box),
         )
-        return [box.to_unit(refine(criterion, triplet).points) for triplet in triplets]
+        return [box.to_unit(descend(criterion, triplet).points) for triplet in triplets]
 
     start = refined(theta)
     random = np.random.default_rng(1)

@@ -7,12 +7,14 @@ tell it. What is plausible was set from what the paper states, with how many dig
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import yaml
 from scipy.optimize import brentq
 
 from squeezefilm.film.scene import Scene
@@ -29,7 +31,6 @@ CURVE_REACH = 0.05
 CURVE_POINTS = 21
 SEARCH_POINTS = 13
 PLAUSIBLE_POINTS = 5
-AMPLITUDE = ("point", "hv_m")
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class Assumption:
     """A number that the simulations take for granted.
 
     Attributes:
-        places: where it stands in the configuration; AMPLITUDE for the point's own.
+        places: where it stands in the configuration; ``point.hv_m`` for the point's own.
         unit, scale: the unit it is shown in, and that in SI.
         plausible: least and largest plausible value in SI; None for the point's two digits.
         because: where that comes from.
@@ -63,93 +64,18 @@ class Assumption:
     """
 
     name: str
-    places: tuple[tuple[str, ...], ...]
+    places: Sequence[str]
     unit: str
     scale: float
-    plausible: tuple[float, float] | None
     because: str
     search: tuple[float, float]
+    plausible: tuple[float, float] | None = None
     rest: float | None = None
-    switch: tuple[tuple[tuple[str, ...], Any], ...] = ()
+    switch: Mapping[str, str] = field(default_factory=dict)
 
 
-ASSUMPTIONS = (
-    Assumption(
-        "amplitude",
-        (AMPLITUDE,),
-        "µm",
-        1e-6,
-        None,
-        "rounds to what is stated",
-        (0.2, 2.0),
-    ),
-    Assumption(
-        "ambient pressure",
-        (("gas", "ambient_pressure_pa"),),
-        "kPa",
-        1e3,
-        (93e3, 101.325e3),
-        "not stated; a standard pressure, or the air at the authors' 430 m",
-        (0.5, 2.0),
-    ),
-    Assumption(
-        "wave number of the profile",
-        (("actuator", "profile", "wave_number_per_m"),),
-        "1/m",
-        1.0,
-        (109.75, 109.85),
-        "stated with four digits",
-        (0.5, 1.5),
-    ),
-    Assumption(
-        "viscosity",
-        (("gas", "viscosity_pa_s"),),
-        "µPa·s",
-        1e-6,
-        (17.2e-6, 19.5e-6),
-        "not stated; air from 0 to 50 °C",
-        (0.1, 10.0),
-    ),
-    Assumption(
-        "frequency",
-        (("actuator", "frequency_hz"),),
-        "kHz",
-        1e3,
-        (43.265e3, 43.275e3),
-        "stated with four digits",
-        (0.1, 10.0),
-    ),
-    Assumption(
-        "side of the finger",
-        (("finger", "length_x_m"), ("finger", "length_y_m")),
-        "mm",
-        1e-3,
-        (9.75e-3, 10.25e-3),
-        "stated as 1 cm²; 0.95 to 1.05 cm²",
-        (0.5, 1.4),
-    ),
-    Assumption(
-        "mean free path, by slip",
-        (("gas", "mean_free_path_m"),),
-        "nm",
-        1e-9,
-        (0.0, 70e-9),
-        "eq. (1) has no slip; that of air",
-        (0.0, 200e-9),
-        rest=0.0,
-        switch=((("gas", "rarefaction"), "slip"),),
-    ),
-    Assumption(
-        "polytropic exponent",
-        (("gas", "polytropic_exponent"),),
-        "–",
-        1.0,
-        (1.0, 1.0),
-        "eq. (1) is isothermal",
-        (1.0, 1.4),
-        rest=1.0,
-    ),
-)
+_TABLE = Path(__file__).with_name("assumptions.yaml").read_text(encoding="utf-8")
+ASSUMPTIONS = tuple(Assumption(**entry) for entry in yaml.safe_load(_TABLE))
 
 
 def differences(config: Config) -> tuple[Difference, ...]:
@@ -193,7 +119,10 @@ class Trial:
         if self.assumption.rest is not None:
             return self.assumption.rest
         try:
-            return float(_look_up(self._values(), self.assumption.places[0]))
+            value: Any = self._values()
+            for key in self.assumption.places[0].split("."):
+                value = value[key]
+            return float(value)
         except KeyError:
             return None
 
@@ -211,9 +140,9 @@ class Trial:
         if value == self.assumption.rest:
             return force(scene_of(self.difference.point, self.config))
         values = self._values()
-        settings = [(place, value) for place in self.assumption.places]
-        for place, setting in (*settings, *self.assumption.switch):
-            values = _changed(values, place, setting)
+        settings: dict[str, Any] = dict.fromkeys(self.assumption.places, value)
+        for place, setting in {**settings, **self.assumption.switch}.items():
+            values = _changed(values, place.split("."), setting)
         point = ScenePoint(**(vars(self.difference.point) | values.pop("point")))
         try:
             return force(scene_of(point, Config(path=self.config.path, sections=values)))
@@ -224,16 +153,10 @@ class Trial:
         return {**self.config.sections, "point": {"hv_m": self.difference.point.hv_m}}
 
 
-def _look_up(values: Any, place: tuple[str, ...]) -> Any:
-    for key in place:
-        values = values[key]
-    return values
-
-
-def _changed(values: dict[str, Any], place: tuple[str, ...], setting: Any) -> dict[str, Any]:
+def _changed(values: dict[str, Any], place: Sequence[str], setting: Any) -> dict[str, Any]:
     """A copy of nested values with another one at a place."""
     key, *rest = place
-    inner = _changed(values[key], tuple(rest), setting) if rest else setting
+    inner = _changed(values[key], rest, setting) if rest else setting
     return {**values, key: inner}
 
 

@@ -16,13 +16,13 @@ from pathlib import Path
 import numpy as np
 
 from numerics.conditioning import conditioning
-from squeezefilm.designs.design import Box
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import FACTOR_COLUMNS, read_ok_forces, write_table
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.plans import CENTRED, box_of
 
 SECTIONS = ("design", "fit", "numerics", "screen")
 NOTE = (
@@ -44,7 +44,6 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     screen, screen_force = _forces(options.screen)
     design, design_force = _forces(options.design)
-    limits = config["screen"]
     table = conditioning(
         screen=screen,
         screen_force_n=screen_force,
@@ -52,11 +51,7 @@ def run(options: argparse.Namespace) -> None:
         design_force_n=design_force,
         theta=np.array(read_fit(options.fit).theta),
         triplets=_best_triplets(options.searches, scaling=config["design"]["scaling"]),
-        box=Box(
-            ("h0_m", "hv_m"),
-            (limits["h0_m"]["start"], limits["hv_m"]["start"]),
-            (limits["h0_m"]["stop"], limits["hv_m"]["stop"]),
-        ),
+        box=box_of(config, CENTRED),
         scaling=config["design"]["scaling"],
         bounds=config["fit"]["bounds"],
         seeds=config["numerics"]["seeds"],

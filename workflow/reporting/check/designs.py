@@ -13,13 +13,14 @@ import numpy as np
 
 from reporting.check.quantities import Quantity, guarded, text_of
 from reporting.check.tolerances import SAME, AtMost, Cells, Close, Closeness, Worst
-from squeezefilm.designs.design import Box, coordinates, d_efficiency, pair_distances
+from squeezefilm.designs.box import coordinates, pair_distances
+from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_design, read_json
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.plans import factor_ranges
+from squeezefilm.studies.plans import box_of
 
 DESIGNS = "designs"
 FIT_OF_DESIGN = {
@@ -45,7 +46,7 @@ class Efficient:
         return f"D-efficiency at least {1 - self.loss:g} of the reference's"
 
     def efficiency(self, expected: Cells, got: Cells) -> float:
-        """(det F′F of one design over that of the other) to the 1/p (see design.d_efficiency)."""
+        """(det F′F of one design over that of the other) to the 1/p (see d_efficiency)."""
         model = get_model(self.model)
         theta = [float(expected[name]) for name in model.parameter_names]
 
@@ -97,7 +98,7 @@ def _design(results: Path, name: str, config: Config) -> Iterator[Quantity]:
             f"point {number} {factor}": text_of(point[factor]) for factor in model.factor_names
         }
     yield Quantity(DESIGNS, name, "D-efficiency", cells, Efficient(fit.model))
-    box = _box(config, model.factor_names)
+    box = box_of(config, model.factor_names)
     points = design[list(model.factor_names)].to_numpy()
     outside = float(np.max(np.abs(box.to_unit(points) - 0.5)) - 0.5)
     yield Quantity(
@@ -118,12 +119,6 @@ def _design(results: Path, name: str, config: Config) -> Iterator[Quantity]:
             {"wanted least distance over that found": f"{share:.9g}"},
             AtMost(1 + ROUNDING),
         )
-
-
-def _box(config: Config, names: tuple[str, ...]) -> Box:
-    limits = factor_ranges(config)
-    lower, upper = zip(*(limits[name] for name in names), strict=True)
-    return Box(names, lower, upper)
 
 
 def _patterns(folder: Path, closeness: Closeness) -> Iterator[Quantity]:

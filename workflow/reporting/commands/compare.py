@@ -21,10 +21,10 @@ import numpy as np
 import pandas as pd
 
 from reporting.pages.notes import percent
-from squeezefilm.designs.experiments import check_columns, factors_of
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table, write_markdown
 from squeezefilm.io.tables import read_json, read_ok_forces, write_table
+from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.validation import error_sizes, relative_errors

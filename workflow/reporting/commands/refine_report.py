@@ -21,10 +21,16 @@ from scipy import stats
 
 from reporting.pages.notes import percent
 from squeezefilm.designs.continuous_design import sensitivity
-from squeezefilm.designs.experiments import ROUND_COLUMNS, WHERE_COLUMNS, check_columns, factors_of
 from squeezefilm.io.markdown import markdown_table, write_markdown
 from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import read_json, read_ok_forces, write_table
+from squeezefilm.io.tables import (
+    ROUND_COLUMNS,
+    WHERE_COLUMNS,
+    read_json,
+    read_ok_forces,
+    write_table,
+)
+from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import ExpressionModel, Factors
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import solve_triangular
 from scipy.optimize import minimize
 
-from squeezefilm.designs.design import Box
+from squeezefilm.designs.box import Box
 from squeezefilm.designs.optimal_design import optimal_weights, stacked_derivatives
 from squeezefilm.io.errors import InputError
 
@@ -71,7 +71,6 @@ def optimal_in_box(
     box: Box,
     candidates: Array,
     *,
-    prior: ArrayLike | None = None,
     gap: float = 1e-10,
     rounds: int = 8,
 ) -> ContinuousDesign:
@@ -81,7 +80,7 @@ def optimal_in_box(
     between them. Raises InputError where the candidates cannot tell the parameters apart.
     """
     grid, extra = stacked_derivatives(gradients(candidates)), np.empty((0, candidates.shape[1]))
-    layers = np.full(len(grid), 1 / len(grid)) if prior is None else np.asarray(prior, dtype=float)
+    layers = np.full(len(grid), 1 / len(grid))
     layers = layers / layers.sum()
     best: ContinuousDesign | None = None
     for _ in range(rounds):

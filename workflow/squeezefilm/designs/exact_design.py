@@ -39,7 +39,6 @@ def exchange(
     derivatives: ArrayLike,
     points: int,
     *,
-    prior: ArrayLike | None = None,
     existing: ArrayLike | None = None,
     coordinates: ArrayLike | None = None,
     existing_coordinates: ArrayLike | None = None,
@@ -51,7 +50,7 @@ def exchange(
 
     Args:
         derivatives: of the candidates, shape (n, p), or (K, n, p) for K parameter vectors whose
-            mean log-determinant counts, weighted by `prior`.
+            mean log-determinant counts.
         points: how many to choose.
         existing: derivatives of points that stay as they are, shape (m, p) or (K, m, p).
         coordinates: of the candidates, shape (n, c), in which distances are taken; with
@@ -61,7 +60,7 @@ def exchange(
     Raises InputError where no candidate is left that is far enough from the others, or where the
     points cannot tell the parameters apart.
     """
-    search = _Search.of(derivatives, prior, existing, coordinates, existing_coordinates, separation)
+    search = _Search.of(derivatives, existing, coordinates, existing_coordinates, separation)
     if points < 1:
         raise InputError(f"design: {points} points are none; ask for one at least")
     rng = np.random.default_rng(seed)
@@ -92,7 +91,6 @@ class _Search:
     def of(
         cls,
         derivatives: ArrayLike,
-        prior: ArrayLike | None,
         existing: ArrayLike | None,
         coordinates: ArrayLike | None,
         existing_coordinates: ArrayLike | None,
@@ -111,14 +109,12 @@ class _Search:
         if places is not None and existing_coordinates is not None:
             gaps = _distances(places, np.asarray(existing_coordinates, dtype=float))
             allowed &= ~np.any(gaps < max(separation, 1e-9), axis=1)
-        weights = np.ones(layers) if prior is None else np.asarray(prior, dtype=float)
+        prior = np.full(layers, 1 / layers)
         return cls(
             derivatives=f / size,
-            prior=weights / weights.sum(),
+            prior=prior,
             known=(old / size).transpose(0, 2, 1) @ (old / size),
-            scale_log_det=float(
-                weights / weights.sum() @ (2 * np.sum(np.log(size[:, 0]), axis=-1))
-            ),
+            scale_log_det=float(prior @ (2 * np.sum(np.log(size[:, 0]), axis=-1))),
             coordinates=places,
             separation=separation,
             allowed=allowed,

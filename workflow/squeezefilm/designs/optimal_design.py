@@ -8,12 +8,9 @@ nowhere above the number of parameters p. For any other design it says how far o
 M* the best matrix, tr(M^-1 M*) <= max d, and by the inequality of arithmetic and geometric means
 (det M / det M*)^(1/p) >= p / max d.
 
-Uncertain parameters. Derivatives may come as a stack, one layer for each of K parameter vectors
-with prior weights: the criterion is then the mean of log det M_k (Bayesian D), and everything
+Uncertain parameters. Derivatives may come as a stack, one layer for each of K parameter vectors:
+the criterion is then the mean of log det M_k (Bayesian D), weighted by a prior, and everything
 above holds for the mean of d_k. `maximin_design` makes the least of the K efficiencies large.
-
-Points that exist already enter with the share of all points that they make up; what is sought is
-the best addition to them.
 
 Derivatives have shape (n, p) or (K, n, p); rows that are undefined (NaN) carry no information.
 Nothing here knows a model, a factor or a unit, and D-optimality does not depend on the parameters'.
@@ -21,7 +18,7 @@ Nothing here knows a model, a factor or a unit, and D-optimality does not depend
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,11 +38,11 @@ DROPPED = 1e-9
 class ApproximateDesign:
     """Weights over n candidates and what is known of their quality.
 
-    weights, shape (n,), sum to one. sensitivity, shape (n,), is d(x)/p, or for additions to
-    existing points what takes its place: nowhere above one for the best design, and one at its
-    points. log_det, shape (K,), is log det M for each parameter vector, in the units of the
-    derivatives. efficiency_bound is a lower bound of the D-efficiency against all designs on these
-    candidates; for a maximin design, of its least efficiency over the best possible one.
+    weights, shape (n,), sum to one. sensitivity, shape (n,), is d(x)/p: nowhere above one for the
+    best design, and one at its points. log_det, shape (K,), is log det M for each parameter
+    vector, in the units of the derivatives. efficiency_bound is a lower bound of the D-efficiency
+    against all designs on these candidates; for a maximin design, of its least efficiency over the
+    best possible one.
     """
 
     weights: Array
@@ -63,8 +60,6 @@ def optimal_weights(
     derivatives: ArrayLike,
     *,
     prior: ArrayLike | None = None,
-    existing: ArrayLike | None = None,
-    existing_share: float = 0.0,
     gap: float = 1e-6,
     rounds: int = 500,
 ) -> ApproximateDesign:
@@ -74,15 +69,11 @@ def optimal_weights(
     (vertex exchange, Boehning 1986), with Newton steps between; the candidates of largest
     sensitivity join the set until the equivalence theorem holds for all.
 
-    Args:
-        derivatives: of the candidates, shape (n, p) or (K, n, p).
-        prior: weights of the K parameter vectors; equal if left out.
-        existing: derivatives of points that are there already, shape (m, p) or (K, m, p).
-        existing_share: m / (m + N), if N points are to be added.
-
+    derivatives are those of the candidates, shape (n, p) or (K, n, p), prior the weights of the K
+    parameter vectors, equal if left out.
     Raises InputError where the candidates cannot tell the parameters apart.
     """
-    problem = _problem(derivatives, prior, existing, existing_share)
+    problem = _problem(derivatives, prior)
     active = _first_points(problem)
     weights = np.zeros(problem.points)
     weights[active] = 1 / len(active)
@@ -98,24 +89,6 @@ def optimal_weights(
     return problem.design(weights)
 
 
-def assess(
-    derivatives: ArrayLike, candidates: ArrayLike, *, prior: ArrayLike | None = None
-) -> ApproximateDesign:
-    """A given design judged by the equivalence theorem, without knowing the best one.
-
-    Args:
-        derivatives: of the design's N points, shape (N, p) or (K, N, p); each counts 1/N.
-        candidates: of all points it might have had, shape (n, p) or (K, n, p).
-
-    The result is over the candidates followed by the design's own points.
-    """
-    own, others = stacked_derivatives(derivatives), stacked_derivatives(candidates)
-    problem = _problem(np.concatenate([others, own], axis=1), prior, None, 0.0)
-    weights = np.zeros(problem.points)
-    weights[others.shape[1] :] = 1 / own.shape[1]
-    return problem.design(weights)
-
-
 def maximin_design(
     derivatives: ArrayLike, *, gap: float = 1e-5, rounds: int = 30
 ) -> tuple[ApproximateDesign, Array]:
@@ -128,7 +101,7 @@ def maximin_design(
     stack = stacked_derivatives(derivatives)
     best = [optimal_weights(layer, gap=gap / 10) for layer in stack]
     goal = np.array([float(design.log_det[0]) for design in best])
-    problem = _problem(stack, None, None, 0.0)
+    problem = _problem(stack)
     goal = goal + problem.scale_log_det
     start = optimal_weights(stack, gap=1e-3)
     weights = start.weights + sum(design.weights for design in best) / len(best)
@@ -143,8 +116,7 @@ def maximin_design(
         log_efficiency = (problem.log_dets(weights) - goal) / problem.parameters
         efficiencies = np.exp(log_efficiency)
         prior = _least_favourable(problem, weights, log_efficiency)
-        weighted = problem.with_prior(prior)
-        sensitivity = weighted.sensitivity(weights)
+        sensitivity = replace(problem, prior=prior).sensitivity(weights)
         ceiling = float(prior @ log_efficiency) + np.log(sensitivity.max())
         found = ApproximateDesign(
             weights=weights.copy(),
@@ -164,13 +136,11 @@ def maximin_design(
 class _Problem:
     """Candidates' derivatives, shape (K, n, p), scaled so that their plain mean has M = I.
 
-    known is what existing points add to every information matrix, share what new points make up.
+    prior, shape (K,), are the weights of the parameter vectors.
     """
 
     derivatives: Array
     prior: Array
-    known: Array
-    share: float
     scale_log_det: Array
 
     @property
@@ -182,19 +152,13 @@ class _Problem:
         return int(self.derivatives.shape[2])
 
     def only(self, which: Indices) -> _Problem:
-        return _Problem(
-            self.derivatives[:, which], self.prior, self.known, self.share, self.scale_log_det
-        )
-
-    def with_prior(self, prior: Array) -> _Problem:
-        return _Problem(self.derivatives, prior, self.known, self.share, self.scale_log_det)
+        return replace(self, derivatives=self.derivatives[:, which])
 
     def information(self, weights: Array) -> Array:
         """M of each parameter vector, shape (K, p, p)."""
         used = np.flatnonzero(weights)
         f = self.derivatives[:, used]
-        new = np.einsum("kni,n,knj->kij", f, weights[used], f)
-        return np.asarray(self.known + self.share * new)
+        return np.asarray(np.einsum("kni,n,knj->kij", f, weights[used], f))
 
     def log_dets(self, weights: Array) -> Array:
         sign, value = np.linalg.slogdet(self.information(weights))
@@ -215,10 +179,10 @@ class _Problem:
         return np.asarray(np.einsum("kni,kij,knj->kn", f, self.inverse(weights), f))
 
     def sensitivity(self, weights: Array) -> Array:
-        """Mean of d_k over p where all points are new; in general 1 + share (d - sum w d)/p."""
+        """Mean of d_k over p, written so that it is one for the mean over the design's points."""
         variance = self.prior @ self.variances(weights)
         own = float(weights @ variance)
-        return np.asarray(1 + self.share * (variance - own) / self.parameters)
+        return np.asarray(1 + (variance - own) / self.parameters)
 
     def design(self, weights: Array) -> ApproximateDesign:
         log_det = self.log_dets(weights)
@@ -244,22 +208,12 @@ def stacked_derivatives(derivatives: ArrayLike) -> Array:
     return np.where(np.isfinite(f).all(axis=-1, keepdims=True), f, 0.0)
 
 
-def _problem(
-    derivatives: ArrayLike,
-    prior: ArrayLike | None,
-    existing: ArrayLike | None,
-    existing_share: float,
-) -> _Problem:
+def _problem(derivatives: ArrayLike, prior: ArrayLike | None = None) -> _Problem:
     f = stacked_derivatives(derivatives)
     layers, _, parameters = f.shape
     weights = np.ones(layers) if prior is None else np.asarray(prior, dtype=float)
-    if weights.shape != (layers,) or np.any(weights < 0) or not weights.sum() > 0:
-        raise InputError(f"design: give {layers} prior weights, one for each layer, not negative")
-    if not 0 <= existing_share < 1:
-        raise InputError("design: the share of existing points lies between 0 and below 1")
-    whole = f if existing is None else np.concatenate([f, stacked_derivatives(existing)], axis=1)
     scale = np.empty((layers, parameters, parameters))
-    for layer, each in zip(scale, whole, strict=True):
+    for layer, each in zip(scale, f, strict=True):
         columns = np.linalg.norm(each, axis=0)
         if len(each) < parameters or not np.all(columns > 0):
             raise InputError("design: a parameter has no influence on any candidate")
@@ -267,15 +221,9 @@ def _problem(
         if np.abs(np.diagonal(triangle)).min() < 1e-13:
             raise InputError("design: the candidates cannot tell the parameters apart")
         layer[:] = np.linalg.inv(triangle) / columns[:, None] * np.sqrt(len(each))
-    known = np.zeros((layers, parameters, parameters))
-    if existing is not None:
-        old = stacked_derivatives(existing) @ scale
-        known = existing_share * old.transpose(0, 2, 1) @ old / old.shape[1]
     return _Problem(
         derivatives=f @ scale,
         prior=weights / weights.sum(),
-        known=known,
-        share=1 - (existing_share if existing is not None else 0.0),
         scale_log_det=np.asarray(2 * np.linalg.slogdet(scale)[1], dtype=float),
     )
 
@@ -298,11 +246,11 @@ def _best_weights(problem: _Problem, weights: Array, *, gap: float) -> Array:
         mean = problem.prior @ variance
         used = np.flatnonzero(weights > 0)
         to, of = int(np.argmax(mean)), int(used[np.argmin(mean[used])])
-        if problem.share * (mean[to] - mean[of]) <= gap * problem.parameters:
+        if mean[to] - mean[of] <= gap * problem.parameters:
             break
         mixed = np.einsum("ki,ki->k", turned[:, to], f[:, of])
-        rise = problem.share * (variance[:, to] - variance[:, of])
-        fall = problem.share**2 * (variance[:, to] * variance[:, of] - mixed**2)
+        rise = variance[:, to] - variance[:, of]
+        fall = variance[:, to] * variance[:, of] - mixed**2
         step = _best_step(problem.prior, rise, np.maximum(fall, 0), float(weights[of]))
         weights = weights.copy()
         weights[to] += step
@@ -317,7 +265,7 @@ def _newton_step(problem: _Problem, weights: Array) -> Array:
     if len(used) < 2:
         return weights
     f = problem.derivatives[:, used]
-    cross = problem.share * f @ problem.inverse(weights) @ f.transpose(0, 2, 1)
+    cross = f @ problem.inverse(weights) @ f.transpose(0, 2, 1)
     slope = problem.prior @ np.diagonal(cross, axis1=1, axis2=2)
     one = np.ones((len(used), 1))
     bend = np.einsum("k,kij->ij", problem.prior, cross**2)

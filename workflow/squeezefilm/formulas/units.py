@@ -12,18 +12,10 @@ from fractions import Fraction
 
 from squeezefilm.formulas.expressions import Expression, Name, Node, Number, Operation, parse, walk
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.typed_units import BASES, UNITS
 
-BASES = ("N", "m", "s", "deg")
-"""A degree counts as a base: a formula that takes degrees for radians is wrong."""
-UNITS = {
-    "N": (1, 0, 0, 0),
-    "m": (0, 1, 0, 0),
-    "s": (0, 0, 1, 0),
-    "deg": (0, 0, 0, 1),
-    "Pa": (1, -2, 0, 0),
-    "Hz": (0, 0, -1, 0),
-    "kg": (1, -1, 2, 0),
-}
+COHERENT = ("N", "m", "s", "deg", "Pa", "Hz", "kg")
+"""Units that parameters may have: formulas are evaluated in SI units, and in degrees."""
 FORCE = "N"
 
 
@@ -139,10 +131,10 @@ class _Check:
 
 def _read_unit(unit: str, *, place: str) -> _Dimension:
     """The dimension of a unit such as ``N/m**2``; ``1`` for none."""
-    expression = parse(unit, names=UNITS, place=f"{place}, unit")
+    expression = parse(unit, names=COHERENT, place=f"{place}, unit")
     bases = {
-        name: _Dimension(tuple(Fraction(exponent) for exponent in exponents))
-        for name, exponents in UNITS.items()
+        name: _Dimension(tuple(Fraction(exponent) for exponent in UNITS[name].exponents))
+        for name in COHERENT
     }
     if any(
         isinstance(part, Operation) and part.operator not in ("*", "/", "**")

@@ -1,4 +1,4 @@
-"""The same task on several processes."""
+"""The same task on several processes: a parallel map."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _task: Callable[[Any], Any] | None = None
 _PR_SET_PDEATHSIG = 1
 
 
-def spread(
+def parallel_map(
     task: Callable[[Item], Result], items: Iterable[Item], *, processes: int
 ) -> list[Result]:
     """``[task(item) for item in items]``, in order, on so many processes.

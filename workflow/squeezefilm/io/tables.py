@@ -6,9 +6,7 @@ would take longer to read than scenes to solve.
 
 from __future__ import annotations
 
-import csv
 import json
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
@@ -26,6 +25,9 @@ SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
 TIMING_COLUMNS = ("point_id", "solve_seconds")
 LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_error_n", "status")
+ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
+"""What a reader of a refinement's rounds may count on; the table has more."""
+WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out"}
 PARQUET = ".parquet"
 FORCE_COLUMNS = (
@@ -143,7 +145,7 @@ def _read(
     path = Path(path)
     if path.suffix == PARQUET:
         return _read_parquet(path, columns=columns, numbers=numbers, rows=rows)
-    header, found = _cells(path, columns=columns)
+    header, found = read_cells(path, what="table", needs=", ".join(columns))
     _check_header(header, columns=columns, path=path)
     if not found:
         raise InputError(f"{path}: the table has a header and no rows")
@@ -215,29 +217,6 @@ def _check_header(header: Sequence[str], *, columns: Sequence[str], path: Path) 
         )
 
 
-def _cells(path: Path, *, columns: Sequence[str]) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """The header, and each row's line in the file with its cells; blank lines are left out."""
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as handle:
-            reader = csv.reader(handle, strict=True)
-            rows = [
-                (reader.line_num, [cell.strip() for cell in cells]) for cells in reader if cells
-            ]
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such table") from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: the table cannot be read: {error}") from None
-    if not rows:
-        raise InputError(f"{path}: the table is empty; it needs {', '.join(columns)}")
-    (_, header), *rows = rows
-    for line, cells in rows:
-        if len(cells) != len(header):
-            raise InputError(
-                f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
-            )
-    return header, rows
-
-
 def _check_ids(ids: pd.Series, *, lines: Sequence[int], path: Path) -> None:
     first_line: dict[str, int] = {}
     for point_id, line in zip(ids, lines, strict=True):
@@ -253,19 +232,9 @@ def _check_ids(ids: pd.Series, *, lines: Sequence[int], path: Path) -> None:
 
 def _finite(column: pd.Series, *, lines: Sequence[int], path: Path) -> list[float]:
     return [
-        _number(text, path=path, line=line, name=str(column.name))
+        finite_number(text, path=path, line=line, name=str(column.name))
         for text, line in zip(column, lines, strict=True)
     ]
-
-
-def _number(text: str, *, path: Path, line: int, name: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if "_" in text or not math.isfinite(value):  # Python would read 1_000
-        raise InputError(f"{path}: line {line}: {name} is {text!r}, not a finite number")
-    return value
 
 
 def write_table(table: pd.DataFrame, path: Path | str) -> None:

@@ -11,7 +11,9 @@ every order of magnitude gets its share of the candidates.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, differential_evolution
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.parallel import parallel_map
 from squeezefilm.models.force_model import ExpressionModel, Factors
 from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.search import Array, Objective, genetic_search, nelder_mead
@@ -53,19 +56,6 @@ class Fit:
         """Plain numbers, strings and lists, ready for JSON."""
         plain = asdict(self)
         return plain | {name: list(plain[name]) for name in ("theta", "search_theta")}
-
-    @classmethod
-    def from_dict(cls, plain: dict[str, Any]) -> Fit:
-        """The fit written by to_dict; raises InputError for a missing or an unknown entry."""
-        names = {field.name for field in fields(cls)}
-        wrong = names.symmetric_difference(plain)
-        if wrong:
-            raise InputError(
-                f"fit: entries {', '.join(sorted(wrong))} are missing or unknown; "
-                f"a fit has {', '.join(sorted(names))}"
-            )
-        tuples = {name: tuple(plain[name]) for name in ("theta", "search_theta")}
-        return cls(**(plain | tuples))
 
 
 def fit_model(
@@ -163,6 +153,34 @@ def fit_by_differential_evolution(
         evaluations=population * (int(rough.nit) + 1) + best.evaluations,
         search_theta=np.sinh(rough.x),
     )
+
+
+def fits_from_seeds(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    settings: Mapping[str, Any],
+    *,
+    processes: int = 1,
+) -> list[Fit]:
+    """Every seed with every bound, and a differential evolution with every bound as a check.
+
+    settings is the section ``fit`` of a study. A model that is linear is fitted once.
+    """
+    bounds, first_seed = settings["bounds"], settings["first_seed"]
+    if model.is_linear:
+        return [fit_model(model, factors, force_n, bound=bounds[0], seed=first_seed)]
+    count = settings["seeds"]["two_factor" if model.is_centred else "four_factor"]
+    searches = [
+        *((fit_model, seed) for seed in range(first_seed, first_seed + count)),
+        (fit_by_differential_evolution, first_seed),
+    ]
+
+    def one(way: tuple[float, tuple[Callable[..., Fit], int]]) -> Fit:
+        bound, (search, seed) = way
+        return search(model, factors, force_n, bound=bound, seed=seed)
+
+    return parallel_map(one, list(product(bounds, searches)), processes=processes)
 
 
 def _linear_fit(

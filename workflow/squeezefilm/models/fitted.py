@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
 from squeezefilm.film.directions import Directions
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_json
+from squeezefilm.io.tables import read_json, read_ok_forces
+from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.force_model import ExpressionModel, Factors, get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.trust import Trust, Unseen, Verdict
@@ -167,6 +170,33 @@ def read_fit(path: Path | str) -> FittedModel:
         values=values,
         place=str(path),
     )
+
+
+def read_judged_fit(path: Path | str, *, control: Sequence[str] | None) -> FittedModel:
+    """Read a fit, judged by the simulations of the tables in ``control`` that it never saw.
+
+    Raises:
+        InputError: naming the file, for one that cannot be read or a point that has no force.
+    """
+    fit = read_fit(path)
+    if not control:
+        return fit
+    forces = pd.concat([read_ok_forces(each) for each in control], ignore_index=True)
+    return fit.judged_by(
+        factors_of(forces), force_n=forces["force_n"], force_error_n=forces["force_error_n"]
+    )
+
+
+def expected_error(fit: FittedModel, validation: str | None) -> float:
+    """The error to expect in newtons: a validation's root mean square, else the fit's own."""
+    if validation is None:
+        return fit.error_n
+    values = read_json(validation)
+    points = number(values, "points", validation)
+    squares = number(values, "sum_of_squares", validation)
+    if points < 1 or squares < 0:
+        raise InputError(f"{validation}: not the summary of a validation")
+    return math.sqrt(squares / points)
 
 
 def _trust(values: Mapping[str, Any], path: Path | str) -> Trust | None:

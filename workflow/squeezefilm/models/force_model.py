@@ -8,7 +8,7 @@ the library's.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -42,8 +42,6 @@ UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
 POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 POSITION = (*POLAR, *CARTESIAN)
 MOST_PARAMETERS = 30
-AMPLITUDES = 400
-"""Amplitudes at which a model is looked at before the one for a wanted force is refined."""
 
 
 @dataclass(frozen=True)
@@ -265,50 +263,6 @@ class ExpressionModel:
         parameters = ", ".join(f"{name} = {value:g}" for name, value in given)
         return f"at {point}" + (f", with {parameters}" if parameters else "")
 
-    def amplitude_for_force(
-        self,
-        theta: ArrayLike,
-        *,
-        force_n: float,
-        h0_m: float,
-        phi_r_m: float = 0.0,
-        phi_deg: float = 0.0,
-        complete: Callable[[Factors], Factors] | None = None,
-    ) -> float:
-        """Smallest amplitude hv in metres that gives the wanted force at a gap and position.
-
-        A model of results of physics needs ``complete``, which adds their columns to factors.
-        Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives the
-        force.
-        """
-        theta = self._checked(theta)
-        if theta.ndim != 1:
-            raise InputError(f"amplitude_for_force takes one theta, not {len(theta)} of them")
-        if not np.isfinite(force_n):
-            raise InputError(f"force_n: {force_n} is not a finite number")
-        if self.column_names and complete is None:
-            raise InputError(
-                f"the model {self.name} needs {', '.join(self.column_names)} at each amplitude"
-            )
-
-        def excess(epsilon: ArrayLike) -> Array:
-            hv_m = np.asarray(epsilon) * h0_m
-            at = Factors.of(h0_m=h0_m, hv_m=hv_m, phi_r_m=phi_r_m, phi_deg=phi_deg)
-            at = complete(at) if complete else at
-            return self.evaluate(theta, at) - force_n
-
-        for low, high in _brackets(excess):
-            found = _root(excess, low, high)
-            # The sign may change at a pole, too.
-            if abs(excess(found)[0]) <= 1e-9 * (1 + abs(force_n)):
-                return found * h0_m
-        at_rest = excess(0.0)[0] + force_n
-        rest = "" if np.isnan(at_rest) else f"; at rest it gives {at_rest:.3g} N"
-        raise InputError(
-            f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
-            f"below contact (hv_m < h0_m){rest}"
-        )
-
     def _checked(self, theta: ArrayLike) -> Array:
         theta = np.asarray(theta, dtype=float)
         count = len(self.parameter_names)
@@ -328,50 +282,6 @@ class ExpressionModel:
             if name in self.parsed.names
         }
         return parameters | used
-
-
-def _brackets(excess: Any) -> Iterable[tuple[float, float]]:
-    """Pairs of excursion ratios in [0, 1) between which a function changes sign, from below.
-
-    The edge of the region where the function is defined is found by bisection: a model may reach
-    any force just before its pole.
-    """
-    grid = np.append(np.linspace(0.0, 1.0, AMPLITUDES, endpoint=False), np.nextafter(1.0, 0.0))
-    values = excess(grid)
-    for index in range(len(grid) - 1):
-        low, high = grid[index], grid[index + 1]
-        at_low, at_high = values[index], values[index + 1]
-        if np.isnan(at_low) and np.isnan(at_high):
-            continue
-        if np.isnan(at_low) or np.isnan(at_high):
-            low, high = _defined_part(excess, low, high)
-            at_low, at_high = excess(low)[0], excess(high)[0]
-        if at_low * at_high <= 0:
-            yield low, high
-
-
-def _root(excess: Any, low: float, high: float) -> float:
-    """Where a function changes sign in an interval, by bisection down to round-off."""
-    rises = excess(low)[0] <= 0
-    while low < (middle := (low + high) / 2) < high:
-        if (excess(middle)[0] <= 0) == rises:
-            low = middle
-        else:
-            high = middle
-    return min(low, high, key=lambda each: abs(excess(each)[0]))
-
-
-def _defined_part(excess: Any, low: float, high: float) -> tuple[float, float]:
-    """The part of an interval in which a function is defined, which it is at one end."""
-    inside, outside = (high, low) if np.isnan(excess(low)[0]) else (low, high)
-    start = inside
-    for _ in range(100):
-        middle = (inside + outside) / 2
-        if np.isnan(excess(middle)[0]):
-            outside = middle
-        else:
-            inside = middle
-    return min(start, inside), max(start, inside)
 
 
 def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> ExpressionModel:

@@ -15,6 +15,7 @@ a measure of what the points fix, not of a scatter.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,6 +47,12 @@ class ParameterRange:
     upper: float
     theta_lower: tuple[float, ...]
     theta_upper: tuple[float, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Estimate and range, ready for JSON; an open end is null."""
+        plain = {name: getattr(self, name) for name in ("name", "unit", "estimate")}
+        ends = {name: getattr(self, name) for name in ("lower", "upper")}
+        return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
 def parameter_ranges(

@@ -113,6 +113,12 @@ class Verdict:
         """Which points are trusted, shape (n,)."""
         return np.array([not reason for reason in self.reasons], dtype=bool)
 
+    def within_percent(self, force_n: ArrayLike) -> Array:
+        """The error's bound in per cent of the force, shape (n,); NaN where it is not trusted."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = 100 * self.error_n / np.abs(force_n)
+        return np.where(self.trusted, share, np.nan)
+
 
 @dataclass(frozen=True, eq=False)
 class Trust:

@@ -11,7 +11,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.plans import factor_ranges, plan_sizes, random_plan
+from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
 from squeezefilm.studies.study import scene_of
 
 # One thread of the processor that docs/cluster.md was measured on.
@@ -44,10 +44,9 @@ def chunk_counts(config: Config) -> dict[str, int]:
 
 def expected_seconds(config: Config, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
-    ranges = factor_ranges(config)
+    sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
     if centred:
-        ranges |= {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
-    sample = random_plan(points=SAMPLE, seed=1, **ranges)
+        sample = sample.assign(phi_r_m=0.0, phi_deg=0.0)
     scenes = [scene_of(point, config) for point in scene_points(sample)]
     solver = config["solver"]
     explained = explain(scenes, tolerance=solver["tolerance"], method=solver["method"])

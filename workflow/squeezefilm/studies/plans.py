@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.tables import SCENE_COLUMNS
-from squeezefilm.studies.config import Config
+from squeezefilm.designs.box import Box
+from squeezefilm.io.tables import FACTOR_COLUMNS, SCENE_COLUMNS
+from squeezefilm.studies.config import ENDS, Config
 from squeezefilm.studies.study import directions_of
 
+CENTRED = FACTOR_COLUMNS[:2]
+"""The factors of a finger that stays at the centre."""
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
 PIECE = 2**17
 
@@ -74,19 +77,19 @@ def four_factor_plan(
     return plan(h0_m=gaps, hv_m=amplitudes, phi_r_m=radii, phi_deg=angles)
 
 
-def factor_ranges(config: Config) -> dict[str, tuple[float, float]]:
-    """The box of the four factors: the screen's gaps and amplitudes, the finger's positions.
+def box_of(config: Config, names: Sequence[str] = FACTOR_COLUMNS) -> Box:
+    """The box of a study's factors: the screen's gaps and amplitudes, the finger's positions.
 
-    Directions are those that represent all by the scene's symmetry. From the sections ``screen``,
-    ``positions``, ``actuator`` and ``finger``.
+    From the section ``screen``; where the finger moves also from ``positions``, ``actuator`` and
+    ``finger``. Directions are those that represent all by the scene's symmetry.
     """
-    screen, directions = config["screen"], directions_of(config)
-    return {
-        "h0_m": (screen["h0_m"]["start"], screen["h0_m"]["stop"]),
-        "hv_m": (screen["hv_m"]["start"], screen["hv_m"]["stop"]),
-        "phi_r_m": (0.0, float(max(config["positions"]["phi_r_m"]))),
-        "phi_deg": (directions.start_deg, directions.stop_deg),
-    }
+    limits = {each: tuple(config["screen"][each][end] for end in ENDS) for each in CENTRED}
+    if set(names) - set(CENTRED):
+        directions = directions_of(config)
+        limits["phi_r_m"] = (0.0, float(max(config["positions"]["phi_r_m"])))
+        limits["phi_deg"] = (directions.start_deg, directions.stop_deg)
+    lower, upper = zip(*(limits[name] for name in names), strict=True)
+    return Box(tuple(names), lower, upper)
 
 
 def plan_sizes(config: Config) -> dict[str, int]:

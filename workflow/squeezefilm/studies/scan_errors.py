@@ -64,7 +64,7 @@ def scan_errors(
     """
     from scipy.stats import t
 
-    profiles = [smoothed.profile, *smoothed.again(count=draws, seed=seed)]
+    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=seed)]
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
         for profile in profiles

@@ -13,12 +13,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from squeezefilm.designs.design import Box, coordinates
+from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.film.scene import Scene, check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.plans import factor_ranges, plan
+from squeezefilm.studies.plans import CENTRED, box_of, plan
 from squeezefilm.studies.study import scene_of
 
 Array = NDArray[np.float64]
@@ -39,11 +39,9 @@ class Space:
     @classmethod
     def of(cls, config: Config, *, centred: bool) -> Space:
         """The space of a study: the screen's ranges and the finger positions'."""
-        ranges = factor_ranges(config)
-        names = FACTOR_COLUMNS[:2] if centred else FACTOR_COLUMNS
-        lower, upper = zip(*(ranges[name] for name in names), strict=True)
-        middle = ScenePoint("space", ranges["h0_m"][1], ranges["hv_m"][0], 0.0, 0.0)
-        return cls(Box(names, lower, upper), scene_of(middle, config))
+        box = box_of(config, CENTRED if centred else FACTOR_COLUMNS)
+        middle = ScenePoint("space", box.ranges["h0_m"][1], box.ranges["hv_m"][0], 0.0, 0.0)
+        return cls(box, scene_of(middle, config))
 
     def allowed(self, points: Array) -> NDArray[np.bool_]:
         """Which points, shape (n, k), can be simulated, shape (n,)."""

@@ -15,41 +15,20 @@ efficiency against an optimum found by exchange on a fine grid.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
-from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from squeezefilm.designs.design import (
-    Box,
-    Criterion,
-    Design,
-    Pattern,
-    augment,
-    coordinates,
-    corners,
-    d_efficiency,
-    exchange_design,
-    find_patterns,
-    find_regions,
-    search_design,
-)
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.parallel import spread
-from squeezefilm.io.tables import DESIGN_COLUMNS, write_json, write_table
+from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.models.force_model import ExpressionModel, get_model
-from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.plans import factor_ranges, plan
+from squeezefilm.models.force_model import get_model
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.paper_designs import four_factor_designs, two_factor_designs
 
 SECTIONS = {
     "two-factor": ("design", "screen"),
     "four-factor": ("four_factor_design", "positions", "screen", "actuator", "finger"),
 }
-TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
-FINE_LEVELS = {"two-factor": 181, "four-factor": 7}
-"""Levels per factor of the grid on which the optimum to compare with is sought."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,154 +49,13 @@ def run(options: argparse.Namespace) -> None:
     fit = read_fit(options.fit)
     if fit.model != options.model.replace("-", "_"):
         raise InputError(f"{options.fit}: a fit of the model {fit.model}, not of {options.model}")
-    model = get_model(fit.model)
-    design = _two_factor if options.model == "two-factor" else _four_factor
+    designs = two_factor_designs if options.model == "two-factor" else four_factor_designs
+    theta = np.array(fit.theta)
     try:
-        tables, searches, summary = design(
-            model, np.array(fit.theta), config, processes=options.processes
-        )
+        found = designs(get_model(fit.model), theta, config, processes=options.processes)
     except InputError as error:
         raise InputError(f"{options.fit}: {error}") from None
-    for path, table in zip((options.output, options.distinct), tables, strict=False):
+    for path, table in zip((options.output, options.distinct), found.tables, strict=False):
         write_table(table, path)
-    write_table(searches, options.searches)
-    write_json(summary, options.summary)
-
-
-Found = tuple[list[pd.DataFrame], pd.DataFrame, dict[str, Any]]
-
-
-def _two_factor(
-    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
-) -> Found:
-    settings, box = config["design"], Box(*_limits(config, model.factor_names))
-    determinant = Criterion(_gradient(model, theta), box)
-    best = exchange_design(determinant, 3, levels=FINE_LEVELS["two-factor"])
-    rows, summary = [], {}
-    for scaling in TWO_FACTOR_SCALINGS:
-        criterion = Criterion(determinant.gradient, box, distance=coordinates(scaling, box))
-        designs = _searches(criterion, 3, settings, processes=processes)
-        patterns = find_patterns(designs, box)
-        rows += _search_rows(scaling, designs, patterns, box, model)
-        summary[scaling] = _pattern_summaries(patterns, determinant, best, model)
-        if scaling == settings["scaling"]:
-            regions = augment(
-                criterion, find_regions(patterns, box), settings["points"], candidates=corners(box)
-            )
-    table = _design_table(
-        [region.point for region in regions], [region.origin for region in regions], model
-    )
-    about = {
-        "scaling": settings["scaling"],
-        "searches": settings["searches"],
-        "scalings": summary,
-        "d_efficiency": d_efficiency(
-            determinant.derivatives(np.array([region.point for region in regions])),
-            determinant.derivatives(best.points),
-        ),
-    }
-    return [table], pd.DataFrame(rows), about
-
-
-def _four_factor(
-    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
-) -> Found:
-    settings, box = config["four_factor_design"], Box(*_limits(config, model.factor_names))
-    gradient = _gradient(model, theta)
-    forms = {
-        "paper": Criterion(gradient, box),
-        "distinct": Criterion(
-            gradient, box, apart=coordinates("scene", box), separation=settings["separation"]
-        ),
-    }
-    tables, rows, summary = [], [], {}
-    for form, criterion in forms.items():
-        points = len(model.parameter_names)
-        best = exchange_design(criterion, points, levels=FINE_LEVELS["four-factor"])
-        designs = _searches(criterion, points, settings, processes=processes)
-        patterns = find_patterns(designs, box)
-        rows += _search_rows(form, designs, patterns, box, model)
-        summary[form] = _pattern_summaries(patterns, criterion, best, model)
-        tables.append(_design_table(patterns[0].design.points, [form] * points, model))
-    return tables, pd.DataFrame(rows), {"searches": settings["searches"], "forms": summary}
-
-
-def _limits(
-    config: Config, names: Sequence[str]
-) -> tuple[tuple[str, ...], tuple[float, ...], tuple[float, ...]]:
-    """The factors' names, and the lower and upper limits of the experimental space."""
-    if "phi_r_m" in names:
-        limits = factor_ranges(config)
-    else:
-        screen = config["screen"]
-        limits = {name: (screen[name]["start"], screen[name]["stop"]) for name in names}
-    lower, upper = zip(*(limits[name] for name in names), strict=True)
-    return tuple(names), lower, upper
-
-
-def _gradient(model: ExpressionModel, theta: np.ndarray) -> Any:
-    return lambda points: model.gradient(theta, model.factors(points))
-
-
-def _searches(
-    criterion: Criterion, points: int, settings: dict[str, Any], *, processes: int
-) -> list[Design]:
-    seeds = range(settings["first_seed"], settings["first_seed"] + settings["searches"])
-    return spread(
-        lambda seed: search_design(criterion, points, seed=seed), seeds, processes=processes
-    )
-
-
-def _search_rows(
-    scaling: str,
-    designs: Sequence[Design],
-    patterns: Sequence[Pattern],
-    box: Box,
-    model: ExpressionModel,
-) -> list[dict[str, Any]]:
-    """One row for each point of each search, with the pattern that the search ended in."""
-    rows = []
-    for search, design in enumerate(designs, start=1):
-        name = next(
-            pattern.name
-            for pattern in patterns
-            if len(find_patterns([pattern.design, design], box)) == 1
-        )
-        for point in design.points:
-            about = {"scaling": scaling, "search": search, "pattern": name}
-            rows.append({**about, **_named(point, model), "objective": design.value})
-    return rows
-
-
-def _pattern_summaries(
-    patterns: Sequence[Pattern], criterion: Criterion, best: Design, model: ExpressionModel
-) -> list[dict[str, Any]]:
-    return [
-        {
-            "pattern": pattern.name,
-            "count": pattern.count,
-            "objective": pattern.design.value,
-            "objective_excess": pattern.excess,
-            "inverse_determinant": pattern.design.inverse_determinant,
-            "d_efficiency": d_efficiency(
-                criterion.derivatives(pattern.design.points), criterion.derivatives(best.points)
-            ),
-            "points": [_named(point, model) for point in pattern.design.points],
-        }
-        for pattern in patterns
-    ]
-
-
-def _named(point: Iterable[float], model: ExpressionModel) -> dict[str, float]:
-    """A point with its factors' names; twelve digits, so that a limit reads 2e-06."""
-    return {
-        name: float(f"{value:.12g}") for name, value in zip(model.factor_names, point, strict=True)
-    }
-
-
-def _design_table(
-    points: Iterable[Iterable[float]], origins: Sequence[str], model: ExpressionModel
-) -> pd.DataFrame:
-    factors = pd.DataFrame([_named(point, model) for point in points])
-    scenes = plan(**{name: factors[name].to_numpy() for name in model.factor_names})
-    return scenes.assign(origin=origins)[list(DESIGN_COLUMNS)]
+    write_table(found.searches, options.searches)
+    write_json(found.summary, options.summary)

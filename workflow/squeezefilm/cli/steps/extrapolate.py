@@ -14,6 +14,7 @@ from pathlib import Path
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table
 from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.working_point import amplitude_for_force
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import plan
 
@@ -34,11 +35,10 @@ def run(options: argparse.Namespace) -> None:
         if Path(path).stem in amplitudes:
             raise InputError(f"{path}: two fits bear the name {Path(path).stem}")
         try:
-            amplitude_m = fit.force_model.amplitude_for_force(
-                fit.theta, force_n=point["force_n"], h0_m=point["h0_m"]
+            amplitudes[Path(path).stem] = amplitude_for_force(
+                fit.force_model, fit.theta, force_n=point["force_n"], h0_m=point["h0_m"]
             )
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
-        amplitudes[Path(path).stem] = amplitude_m
     scenes = plan(h0_m=[point["h0_m"]] * len(amplitudes), hv_m=list(amplitudes.values()))
     write_table(scenes.assign(point_id=list(amplitudes)), options.output)

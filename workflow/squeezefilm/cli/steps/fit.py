@@ -20,32 +20,24 @@ model is trusted at a point or not (`squeezefilm predict`), and where it comes f
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from squeezefilm import __version__
-from squeezefilm.designs.experiments import check_columns, factors_of
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.parallel import spread
 from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
-from squeezefilm.models.cross_validation import left_out_predictions
-from squeezefilm.models.fit import Fit, fit_by_differential_evolution, fit_model
-from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
+from squeezefilm.models.description import describe
+from squeezefilm.models.experiments import check_columns, factors_of
+from squeezefilm.models.fit import Fit, fits_from_seeds
+from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import model_named
-from squeezefilm.models.trust import Trust, Unseen
-from squeezefilm.models.validation import error_sizes
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import directions_of
 
 SECTIONS = ("fit", "models", "actuator", "finger")
-FOLDS, FOLD_SEED = 5, 1
-"""Of the cross-validation that tells a fit's error at points it was not fitted to."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -78,7 +70,7 @@ def run(options: argparse.Namespace) -> None:
         check_columns(model, factors)
         if len(factors) >= len(model.parameter_names):
             check_identifiable(model, factors)
-        runs = _runs(model, factors, force_n, processes=options.processes, **settings)
+        runs = fits_from_seeds(model, factors, force_n, settings, processes=options.processes)
         best = min(runs, key=lambda run: run.sum_of_squares)
         about = describe(
             model, factors, force_n, best, force_error_n=forces["force_error_n"].to_numpy()
@@ -100,93 +92,6 @@ def run(options: argparse.Namespace) -> None:
         if "refused" not in table:
             about["limit_table"] = table
     write_json({**best.to_dict(), **about, "source": source}, options.output)
-
-
-def _runs(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: np.ndarray,
-    *,
-    bounds: list[float],
-    seeds: dict[str, int],
-    first_seed: int,
-    processes: int,
-) -> list[Fit]:
-    """Every seed with every bound, and a differential evolution with every bound as a check."""
-    if model.is_linear:
-        return [fit_model(model, factors, force_n, bound=bounds[0], seed=first_seed)]
-    count = seeds["two_factor" if model.is_centred else "four_factor"]
-    all_seeds = range(first_seed, first_seed + count)
-
-    def one(way: tuple[Callable[..., Fit], float, int]) -> Fit:
-        function, bound, seed = way
-        return function(model, factors, force_n, bound=bound, seed=seed)
-
-    ways = [
-        way
-        for bound in bounds
-        for way in (
-            *((fit_model, bound, seed) for seed in all_seeds),
-            (fit_by_differential_evolution, bound, first_seed),
-        )
-    ]
-    return spread(one, ways, processes=processes)
-
-
-def describe(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: np.ndarray,
-    fit: Fit,
-    *,
-    force_error_n: np.ndarray,
-    control: Unseen | None = None,
-) -> dict[str, Any]:
-    """What a file must tell of a fit, so that the model can be used from the file alone.
-
-    control: simulations that were not fitted, to judge the fit by, besides points left out.
-    """
-    # A model that knows no position was fitted at some all the same.
-    position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
-    left_out = _left_out(model, factors, force_n, fit)
-    unseen = None
-    if left_out is not None:
-        unseen = Unseen.of(factors, model_n=left_out, force_n=force_n, force_error_n=force_error_n)
-    trust = Trust.of(factors, unseen)
-    return {
-        "about": model.about,
-        "expression": model.expression,
-        "parameters": list(model.parameter_names),
-        "parameter_units": list(model.parameter_units),
-        "force_unit": "N",
-        "ranges": {
-            name: [float(np.min(values)), float(np.max(values))]
-            for name in (*model.factor_names, *position, *model.column_names)
-            for values in [factors.column(name)]
-        },
-        "residual": error_sizes(model_n=model.evaluate(fit.theta, factors), simulation_n=force_n),
-        "cross_validation": None
-        if left_out is None
-        else {
-            "folds": min(FOLDS, len(force_n)),
-            **error_sizes(model_n=left_out, simulation_n=force_n),
-        },
-        "trust": (trust if control is None else trust.with_control(control)).to_dict(),
-    }
-
-
-def _left_out(
-    model: ExpressionModel, factors: Factors, force_n: np.ndarray, fit: Fit
-) -> np.ndarray | None:
-    """Forces at points left out of the fit; none where they are too few to leave any out."""
-    count = len(force_n)
-    folds = min(FOLDS, count)
-    if folds < 2 or count - -(-count // folds) < len(model.parameter_names):
-        return None
-    predicted = left_out_predictions(
-        model, factors, force_n, theta=fit.theta, folds=folds, seed=FOLD_SEED
-    )
-    return predicted if np.all(np.isfinite(predicted)) else None
 
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:

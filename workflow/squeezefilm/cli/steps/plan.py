@@ -20,8 +20,8 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
+    box_of,
     centred_grid,
-    factor_ranges,
     finger_positions,
     four_factor_plan,
     level_values,
@@ -69,13 +69,8 @@ def run(options: argparse.Namespace) -> None:
 def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> Iterable[pd.DataFrame]:
     """The scenes of one kind of plan; those of a sweep in pieces."""
     if kind == "sweep":
-        sweep = config[kind]
-        return sweep_pieces(
-            points=sweep["points"],
-            first=sweep["first"],
-            seed=sweep["seed"],
-            **factor_ranges(config),
-        )
+        points, first, seed = (config[kind][key] for key in ("points", "first", "seed"))
+        return sweep_pieces(points=points, first=first, seed=seed, **box_of(config).ranges)
     return [_small_plan(kind, config, design=design)]
 
 
@@ -84,9 +79,8 @@ def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd
         levels = config[kind]
         return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
     if kind in ("four_factor_control", "model_control"):
-        return random_plan(
-            points=config[kind]["points"], seed=config[kind]["seed"], **factor_ranges(config)
-        )
+        points, seed = config[kind]["points"], config[kind]["seed"]
+        return random_plan(points=points, seed=seed, **box_of(config).ranges)
     assert design is not None
     if kind == "four_factor":
         return four_factor_plan(

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.designs.experiments import check_columns, factors_of
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import (
     FACTOR_COLUMNS,
@@ -19,6 +18,7 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
+from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.validation import relative_errors, summarise
 from squeezefilm.studies.config import load_config

@@ -17,24 +17,19 @@ The noise of a measured profile is in no model's error: `squeezefilm profile` sa
 from __future__ import annotations
 
 import argparse
-import math
-from collections.abc import Sequence
 
 import numpy as np
-import pandas as pd
 
-from squeezefilm.designs.experiments import factors_of
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_json, read_ok_forces, write_table
-from squeezefilm.models.fitted import FittedModel, number, read_fit
-from squeezefilm.models.points import (
+from squeezefilm.cli.points import (
+    add_control_option,
     add_point_options,
     factors_of_points,
     points_of,
     read_points,
-    show_points,
+    write_points,
 )
-from squeezefilm.models.trust import Verdict
+from squeezefilm.io.errors import InputError
+from squeezefilm.models.fitted import expected_error, read_judged_fit
 
 SECTIONS: tuple[str, ...] = ()
 
@@ -62,51 +57,7 @@ def run(options: argparse.Namespace) -> None:
     table = points.assign(
         force_n=force_n,
         force_error_n=np.where(verdict.trusted, expected_error(fit, options.validation), np.nan),
-        within_percent=within_percent(verdict, force_n),
+        within_percent=verdict.within_percent(force_n),
         note=verdict.reasons,
     )
-    if options.output:
-        write_table(table, options.output)
-    else:
-        show_points(table)
-
-
-def add_control_option(parser: argparse.ArgumentParser) -> None:
-    """The option of the simulations that a fit is judged by."""
-    parser.add_argument(
-        "--control", nargs="+", metavar="FORCES.csv", help="simulations to judge the fit by"
-    )
-
-
-def read_judged_fit(path: str, *, control: Sequence[str] | None) -> FittedModel:
-    """Read a fit, judged by the simulations of the tables in ``control`` that it never saw.
-
-    Raises:
-        InputError: naming the file, for one that cannot be read or a point that has no force.
-    """
-    fit = read_fit(path)
-    if not control:
-        return fit
-    forces = pd.concat([read_ok_forces(each) for each in control], ignore_index=True)
-    return fit.judged_by(
-        factors_of(forces), force_n=forces["force_n"], force_error_n=forces["force_error_n"]
-    )
-
-
-def within_percent(verdict: Verdict, force_n: np.ndarray) -> np.ndarray:
-    """The bound of the error in per cent of the force, shape (n,); NaN where it is not trusted."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = 100 * verdict.error_n / np.abs(force_n)
-    return np.where(verdict.trusted, share, np.nan)
-
-
-def expected_error(fit: FittedModel, validation: str | None) -> float:
-    """The error to expect in newtons: a validation's root mean square, else the fit's own."""
-    if validation is None:
-        return fit.error_n
-    values = read_json(validation)
-    points = number(values, "points", validation)
-    squares = number(values, "sum_of_squares", validation)
-    if points < 1 or squares < 0:
-        raise InputError(f"{validation}: not the summary of a validation")
-    return math.sqrt(squares / points)
+    write_points(table, options.output)

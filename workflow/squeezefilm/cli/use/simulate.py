@@ -26,7 +26,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.io import job
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.quantities import quantity, with_error
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
     ScenePoint,
@@ -35,6 +34,7 @@ from squeezefilm.io.tables import (
     scene_points,
     table_writer,
 )
+from squeezefilm.io.typed_units import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, choose_device, describe
 from squeezefilm.reynolds.needs import needs_of

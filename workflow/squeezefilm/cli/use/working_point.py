@@ -16,23 +16,20 @@ import argparse
 import numpy as np
 import pandas as pd
 
-from squeezefilm.cli.use.predict import (
+from squeezefilm.cli.points import (
     add_control_option,
-    expected_error,
-    read_judged_fit,
-    within_percent,
+    add_point_options,
+    factors_of_points,
+    points_of,
+    write_points,
 )
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.quantities import quantity
-from squeezefilm.io.tables import write_table
-from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import Factors
-from squeezefilm.models.points import add_point_options, factors_of_points, points_of, show_points
+from squeezefilm.io.typed_units import quantity
+from squeezefilm.models.fitted import expected_error, read_judged_fit
+from squeezefilm.models.working_point import working_point
 
 SECTIONS: tuple[str, ...] = ()
 GAPS = 6
-STEP = 1e-4
-"""Relative step of the amplitude in the slope of the force."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,47 +50,13 @@ def run(options: argparse.Namespace) -> None:
         low, high = fit.ranges["h0_m"]
         options.h0_m = f"{low!r}m:{high!r}m:{GAPS}" if high > low else f"{low!r}m"
     points = points_of(options)
+    factors = factors_of_points(points.assign(hv_m=0.0), place="working-point")
     error_n = expected_error(fit, options.validation)
-    rows = [working_point(fit, point, force_n=force_n, error_n=error_n) for point in _each(points)]
-    table = pd.concat([points, pd.DataFrame(rows)], axis=1)
-    if options.output:
-        write_table(table, options.output)
-    else:
-        show_points(table)
-
-
-def working_point(
-    fit: FittedModel, point: Factors, *, force_n: float, error_n: float
-) -> dict[str, object]:
-    """Amplitude, its error and a note for one gap and position; NaN where there is none."""
-    model = fit.force_model
-    point = fit.represented(point)
-    where = {
-        "h0_m": float(point.h0_m[0]),
-        "phi_r_m": float(point.phi_r_m[0]),
-        "phi_deg": float(point.phi_deg[0]),
-    }
-    unknown = dict.fromkeys(("hv_m", "hv_error_m", "within_percent"), np.nan)
-    row: dict[str, object] = {"force_n": force_n, **unknown, "note": ""}
-    if model.column_names:
-        fit.complete(point)  # says what is missing, if anything
-    try:
-        hv_m = model.amplitude_for_force(
-            fit.theta,
-            force_n=force_n,
-            complete=fit.complete if model.column_names else None,
-            **where,
-        )
-    except InputError as error:
-        return row | {"note": str(error).removeprefix("force_n: ")}
-    near = Factors.of(**where | {"hv_m": hv_m * np.array([1 - STEP, 1.0, 1 + STEP])})
-    below, _, above = model.evaluate(fit.theta, fit.complete(near))
-    slope = (above - below) / (2 * STEP * hv_m) if hv_m else np.nan
-    verdict = fit.judge(near.take([1]), [force_n])
-    error_m = error_n / abs(slope) if slope and verdict.trusted[0] else np.nan
-    within = within_percent(verdict, np.array([force_n]))[0]
-    known = {"hv_m": hv_m, "hv_error_m": error_m, "within_percent": within}
-    return row | known | {"note": verdict.reasons[0]}
+    rows = [
+        working_point(fit, factors.take([index]), force_n=force_n, error_n=error_n)
+        for index in range(len(factors))
+    ]
+    write_points(pd.concat([points, pd.DataFrame(rows)], axis=1), options.output)
 
 
 def _force(text: str) -> float:
@@ -105,8 +68,3 @@ def _force(text: str) -> float:
     if not np.isfinite(value):
         raise InputError(f"--force {text!r} must be a finite force, such as 1.0N")
     return value
-
-
-def _each(points: pd.DataFrame) -> list[Factors]:
-    factors = factors_of_points(points.assign(hv_m=0.0), place="working-point")
-    return [factors.take([index]) for index in range(len(factors))]

@@ -100,7 +100,7 @@ class SmoothedScan:
         )
         return float(second / first)
 
-    def again(self, *, count: int, seed: int) -> list[Modes]:
+    def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
         """Profiles that scans with other noise would have given: residuals drawn anew.
 
         The residuals are widened by √(points/(points − modes)) to the noise's size, which their

@@ -12,7 +12,6 @@ that could not be measured and is left out.
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Mapping
@@ -21,10 +20,12 @@ from pathlib import Path
 
 import numpy as np
 
+from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.typed_units import sizes
 
-LENGTHS_M = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}
-ANGLES_RAD = {"deg": math.pi / 180, "°": math.pi / 180, "rad": 1.0}
+LENGTHS_M = sizes("m")
+ANGLES_RAD = {name: math.radians(degrees) for name, degrees in sizes("deg").items()}
 UNITS: Mapping[str, Mapping[str, float]] = {
     "x": LENGTHS_M,
     "y": LENGTHS_M,
@@ -39,6 +40,7 @@ COLUMN = re.compile(r"(?P<quantity>[a-z]+?)(?:_(?P<unit>[^_]+))?")
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
 
 FEWEST_POINTS, MOST_POINTS = 8, 20_000
+LARGEST = 1e9
 
 
 @dataclass(frozen=True)
@@ -66,24 +68,21 @@ def read_scan(path: Path | str) -> Scan:
         InputError: naming the file and the row or column that is wrong, and what is allowed.
     """
     path = Path(path)
-    rows = _rows(path)
-    header = rows[0][1]
+    header, rows = read_cells(path, what="scan", needs=FORM, comments=True)
     scale = _columns(header, path=path)
     values: list[list[float]] = []
     lines: list[int] = []
     missing = 0
-    for line, cells in rows[1:]:
-        if len(cells) != len(header):
-            raise InputError(
-                f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
-            )
+    for line, cells in rows:
         row = dict(zip(scale, cells, strict=True))
         if row["amplitude"].lower() in ("", "nan", "na"):
             missing += 1
             continue
-        values.append(
-            [_number(row[name], path=path, line=line, name=name) * scale[name] for name in scale]
-        )
+        numbers = {
+            name: finite_number(row[name], path=path, line=line, name=name, largest=LARGEST)
+            for name in scale
+        }
+        values.append([number * scale[name] for name, number in numbers.items()])
         lines.append(line)
     if len(values) > MOST_POINTS:
         raise InputError(f"{path}: {len(values)} points; at most {MOST_POINTS} are taken")
@@ -115,22 +114,6 @@ def read_scan(path: Path | str) -> Scan:
     )
 
 
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Each row's line in the file with its cells; blank lines and comments are left out."""
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as handle:
-            reader = csv.reader(handle, strict=True)
-            rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such scan") from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: the scan cannot be read: {error}") from None
-    rows = [(line, cells) for line, cells in rows if any(cells) and not cells[0].startswith("#")]
-    if not rows:
-        raise InputError(f"{path}: the scan is empty; it needs {FORM}")
-    return rows
-
-
 def _columns(header: list[str], *, path: Path) -> dict[str, float]:
     """The quantities in the order of the columns, each with the size of its unit in SI."""
     scale: dict[str, float] = {}
@@ -158,16 +141,6 @@ def _columns(header: list[str], *, path: Path) -> dict[str, float]:
     if {"sign", "phase"} <= set(scale):
         raise InputError(f"{path}: line 1: give sign or phase, not both")
     return scale
-
-
-def _number(text: str, *, path: Path, line: int, name: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if "_" in text or not math.isfinite(value) or abs(value) > 1e9:
-        raise InputError(f"{path}: line {line}: {name} is {text!r}, not a finite number")
-    return value
 
 
 def _check_values(table: Mapping[str, np.ndarray], *, path: Path, lines: list[int]) -> None:

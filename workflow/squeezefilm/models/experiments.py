@@ -12,10 +12,6 @@ from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 
-ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
-"""What a reader of a refinement's rounds may count on; the table has more."""
-WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
-
 
 def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Factors:
     """The factors of a table's rows, with the results of physics where their table is given.

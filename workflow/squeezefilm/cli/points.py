@@ -10,8 +10,9 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.quantities import quantities
 from squeezefilm.io.sources import read_columns
+from squeezefilm.io.tables import write_table
+from squeezefilm.io.typed_units import quantities
 from squeezefilm.models.force_model import CARTESIAN, COLUMNS, POLAR, Factors
 
 OPTIONS = {
@@ -31,6 +32,13 @@ def add_point_options(parser: argparse.ArgumentParser, *, without: Sequence[str]
     for name, (option, _, text) in OPTIONS.items():
         if name not in without:
             group.add_argument(option, dest=name, metavar="QUANTITY", help=text)
+
+
+def add_control_option(parser: argparse.ArgumentParser) -> None:
+    """The option of the simulations that a fit is judged by."""
+    parser.add_argument(
+        "--control", nargs="+", metavar="FORCES.csv", help="simulations to judge the fit by"
+    )
 
 
 def points_of(options: argparse.Namespace) -> pd.DataFrame:
@@ -68,9 +76,12 @@ def read_points(path: Path | str) -> pd.DataFrame:
     return table
 
 
-def show_points(points: pd.DataFrame) -> None:
-    """Print a table of points for people."""
-    print(points.to_string(index=False, float_format=lambda value: f"{value:.6g}"))
+def write_points(points: pd.DataFrame, path: str | None) -> None:
+    """Write a table of points, or print it for people where no path is given."""
+    if path:
+        write_table(points, path)
+    else:
+        print(points.to_string(index=False, float_format=lambda value: f"{value:.6g}"))
 
 
 def factors_of_points(points: pd.DataFrame, *, place: object) -> Factors:

@@ -173,7 +173,7 @@ class _Loop:
         return np.where(np.isfinite(at).all(axis=1), np.sum(rows**2, axis=0), np.inf)
 
 
-def run_loop(
+def refine_loop(
     model: ExpressionModel,
     pool: Pool,
     goal: Goal,
@@ -195,48 +195,23 @@ def run_loop(
     Raises InputError where there are too few verification points, or simulations allowed.
     """
     loop = _Loop(model, pool, goal, simulate, separation, bound, seed)
-    parameters = len(model.parameter_names)
-    checks = pool.verification
-    first = parameters + 1 if parameters else 0
-    if len(checks) < 3:
-        raise InputError("refine: errors cannot be estimated from fewer than 3 verification points")
-    if len(checks) + first > goal.most_simulations:
-        raise InputError(
-            f"refine: the model {model.name} takes {first} simulations to begin with and "
-            f"{len(checks)} to verify, more than the {goal.most_simulations} allowed"
-        )
-    design = _spread_points(pool, first, separation)
-    loop.measure(np.concatenate([checks, design]))
+    design = _first_points(loop)
+    loop.measure(np.concatenate([pool.verification, design]))
     rounds: list[Round] = []
     while True:
-        before = rounds[-1] if rounds else None
-        surprise = np.empty(0)
-        if before:
-            newest = design[-goal.batch :]
-            surprise = loop.residuals(before.theta, newest)
-        theta = loop.fitted(design, before.theta if before else None)
-        everything = np.concatenate([checks, design])
-        hindsight = _best_of(loop, everything, [theta])
-        scale = _scale(loop, hindsight)
-        rounds.append(_judged(loop, len(rounds) + 1, design, theta, hindsight, scale, surprise))
-        verdict, reason = _verdict(loop, rounds[-1], hindsight)
-        if verdict in ("model", "simulation") and len(theta):
-            # The fit may sit in a local minimum: only a global search shows that nothing is better.
-            hindsight = _best_of(loop, everything, [hindsight, None])
-            theta = _best_of(loop, design, [theta, hindsight])
-            scale = _scale(loop, hindsight)
-            rounds[-1] = _judged(loop, len(rounds), design, theta, hindsight, scale, surprise)
-            verdict, reason = _verdict(loop, rounds[-1], hindsight)
-        report(rounds[-1])
+        done, hindsight, verdict, reason = _one_round(loop, design, rounds)
+        rounds.append(done)
+        report(done)
         if not verdict:
             try:
-                added = _next_points(loop, theta, design)
+                added = _next_points(loop, done.theta, design)
             except InputError as error:
                 verdict, reason = "budget", f"no more points can be designed: {error}"
             else:
                 design = np.concatenate([design, added])
                 loop.measure(added)
                 continue
+        everything = np.concatenate([pool.verification, design])
         return Outcome(
             verdict=verdict,
             reason=reason,
@@ -245,8 +220,44 @@ def run_loop(
             simulated=everything,
             force_n=loop.forces(everything),
             force_error_n=np.array([loop.error_n[int(point)] for point in everything]),
-            scale_n=scale,
+            scale_n=_scale(loop, hindsight),
         )
+
+
+def _first_points(loop: _Loop) -> Indices:
+    """One point more than there are parameters; refused where there is no room for them."""
+    parameters, checks = len(loop.model.parameter_names), len(loop.pool.verification)
+    first = parameters + 1 if parameters else 0
+    if checks < 3:
+        raise InputError("refine: errors cannot be estimated from fewer than 3 verification points")
+    if checks + first > loop.goal.most_simulations:
+        raise InputError(
+            f"refine: the model {loop.model.name} takes {first} simulations to begin with and "
+            f"{checks} to verify, more than the {loop.goal.most_simulations} allowed"
+        )
+    return _spread_points(loop.pool, first, loop.separation)
+
+
+def _one_round(
+    loop: _Loop, design: Indices, rounds: Sequence[Round]
+) -> tuple[Round, Array, str, str]:
+    """The next round, the best fit to all points, and the verdict with its reason, if there is."""
+    number, everything = len(rounds) + 1, np.concatenate([loop.pool.verification, design])
+    start, surprise = None, np.empty(0)
+    if rounds:
+        start = rounds[-1].theta
+        surprise = loop.residuals(start, design[-loop.goal.batch :])
+    theta = loop.fitted(design, start)
+    hindsight = _best_of(loop, everything, [theta])
+    done = _judged(loop, number, design, theta, hindsight, surprise)
+    verdict, reason = _verdict(loop, done, hindsight)
+    if verdict in ("model", "simulation") and len(theta):
+        # The fit may sit in a local minimum: only a global search shows that nothing is better.
+        hindsight = _best_of(loop, everything, [hindsight, None])
+        theta = _best_of(loop, design, [theta, hindsight])
+        done = _judged(loop, number, design, theta, hindsight, surprise)
+        verdict, reason = _verdict(loop, done, hindsight)
+    return done, hindsight, verdict, reason
 
 
 def _spread_points(pool: Pool, count: int, separation: float) -> Indices:
@@ -305,11 +316,10 @@ def _judged(
     design: Indices,
     theta: Array,
     hindsight: Array,
-    scale: float,
     surprise: Array,
 ) -> Round:
     """The round's estimates; surprise are errors at the newest points before they were fitted."""
-    pool, checks = loop.pool, loop.pool.verification
+    pool, checks, scale = loop.pool, loop.pool.verification, _scale(loop, hindsight)
     misses = loop.residuals(theta, checks)
     misses = np.where(np.isfinite(misses), misses, np.inf)
     count = len(checks)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from squeezefilm.designs.closed_loop import Goal, Outcome, Pool, _Loop, run_loop
+from squeezefilm.designs.refine_loop import Goal, Outcome, Pool, _Loop, refine_loop
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, Factors, make_model
 
@@ -50,7 +50,7 @@ def run(
         force = truth(points.factors.take(which).epsilon)
         return force, np.full(len(which), error_n)
 
-    found = run_loop(tried, points, goal, simulate, separation=0.1, bound=100, seed=1)
+    found = refine_loop(tried, points, goal, simulate, separation=0.1, bound=100, seed=1)
     return found, asked
 
 
