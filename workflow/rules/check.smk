@@ -32,7 +32,6 @@ rule compare_with_reference:
         mem_mb=1000,
         runtime=5,
     params:
-        settings=settings("check"),
         results=lambda wildcards, output: str(Path(output.csv).parents[1]),
         reference=lambda wildcards: relative(REFERENCE),
     message:

@@ -29,7 +29,6 @@ rule explorer:
         mem_mb=500,
         runtime=5,
     params:
-        settings=settings("explorer"),
         forces=lambda wildcards, input: " ".join(
             f"{plan}={path}" for plan, path in zip(EXPLORER_PLANS, input.forces)
         ),

@@ -27,7 +27,6 @@ rule fit:
         mem_mb=1000,
         runtime=30,
     params:
-        settings=settings("fit"),
         model=lambda wildcards: MODEL_OF_FIT[wildcards.fit],
     message:
         "Fit the {params.model} model to {wildcards.fit}"

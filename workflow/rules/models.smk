@@ -27,8 +27,6 @@ rule limits:
     resources:
         mem_mb=1000,
         runtime=5,
-    params:
-        settings=settings("limits"),
     message:
         "What physics says of {wildcards.plan} with nothing fitted"
     shell:
@@ -51,8 +49,6 @@ rule limit_table:
     resources:
         mem_mb=1000,
         runtime=5,
-    params:
-        settings=settings("limit-table"),
     message:
         "What physics says all over the space, for models that use it"
     shell:
@@ -77,8 +73,6 @@ rule fit_candidate:
     resources:
         mem_mb=1000,
         runtime=30,
-    params:
-        settings=settings("fit"),
     message:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
     shell:
@@ -111,8 +105,6 @@ rule compare:
     resources:
         mem_mb=1000,
         runtime=5,
-    params:
-        settings=settings("compare"),
     message:
         "Candidates side by side on {wildcards.space} points"
     shell:

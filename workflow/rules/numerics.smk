@@ -33,7 +33,6 @@ rule work_precision:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("work-precision"),
         blas=ONE_BLAS_THREAD,
     message:
         "Error against run time of the solver and of other methods"
@@ -80,7 +79,6 @@ rule stability:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("stability"),
         blas=ONE_BLAS_THREAD,
     message:
         "Stiff and extreme films, each with a verdict"
@@ -109,7 +107,6 @@ rule left_out:
         mem_mb=2000,
         runtime=10,
     params:
-        settings=settings("left-out"),
         blas=ONE_BLAS_THREAD,
     message:
         "What leaving things out saves, and that it costs no accuracy"
@@ -134,8 +131,6 @@ rule roofline:
     resources:
         mem_mb=2000,
         runtime=10,
-    params:
-        settings=settings("roofline"),
     message:
         "The solver's kernels beside the limits of the device"
     shell:
@@ -159,7 +154,6 @@ rule cost:
         mem_mb=4000,
         runtime=30,
     params:
-        settings=settings("cost"),
         blas=ONE_BLAS_THREAD,
     message:
         "Run time and memory against the size of the problem"
@@ -187,7 +181,6 @@ rule conditioning:
         mem_mb=1000,
         runtime=30,
     params:
-        settings=settings("conditioning"),
         blas=ONE_BLAS_THREAD,
     message:
         "How force errors move the fit and the design"
@@ -215,7 +208,6 @@ rule paper_signature:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("paper-signature"),
         blas=ONE_BLAS_THREAD,
     message:
         "Which numerical shortcuts would give the errors that the paper reports"

@@ -20,8 +20,6 @@ if SCAN:
         resources:
             mem_mb=2000,
             runtime=30,
-        params:
-            settings=settings("profile"),
         message:
             "Smooth the measured profile; simulate it with other noise"
         shell:

@@ -1,14 +1,5 @@
 # Where to simulate, with a certificate: `snakemake optimal`; and the loop closed: `snakemake refine`.
 
-from squeezefilm.models.library import model_named
-
-for space in MODEL_SPACES:
-    for model in CONFIG["refine"][space]:
-        try:
-            model_named(model, CONFIG["models"], place=CONFIG_FILE)
-        except InputError as error:
-            refuse(f"{CONFIG_FILE}: refine.{space}: {error}")
-
 # The fit whose model designs are made for, the forces behind it, and the plans judged beside them.
 OPTIMAL_FIT = {"two_factor": "screen", "four_factor": "four_factor"}
 JUDGED_PLANS = {
@@ -49,7 +40,6 @@ rule optimal_design:
         mem_mb=1000,
         runtime=10,
     params:
-        settings=settings("optimal"),
         plans=lambda wildcards, input: " ".join(
             f"{name}={path}"
             for name, path in zip(JUDGED_PLANS[wildcards.space], input.plans, strict=True)
@@ -130,8 +120,6 @@ rule refine_model:
     resources:
         mem_mb=2000,
         runtime=60,
-    params:
-        settings=settings("refine"),
     message:
         "Refine {wildcards.model} over the {wildcards.space} space"
     shell:

@@ -43,7 +43,6 @@ rule summary:
         mem_mb=500,
         runtime=5,
     params:
-        settings=settings("summary"),
         results=lambda wildcards, output: str(Path(output[0]).parent),
         plans=SUMMARY_PLANS,
         fits=FITS,

@@ -10,7 +10,7 @@ DESIGN_OF_PLAN = {
 
 rule plan:
     input:
-        code=code("plan"),
+        code=lambda wildcards: code("plan", key=wildcards.plan),
         config=ancient(CONFIG_FILE),
         design=lambda wildcards: DESIGN_OF_PLAN.get(wildcards.plan, []),
     output:
@@ -25,7 +25,6 @@ rule plan:
         mem_mb=500,
         runtime=5,
     params:
-        settings=lambda wildcards: settings("plan", wildcards.plan),
         design=lambda wildcards, input: f"--design {input.design}" if input.design else "",
     message:
         "Points to simulate: {wildcards.plan}"
@@ -50,8 +49,6 @@ rule plan_extrapolation:
     resources:
         mem_mb=500,
         runtime=5,
-    params:
-        settings=settings("extrapolate"),
     message:
         "Points to simulate: where the fitted models expect the wanted force"
     shell:
@@ -76,8 +73,6 @@ rule compile_kernels:
     resources:
         mem_mb=1000,
         runtime=5,
-    params:
-        settings=settings("warm"),
     message:
         "Compile the kernels"
     shell:
@@ -103,8 +98,6 @@ rule simulate:
     resources:
         mem_mb=lambda wildcards, attempt: 2000 * attempt,
         runtime=lambda wildcards, attempt: 30 * attempt,
-    params:
-        settings=settings("simulate"),
     message:
         "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
     shell:
@@ -203,8 +196,6 @@ rule explain:
     resources:
         mem_mb=1000,
         runtime=5,
-    params:
-        settings=settings("explain"),
     message:
         "What {wildcards.plan} needs, and what is left out"
     shell:

@@ -19,8 +19,6 @@ rule uncertainty_table:
     resources:
         mem_mb=1000,
         runtime=10,
-    params:
-        settings=settings("uncertainty"),
     message:
         "What would explain the differences from the paper"
     shell:
@@ -45,8 +43,6 @@ rule cross_section:
     resources:
         mem_mb=1000,
         runtime=5,
-    params:
-        settings=settings("cross-section"),
     message:
         "Gap and pressure under the finger over a period"
     shell:

@@ -37,8 +37,6 @@ rule validate:
     resources:
         mem_mb=500,
         runtime=5,
-    params:
-        settings=settings("validate"),
     message:
         "Judge the fit {wildcards.fit} on {wildcards.plan}"
     shell:
