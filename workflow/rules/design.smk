@@ -16,9 +16,6 @@ rule design_two_factor:
     conda:
         "../../envs/fit.yaml"
     threads: cores_for(CONFIG["design"]["searches"])
-    resources:
-        mem_mb=1000,
-        runtime=30,
     message:
         "D-optimal searches with the two-factor model"
     shell:
@@ -43,9 +40,6 @@ rule design_four_factor:
     conda:
         "../../envs/fit.yaml"
     threads: cores_for(CONFIG["four_factor_design"]["searches"])
-    resources:
-        mem_mb=1000,
-        runtime=30,
     message:
         "D-optimal searches with the four-factor model"
     shell:

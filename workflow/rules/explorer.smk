@@ -24,10 +24,6 @@ rule explorer:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         forces=lambda wildcards, input: " ".join(
             f"{plan}={path}" for plan, path in zip(EXPLORER_PLANS, input.forces)

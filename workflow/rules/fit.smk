@@ -23,9 +23,6 @@ rule fit:
     conda:
         "../../envs/fit.yaml"
     threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
-    resources:
-        mem_mb=1000,
-        runtime=30,
     params:
         model=lambda wildcards: MODEL_OF_FIT[wildcards.fit],
     message:

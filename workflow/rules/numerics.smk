@@ -52,10 +52,6 @@ rule equal_error:
     localrule: True
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "How many times less time the solver takes at equal error"
     shell:
@@ -74,7 +70,6 @@ rule stability:
         "<benchmarks>/numerics/stability.tsv"
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=30,
@@ -105,7 +100,6 @@ rule left_out:
     threads: ALONE
     resources:
         mem_mb=2000,
-        runtime=10,
     params:
         blas=ONE_BLAS_THREAD,
     message:
@@ -130,7 +124,6 @@ rule roofline:
     threads: ALONE
     resources:
         mem_mb=2000,
-        runtime=10,
     message:
         "The solver's kernels beside the limits of the device"
     shell:
@@ -176,9 +169,7 @@ rule conditioning:
         "<logs>/numerics/conditioning.log",
     conda:
         "../../envs/fit.yaml"
-    threads: 1
     resources:
-        mem_mb=1000,
         runtime=30,
     params:
         blas=ONE_BLAS_THREAD,
@@ -203,7 +194,6 @@ rule paper_signature:
         "<logs>/numerics/paper_signature.log",
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=30,

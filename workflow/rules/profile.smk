@@ -16,7 +16,6 @@ if SCAN:
             "<logs>/profile.log",
         conda:
             "../../envs/simulate.yaml"
-        threads: 1
         resources:
             mem_mb=2000,
             runtime=30,

@@ -35,10 +35,6 @@ rule optimal_design:
     localrule: True
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=10,
     params:
         plans=lambda wildcards, input: " ".join(
             f"{name}={path}"
@@ -116,7 +112,6 @@ rule refine_model:
         "<benchmarks>/refine/{space}/{model}.tsv"
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=60,
@@ -148,10 +143,6 @@ rule refine_report:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
     params:
         folders=lambda wildcards, input: " ".join(
             str(Path(path).parent) for path in input.refined if Path(path).name == "verdict.json"
@@ -192,7 +183,7 @@ rule plot_refine:
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 
-rule refine_page:
+use rule models_page as refine_page with:
     input:
         code=code("pages"),
         tables=expand("<results>/refine/{space}.md", space=MODEL_SPACES),
@@ -209,16 +200,8 @@ rule refine_page:
     log:
         "<logs>/refine/pages.log",
     localrule: True
-    conda:
-        "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "The refinement as pages"
-    shell:
-        "python -m reporting pages {input.tables} --output {output} >{log} 2>&1"
 
 
 rule refine:

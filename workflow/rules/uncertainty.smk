@@ -15,10 +15,6 @@ rule uncertainty_table:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=10,
     message:
         "What would explain the differences from the paper"
     shell:
@@ -39,10 +35,6 @@ rule cross_section:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
     message:
         "Gap and pressure under the finger over a period"
     shell:

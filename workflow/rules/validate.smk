@@ -33,10 +33,6 @@ rule validate:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "Judge the fit {wildcards.fit} on {wildcards.plan}"
     shell:

@@ -245,8 +245,9 @@ def _is_text_alone(node: Any) -> bool:
 
 
 def _callee(node: ast.AST) -> str:
+    """The name of what a call calls, without its place."""
     function = getattr(node, "func", None)
-    return getattr(function, "attr", None) or getattr(function, "id", "")
+    return str(getattr(function, "attr", getattr(function, "id", "")))
 
 
 def _shape(value: Any) -> Any:
@@ -284,7 +285,8 @@ def _sections(tree: ast.Module) -> Any:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
         if any(isinstance(target, ast.Name) and target.id == "SECTIONS" for target in targets):
             try:
-                return ast.literal_eval(node.value)  # type: ignore[attr-defined]
+                value = ast.literal_eval(node.value)  # type: ignore[attr-defined]
+                return json.loads(json.dumps(value))  # as it is when remembered
             except ValueError:
                 return None
     return None
