@@ -13,7 +13,7 @@ import ast
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -51,8 +51,8 @@ class Part:
     """What one file says: its digest, the modules and files it names, its ``SECTIONS``."""
 
     digest: str
-    modules: tuple[str, ...] = ()
-    files: tuple[str, ...] = ()
+    modules: Sequence[str]
+    files: Sequence[str]
     sections: Any = None
 
 
@@ -161,13 +161,13 @@ class Code:
             shape = repr(_shape(tree))
             nodes = list(_deciding(tree))
             modules = {*self._imported(nodes, path), self._dotted(path)}
-            return Part(_sha256(shape), tuple(sorted(modules)), _file_names(nodes), _sections(tree))
+            return Part(_sha256(shape), sorted(modules), _file_names(nodes), _sections(tree))
         if path.suffix in (".cl", ".h"):
             text = C_COMMENT.sub(lambda found: found[1] or " ", content.decode("utf-8"))
             lines = [line.split() for line in text.splitlines()]
-            names = tuple(name.rsplit("/", 1)[-1] for name in INCLUDE.findall(text))
-            return Part(_sha256(repr([words for words in lines if words])), files=names)
-        return Part(hashlib.sha256(content).hexdigest())
+            names = [name.rsplit("/", 1)[-1] for name in INCLUDE.findall(text)]
+            return Part(_sha256(repr([words for words in lines if words])), [], names)
+        return Part(hashlib.sha256(content).hexdigest(), [], [])
 
     def _imported(self, nodes: Iterable[ast.AST], path: Path) -> Iterator[str]:
         """The names that may be modules of ours: ``from squeezefilm import study`` too."""
@@ -269,14 +269,14 @@ def _deciding(value: Any) -> Iterator[ast.AST]:
             yield from _deciding(each)
 
 
-def _file_names(nodes: Iterable[ast.AST]) -> tuple[str, ...]:
+def _file_names(nodes: Iterable[ast.AST]) -> list[str]:
     """The text constants that may name a file, without their folders."""
     texts = {
         node.value.rsplit("/", 1)[-1]
         for node in nodes
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     }
-    return tuple(sorted(text for text in texts if re.fullmatch(r"[^\s.]\S*\.\w+", text)))
+    return sorted(text for text in texts if re.fullmatch(r"[^\s.]\S*\.\w+", text))
 
 
 def _sections(tree: ast.Module) -> Any:
