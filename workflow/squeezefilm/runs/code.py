@@ -221,7 +221,7 @@ def remembered(memory: Path | None) -> dict[str, Any]:
 def _children(node: ast.AST) -> Iterator[tuple[str, Any]]:
     """The fields of a node without what tells people or type checkers something.
 
-    Empty ones are left out, so that versions of Python agree.
+    Empty ones are left out, and empty pieces of formatted texts: versions of Python differ in them.
     """
     if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING":
         yield "orelse", node.orelse
@@ -229,6 +229,8 @@ def _children(node: ast.AST) -> Iterator[tuple[str, Any]]:
     for name, value in ast.iter_fields(node):
         if isinstance(value, list):
             value = [each for each in value if not _is_text_alone(each)]
+        if isinstance(node, ast.JoinedStr):
+            value = [each for each in value if getattr(each, "value", None) != ""]
         if name == "keywords" and _callee(node) in ARGPARSE:
             value = [each for each in value if each.arg not in HELP]
         if value is not None and value != []:
