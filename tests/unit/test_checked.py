@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +70,34 @@ def test_a_study_is_checked_again_when_it_or_its_scan_is_another(
     for _ in range(2):
         with pytest.raises(InputError, match="viscosity"):
             ask()
+
+
+READ = """
+import sys
+from pathlib import Path
+from squeezefilm.runs import basis, locks, run_card
+from squeezefilm.runs.checked import checked_study
+from squeezefilm.runs.code import Code
+from squeezefilm.studies import given
+memory = Path(sys.argv[2])
+checked_study(Path(sys.argv[1]), code=Code(memory=memory / "code.json"), memory=memory)
+print(*sys.modules)
+"""
+
+
+def test_a_study_that_was_checked_is_read_without_what_checks_it(
+    repository: Path, study: Path, tmp_path: Path
+) -> None:
+    """A run with nothing to do reads it, with all else that the rules import."""
+    memory = tmp_path / "memory"
+    checked_study(study, code=Code(memory=memory / "code.json"), memory=memory)
+    words = [sys.executable, "-c", READ, str(study), str(memory)]
+    done = subprocess.run(
+        words, cwd=repository / "workflow", capture_output=True, text=True, check=True
+    )
+    loaded = {name.partition(".")[0] for name in done.stdout.split()}
+    assert {"yaml", "squeezefilm"} <= loaded
+    assert loaded.isdisjoint({"numpy", "pandas", "scipy", "pyopencl", "jsonschema"})
 
 
 def test_a_damaged_memory_does_no_harm(study: Path, checks: list[Path], tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ def bases(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[st
     done = snakemake(folder, *targets, "--dry-run", "--quiet", "all")
     assert done.returncode == 0, done.stdout[-2000:]
     return {
-        path.stem.rpartition("-")[0]: {line.split(" ")[0] for line in path.open(encoding="utf-8")}
+        path.stem.rpartition("-")[0]: {line.split(" ")[0] for line in path.read_text().splitlines()}
         for path in (folder / "results/vibrometer/basis").iterdir()
     }
 
