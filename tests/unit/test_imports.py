@@ -1,4 +1,4 @@
-"""The code of a command is what Python itself loads for it, no less."""
+"""The code of a command is what Python itself loads for it; its digest is of what decides."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ import pytest
 
 from squeezefilm.cli.main import commands_of, installed
 from squeezefilm.io.errors import InputError
-from squeezefilm.runs import code as imports
+from squeezefilm.runs.code import DECIDES_NOTHING, WORKFLOW, Code
+
+CODE = Code()
 
 
 @pytest.fixture
-def library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def library(tmp_path: Path) -> Path:
     """A small library of the same name and layout, with everything that can hide an import."""
     root = tmp_path / "squeezefilm"
     files = {
@@ -23,15 +25,19 @@ def library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "__main__.py": "from squeezefilm.cli.main import main",
         "cli/__init__.py": "",
         "cli/main.py": "import importlib",
-        "cli/use/__init__.py": "",
+        "cli/use/__init__.py": "COMMANDS = {'press': 'press a finger'}",
         "cli/use/press.py": (
             "SECTIONS: tuple[str, ...] = ('gas', 'finger')\n"
             "import squeezefilm.solver.core as core, os.path\n"
+            "from squeezefilm.io import job\n"
             "def run():\n    from . import helper\n    from ...late import thing\n"
             "'''A text that speaks of secret.cl and of squeezefilm.other.'''\n"
+            "'''secret.cl'''\n"
         ),
         "cli/use/helper.py": "SECTIONS = {'a': ('gas',), 'b': ()}",
         "late.py": "thing = 1",
+        "io/__init__.py": "",
+        "io/job.py": "import squeezefilm.other",
         "solver/__init__.py": "if False:\n    from squeezefilm import cyclic",
         "solver/core.py": "SOURCES = ('main.cl', '../schemas/table.yaml')",
         "solver/main.cl": '#include "common.h"\n  #  include <deep.h>\n// secret.cl',
@@ -40,34 +46,27 @@ def library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "solver/secret.cl": "",
         "cyclic.py": "import squeezefilm.solver",
         "other.py": "SECTIONS = tuple(range(3))",
-        "plugin.py": "from squeezefilm import late",
+        "plugin.py": "from squeezefilm import late\nSECTIONS = ('finger', 'screen')",
         "../schemas/table.yaml": "",
     }
     for name, text in files.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text)
-    monkeypatch.setattr(imports, "WORKFLOW", tmp_path)
-    forget()
-    yield root
-    forget()
-
-
-def forget() -> None:
-    for name in ("_reached_from", "_named_by", "_all_data", "_packages", "_parse"):
-        getattr(imports, name).cache_clear()
+    return root
 
 
 def names(library: Path, *words: str) -> set[str]:
-    found = imports.code_of(*words)
+    found = Code(library.parent).of(*words)
     return {str(path.relative_to(library.parent)).removeprefix("squeezefilm/") for path in found}
 
 
-CORE = {"__init__.py", "__main__.py", "cli/__init__.py", "cli/main.py", "cli/use/__init__.py"}
 PRESS = {
-    *CORE,
+    "__init__.py",
+    "cli/__init__.py",
     "cli/use/press.py",
     "cli/use/helper.py",
     "late.py",
+    "io/__init__.py",
     "cyclic.py",
     "solver/__init__.py",
     "solver/core.py",
@@ -83,7 +82,9 @@ def test_lazy_relative_and_cyclic_imports_and_kernels_are_followed(library: Path
 
 
 def test_a_module_loaded_by_name_is_added(library: Path) -> None:
-    assert names(library, "helper", "squeezefilm.plugin") == CORE | {
+    assert names(library, "helper", "squeezefilm.plugin") == {
+        "__init__.py",
+        "cli/__init__.py",
         "cli/use/helper.py",
         "plugin.py",
         "late.py",
@@ -92,29 +93,119 @@ def test_a_module_loaded_by_name_is_added(library: Path) -> None:
 
 def test_what_does_not_exist_is_refused(library: Path) -> None:
     with pytest.raises(InputError, match="no command 'pull'"):
-        imports.code_of("pull")
+        names(library, "pull")
     (library / "late.py").write_text("def")
     with pytest.raises(InputError, match=r"late\.py: line 1"):
-        imports.code_of("press")
+        names(library, "press")
 
 
-@pytest.mark.usefixtures("library")
-def test_sections_are_read_without_running_the_module() -> None:
-    assert imports.sections_of("squeezefilm.cli.use.press") == ("gas", "finger")
-    assert imports.sections_of("squeezefilm.cli.use.helper", "a") == ("gas",)
-    for module, key in (
-        ("squeezefilm.cli.use.helper", "c"),
-        ("squeezefilm.other", None),
-        ("squeezefilm.late", None),
-    ):
-        with pytest.raises(InputError, match="SECTIONS must be a literal"):
-            imports.sections_of(module, key)
+def test_sections_are_read_without_running_the_module(library: Path) -> None:
+    code = Code(library.parent)
+    assert code.sections("press") == ("gas", "finger")
+    assert code.sections("press", "squeezefilm.plugin") == ("gas", "finger", "screen")
+    assert code.sections("press", "squeezefilm.late") == ("gas", "finger")
+    assert code.sections("helper", key="a") == ("gas",)
+    assert code.sections("helper", key="b") == ()
+    with pytest.raises(InputError, match="SECTIONS must be a literal"):
+        code.sections("helper", key="c")
+    (library / "cli/use/press.py").write_text("SECTIONS = tuple(range(3))")
+    with pytest.raises(InputError, match="SECTIONS must be a literal"):
+        Code(library.parent).sections("press")
+
+
+BEFORE = '''
+"""What it is."""
+from typing import TYPE_CHECKING
+if TYPE_CHECKING:
+    from squeezefilm import other
+LIMIT = 1e-6
+"""Why."""
+def add_arguments(parser):
+    """Options."""
+    parser.add_argument("--limit", type=float, default=0.5, metavar="L", help="its limit")
+def run(x):
+    return x * LIMIT  # scaled
+'''
+LOOKS = {
+    "a docstring": ("What it is", "What it was"),
+    "a text after a constant": ('"""Why."""', '"""Why not."""'),
+    "a comment": ("# scaled", "# once"),
+    "a docstring gone": ('    """Options."""\n', ""),
+    "a help text": ("its limit", "the limit"),
+    "a name of an argument in a help text": ('metavar="L"', 'metavar="LIMIT"'),
+    "what type checkers import": ("import other", "import late"),
+    "a line broken": ("x * LIMIT", "(\n        x * LIMIT\n    )"),
+}
+MATTERS = {
+    "a number": ("1e-6", "2e-6"),
+    "a whole number for a float": ("default=0.5", "default=1"),
+    "a default": ("default=0.5", "default=0.6"),
+    "an operation": ("x * LIMIT", "x / LIMIT"),
+    "a name of an option": ('"--limit"', '"--most"'),
+    "an import": ("LIMIT = 1e-6", "from os import path\nLIMIT = 1e-6"),
+}
+KERNEL = "/* The film. */\n#define N 3\nfloat f(float x) { return x / N; } // by N\n"
+KERNEL_LOOKS = {
+    "a comment": ("// by N", "// of N"),
+    "a comment gone": ("/* The film. */", ""),
+    "blanks": ("x / N", "x  /  N"),
+}
+KERNEL_MATTERS = {"a number": ("N 3", "N 4"), "an operation": ("x / N", "x * N")}
+
+
+def cases(*groups: dict[str, tuple[str, str]]) -> list[object]:
+    return [pytest.param(*pair, id=name) for group in groups for name, pair in group.items()]
+
+
+def digests(library: Path, name: str, *texts: str) -> list[str]:
+    found = []
+    for text in texts:
+        (library / name).write_text(text)
+        found.append(Code(library.parent).parts[library / name].digest)
+    return found
+
+
+@pytest.mark.parametrize(("old", "new"), cases(LOOKS))
+def test_what_only_people_read_changes_no_digest(library: Path, old: str, new: str) -> None:
+    before, after = digests(library, "late.py", BEFORE, BEFORE.replace(old, new))
+    assert old in BEFORE
+    assert before == after
+
+
+@pytest.mark.parametrize(("old", "new"), cases(MATTERS))
+def test_what_decides_changes_the_digest(library: Path, old: str, new: str) -> None:
+    before, after = digests(library, "late.py", BEFORE, BEFORE.replace(old, new))
+    assert before != after
+
+
+@pytest.mark.parametrize(("old", "new"), cases(KERNEL_LOOKS, KERNEL_MATTERS))
+def test_a_kernel_is_its_words_without_comments(library: Path, old: str, new: str) -> None:
+    before, after = digests(library, "solver/main.cl", KERNEL, KERNEL.replace(old, new))
+    assert old in KERNEL
+    assert (before == after) == ((old, new) in KERNEL_LOOKS.values())
+
+
+def test_what_is_remembered_is_of_the_same_content(library: Path, tmp_path: Path) -> None:
+    memory = tmp_path / "code.json"
+    first = Code(library.parent, memory=memory)
+    assert Code(library.parent, memory=memory).parts == first.parts
+    for text in ("thing = 2", "thing = 1"):  # an edit, and it is undone
+        (library / "late.py").write_text(text)
+        assert Code(library.parent, memory=memory).parts == Code(library.parent).parts
+    assert Code(library.parent, memory=memory).sections("helper", key="a") == ("gas",)
+    memory.write_text("{")
+    assert Code(library.parent, memory=memory).parts == first.parts
+
+
+def test_what_decides_nothing_is_there_with_a_reason() -> None:
+    for pattern, reason in DECIDES_NOTHING.items():
+        assert list(WORKFLOW.glob(pattern)), pattern
+        assert len(reason.split()) > 3
 
 
 COMMANDS = commands_of(installed())
 LOADED_BY_EACH = """
 import os, sys
-from squeezefilm.runs.code import WORKFLOW  # loads nothing that a command does not
 ours = lambda: {n for n in sys.modules if n.partition(".")[0] in %r}
 for command in sys.argv[1:]:
     if os.fork() == 0:
@@ -149,15 +240,14 @@ def loaded_by_each(repository: Path) -> dict[str, set[Path]]:
 def test_every_module_that_a_command_loads_is_among_its_code(
     command: str, loaded_by_each: dict[str, set[Path]]
 ) -> None:
-    # The command line asks every package for the names of its commands.
-    lists = {path.parent / "__init__.py" for path in imports.WORKFLOW.glob("*/commands/*.py")}
-    lists |= set(imports.WORKFLOW.glob("squeezefilm/cli/*/__init__.py"))
-    lists |= {path.parents[1] / "__init__.py" for path in lists}
+    nothing = {path for pattern in DECIDES_NOTHING for path in WORKFLOW.glob(pattern)}
+    # What the command line loads for any command: names of commands, and how files are written.
+    frame = set.intersection(*loaded_by_each.values())
     loaded = loaded_by_each[command]
     assert len(loaded) > 4
-    own = imports.WORKFLOW / f"{imports.command_module(command).replace('.', '/')}.py"
+    own = WORKFLOW / f"{CODE.command_module(command).replace('.', '/')}.py"
     assert own in loaded
-    assert loaded - lists <= set(imports.code_of(command)) | {Path(imports.__file__)}
+    assert loaded - nothing - frame <= set(CODE.of(command))
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -166,4 +256,4 @@ def test_every_command_says_which_sections_it_reads(command: str) -> None:
     sections = importlib.import_module(name).SECTIONS
     for key in sections if isinstance(sections, dict) else [None]:
         expected = tuple(sections if key is None else sections[key])
-        assert imports.sections_of(name, key) == expected
+        assert CODE.sections(command, key=key) == expected

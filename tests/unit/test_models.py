@@ -170,9 +170,21 @@ def test_every_model_of_the_library_says_what_it_is() -> None:
     ],
 )
 def test_a_studys_models_are_checked_before_anything_runs(models, candidates, message) -> None:
-    comparison = {"two_factor": candidates, "four_factor": []}
+    named = {
+        "comparison": {"two_factor": candidates, "four_factor": []},
+        "refine": {"two_factor": [], "four_factor": []},
+    }
     with pytest.raises(InputError, match=f"study.yaml: {message}"):
-        check_models(models, comparison, place="study.yaml")
+        check_models(models, named, place="study.yaml")
+
+
+def test_the_models_to_refine_are_checked_before_anything_runs() -> None:
+    named = {
+        "comparison": {"two_factor": [], "four_factor": []},
+        "refine": {"two_factor": [], "four_factor": ["none_such"]},
+    }
+    with pytest.raises(InputError, match=r"study.yaml: refine.four_factor: model 'none_such'"):
+        check_models({}, named, place="study.yaml")
 
 
 @pytest.fixture
@@ -357,7 +369,7 @@ def test_studies_with_damaged_models_run_or_are_refused_with_their_place(
         path.write_text(f"{before}models: {json.dumps(damaged(rng))}{after}", encoding="utf-8")
         try:
             config = load_config(path)
-            check_models(config["models"], config["comparison"], place=path)
+            check_models(config["models"], config, place=path)
             for name in config["models"]:
                 model = model_named(name, config["models"], place=path)
                 check_identifiable(model, at)

@@ -49,7 +49,7 @@ def outer(repository: Path, tmp_path: Path) -> Callable[..., Path]:
 
 
 def other_gaps(study: dict[str, Any]) -> None:
-    study["screen"]["h0_m"] = {"start": 6e-6, "stop": 8e-6, "levels": 3}
+    study["screen"]["h0_m"] = {"start": 5e-6, "stop": 7e-6, "levels": 3}
 
 
 def test_a_module_makes_the_study_that_it_is_given(outer: Callable[..., Path]) -> None:
@@ -57,7 +57,7 @@ def test_a_module_makes_the_study_that_it_is_given(outer: Callable[..., Path]) -
     done = snakemake(folder, SCENES, "--cores", "1")
     assert done.returncode == 0, done.stdout
     h0_m = pd.Series(read_scenes(folder / SCENES)["h0_m"].unique())
-    assert h0_m.tolist() == pytest.approx([6e-6, 7e-6, 8e-6])
+    assert h0_m.tolist() == pytest.approx([5e-6, 6e-6, 7e-6])
     # What the commands read is the study, whole, and nothing of another one.
     assert dict(load_config(folder / "results/mine/study.yaml")) == dict(
         load_config(folder / "mine.yaml")

@@ -27,12 +27,7 @@ rule compare_with_reference:
     localrule: True
     conda:
         "../../envs/figures.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
     params:
-        settings=settings("check"),
         results=lambda wildcards, output: str(Path(output.csv).parents[1]),
         reference=lambda wildcards: relative(REFERENCE),
     message:
@@ -52,20 +47,16 @@ rule check:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "Is everything as in the reference?"
     shell:
         "python -m reporting verdict {input.table} 2>&1 | tee {log}"
 
 
-rule check_page:
+use rule models_page as check_page with:
     input:
         code=code("pages"),
-        markdown="<results>/check/check.md",
+        tables="<results>/check/check.md",
     output:
         report(
             "<results>/report/check.html",
@@ -76,16 +67,8 @@ rule check_page:
     log:
         "<logs>/report/check.log",
     localrule: True
-    conda:
-        "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "The check as a page"
-    shell:
-        "python -m reporting pages {input.markdown} --output {output} >{log} 2>&1"
 
 
 # Run cards are read as they are when all else is made; this run's own is among them.
@@ -107,10 +90,6 @@ rule runs_page:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         cards=f"results/{STUDY}/run_cards",
     message:

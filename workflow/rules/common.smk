@@ -1,6 +1,5 @@
-# What all stages share: the configuration, the code a command depends on, the call of a command.
+# What all stages share: the configuration, what a command rests on, the call of a command.
 
-import json
 import sys
 from pathlib import Path
 from shlex import quote
@@ -9,16 +8,13 @@ LIBRARY = Path(workflow.current_basedir).parent.resolve()
 IS_MODULE = not workflow.modifier.is_main_snakefile()
 sys.path.insert(0, str(LIBRARY))
 
-from squeezefilm.runs import code as code_files
-
 from squeezefilm.io import atomic
-from squeezefilm.runs import locks, run_card
-from squeezefilm.studies import given
-from squeezefilm.studies.chunks import chunk_counts
-from squeezefilm.studies.config import load_config
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.models.library import check_models
-from squeezefilm.studies.study import check_study, scan_path
+from squeezefilm.runs import locks, run_card
+from squeezefilm.runs.basis import basis_file, forget_others
+from squeezefilm.runs.checked import checked_study
+from squeezefilm.runs.code import Code
+from squeezefilm.studies import given
 
 
 def refuse(message):
@@ -59,19 +55,15 @@ def config_path():
     return relative(named[0] if named else LIBRARY.parent / "config" / "paper.yaml")
 
 
-def load(path):
-    config = check_study(load_config(path))
-    check_models(config["models"], config["comparison"], place=config.path)
-    return config, chunk_counts(config)
-
-
 try:
+    MEMORY = Path(".snakemake") / "squeezefilm"
+    CODE = Code(memory=MEMORY / "code.json")
     CONFIG_FILE = config_path()
-    CONFIG, CHUNKS = load(CONFIG_FILE)
+    CHECKED = checked_study(Path(CONFIG_FILE), code=CODE, memory=MEMORY)
 except InputError as error:
     refuse(error)
+CONFIG, SCAN = CHECKED.config, CHECKED.scan
 STUDY = CONFIG["study"]
-SCAN = scan_path(CONFIG)
 
 
 pathvars:
@@ -80,25 +72,30 @@ pathvars:
     benchmarks=f"benchmarks/{STUDY}",
 
 
-def code(command, *modules):
-    """The files that decide what a command does, to name as a rule's input.
+BASES = set()
 
-    They are the library's, and a measured profile where the command reads the actuator.
+
+def code(command, *modules, key=None):
+    """What decides the results of a command, as one file to name as a rule's input.
+
+    It stands for the code, that of modules which the command loads by a name made at run time too,
+    and the sections of the study that they read, with the scan of a measured profile. ``key`` is
+    the kind of work where what is read goes by it.
     """
-    files = code_files.code_of(command, *modules)
-    if SCAN and code_files.may_read("actuator", code_files.command_module(command), *modules):
-        files = [*files, SCAN]
-    return [relative(path) for path in files]
-
-
-def settings(reader, key=None):
-    """The sections that a command, or a module by its dotted name, reads: to name as params.
-
-    As text with sorted keys, so that their order in the file does not matter.
-    """
-    place = reader if "." in reader else code_files.command_module(reader)
-    sections = {name: CONFIG[name] for name in code_files.sections_of(place, key)}
-    return json.dumps(sections, sort_keys=True)
+    sections = CODE.sections(command, *modules, key=key)
+    try:
+        basis = basis_file(
+            Path("results") / STUDY / "basis",
+            "-".join([command, *filter(None, [key]), *modules]),
+            code=CODE,
+            files=CODE.of(command, *modules),
+            sections={name: CONFIG[name] for name in sections},
+            data=[SCAN] if SCAN and "actuator" in sections else [],
+        )
+    except InputError as error:
+        refuse(error)
+    BASES.add(basis)
+    return relative(basis)
 
 
 def room(kind, name):
@@ -109,7 +106,7 @@ def room(kind, name):
 
 def chunk_files(plan, suffix):
     """The files of the chunks in which a plan is simulated; their number is known from the start."""
-    chunks = CHUNKS.get(plan, 1)
+    chunks = CHECKED.chunks.get(plan, 1)
     return [
         f"<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}{suffix}"
         for chunk in range(1, chunks + 1)
@@ -185,6 +182,8 @@ def begin_run():
     try:
         HELD = locks.hold(CARDS, OWNER)
         atomic.remove_parts(CARDS.parent)
+        for basis in BASES:
+            forget_others(basis)
         run_card.begin(
             CARDS,
             OWNER,

@@ -3,7 +3,7 @@
 
 rule design_two_factor:
     input:
-        code=code("design"),
+        code=code("design", key="two-factor"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/screen.json",
     output:
@@ -16,11 +16,6 @@ rule design_two_factor:
     conda:
         "../../envs/fit.yaml"
     threads: cores_for(CONFIG["design"]["searches"])
-    resources:
-        mem_mb=1000,
-        runtime=30,
-    params:
-        settings=settings("design", "two-factor"),
     message:
         "D-optimal searches with the two-factor model"
     shell:
@@ -31,7 +26,7 @@ rule design_two_factor:
 
 rule design_four_factor:
     input:
-        code=code("design"),
+        code=code("design", key="four-factor"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/four_factor.json",
     output:
@@ -45,11 +40,6 @@ rule design_four_factor:
     conda:
         "../../envs/fit.yaml"
     threads: cores_for(CONFIG["four_factor_design"]["searches"])
-    resources:
-        mem_mb=1000,
-        runtime=30,
-    params:
-        settings=settings("design", "four-factor"),
     message:
         "D-optimal searches with the four-factor model"
     shell:

@@ -24,12 +24,7 @@ rule explorer:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
-        settings=settings("explorer"),
         forces=lambda wildcards, input: " ".join(
             f"{plan}={path}" for plan, path in zip(EXPLORER_PLANS, input.forces)
         ),

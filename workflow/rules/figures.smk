@@ -147,7 +147,6 @@ rule figure_data:
         mem_mb=500,
         runtime=5,
     params:
-        settings=lambda wildcards: settings(room("figure_data", wildcards.figure)),
         room=lambda wildcards: room("figure_data", wildcards.figure),
         tables=lambda wildcards, input: " ".join(
             f"{name}={input[name]}" for name in FIGURE_INPUTS[wildcards.figure]

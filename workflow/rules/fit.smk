@@ -23,11 +23,7 @@ rule fit:
     conda:
         "../../envs/fit.yaml"
     threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
-    resources:
-        mem_mb=1000,
-        runtime=30,
     params:
-        settings=settings("fit"),
         model=lambda wildcards: MODEL_OF_FIT[wildcards.fit],
     message:
         "Fit the {params.model} model to {wildcards.fit}"

@@ -23,12 +23,6 @@ rule limits:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    params:
-        settings=settings("limits"),
     message:
         "What physics says of {wildcards.plan} with nothing fitted"
     shell:
@@ -47,12 +41,6 @@ rule limit_table:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    params:
-        settings=settings("limit-table"),
     message:
         "What physics says all over the space, for models that use it"
     shell:
@@ -73,12 +61,6 @@ rule fit_candidate:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=30,
-    params:
-        settings=settings("fit"),
     message:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
     shell:
@@ -107,12 +89,6 @@ rule compare:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    params:
-        settings=settings("compare"),
     message:
         "Candidates side by side on {wildcards.space} points"
     shell:
@@ -168,10 +144,6 @@ rule models_page:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "The comparison of models as pages"
     shell:

@@ -33,7 +33,6 @@ rule work_precision:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("work-precision"),
         blas=ONE_BLAS_THREAD,
     message:
         "Error against run time of the solver and of other methods"
@@ -53,10 +52,6 @@ rule equal_error:
     localrule: True
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "How many times less time the solver takes at equal error"
     shell:
@@ -75,12 +70,10 @@ rule stability:
         "<benchmarks>/numerics/stability.tsv"
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("stability"),
         blas=ONE_BLAS_THREAD,
     message:
         "Stiff and extreme films, each with a verdict"
@@ -107,9 +100,7 @@ rule left_out:
     threads: ALONE
     resources:
         mem_mb=2000,
-        runtime=10,
     params:
-        settings=settings("left-out"),
         blas=ONE_BLAS_THREAD,
     message:
         "What leaving things out saves, and that it costs no accuracy"
@@ -133,9 +124,6 @@ rule roofline:
     threads: ALONE
     resources:
         mem_mb=2000,
-        runtime=10,
-    params:
-        settings=settings("roofline"),
     message:
         "The solver's kernels beside the limits of the device"
     shell:
@@ -159,7 +147,6 @@ rule cost:
         mem_mb=4000,
         runtime=30,
     params:
-        settings=settings("cost"),
         blas=ONE_BLAS_THREAD,
     message:
         "Run time and memory against the size of the problem"
@@ -182,12 +169,9 @@ rule conditioning:
         "<logs>/numerics/conditioning.log",
     conda:
         "../../envs/fit.yaml"
-    threads: 1
     resources:
-        mem_mb=1000,
         runtime=30,
     params:
-        settings=settings("conditioning"),
         blas=ONE_BLAS_THREAD,
     message:
         "How force errors move the fit and the design"
@@ -210,12 +194,10 @@ rule paper_signature:
         "<logs>/numerics/paper_signature.log",
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=30,
     params:
-        settings=settings("paper-signature"),
         blas=ONE_BLAS_THREAD,
     message:
         "Which numerical shortcuts would give the errors that the paper reports"

@@ -16,12 +16,9 @@ if SCAN:
             "<logs>/profile.log",
         conda:
             "../../envs/simulate.yaml"
-        threads: 1
         resources:
             mem_mb=2000,
             runtime=30,
-        params:
-            settings=settings("profile"),
         message:
             "Smooth the measured profile; simulate it with other noise"
         shell:

@@ -1,14 +1,5 @@
 # Where to simulate, with a certificate: `snakemake optimal`; and the loop closed: `snakemake refine`.
 
-from squeezefilm.models.library import model_named
-
-for space in MODEL_SPACES:
-    for model in CONFIG["refine"][space]:
-        try:
-            model_named(model, CONFIG["models"], place=CONFIG_FILE)
-        except InputError as error:
-            refuse(f"{CONFIG_FILE}: refine.{space}: {error}")
-
 # The fit whose model designs are made for, the forces behind it, and the plans judged beside them.
 OPTIMAL_FIT = {"two_factor": "screen", "four_factor": "four_factor"}
 JUDGED_PLANS = {
@@ -44,12 +35,7 @@ rule optimal_design:
     localrule: True
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=10,
     params:
-        settings=settings("optimal"),
         plans=lambda wildcards, input: " ".join(
             f"{name}={path}"
             for name, path in zip(JUDGED_PLANS[wildcards.space], input.plans, strict=True)
@@ -126,12 +112,9 @@ rule refine_model:
         "<benchmarks>/refine/{space}/{model}.tsv"
     conda:
         "../../envs/numerics.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         runtime=60,
-    params:
-        settings=settings("refine"),
     message:
         "Refine {wildcards.model} over the {wildcards.space} space"
     shell:
@@ -160,10 +143,6 @@ rule refine_report:
     localrule: True
     conda:
         "../../envs/fit.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
     params:
         folders=lambda wildcards, input: " ".join(
             str(Path(path).parent) for path in input.refined if Path(path).name == "verdict.json"
@@ -204,7 +183,7 @@ rule plot_refine:
         "--output {output.png} {output.svg} >{log} 2>&1"
 
 
-rule refine_page:
+use rule models_page as refine_page with:
     input:
         code=code("pages"),
         tables=expand("<results>/refine/{space}.md", space=MODEL_SPACES),
@@ -221,16 +200,8 @@ rule refine_page:
     log:
         "<logs>/refine/pages.log",
     localrule: True
-    conda:
-        "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "The refinement as pages"
-    shell:
-        "python -m reporting pages {input.tables} --output {output} >{log} 2>&1"
 
 
 rule refine:

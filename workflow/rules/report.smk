@@ -38,12 +38,7 @@ rule summary:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
-        settings=settings("summary"),
         results=lambda wildcards, output: str(Path(output[0]).parent),
         plans=SUMMARY_PLANS,
         fits=FITS,
@@ -95,10 +90,6 @@ rule pages:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "Pages of the report"
     shell:

@@ -10,7 +10,7 @@ DESIGN_OF_PLAN = {
 
 rule plan:
     input:
-        code=code("plan"),
+        code=lambda wildcards: code("plan", key=wildcards.plan),
         config=ancient(CONFIG_FILE),
         design=lambda wildcards: DESIGN_OF_PLAN.get(wildcards.plan, []),
     output:
@@ -20,12 +20,7 @@ rule plan:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
-        settings=lambda wildcards: settings("plan", wildcards.plan),
         design=lambda wildcards, input: f"--design {input.design}" if input.design else "",
     message:
         "Points to simulate: {wildcards.plan}"
@@ -46,12 +41,6 @@ rule plan_extrapolation:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
-    params:
-        settings=settings("extrapolate"),
     message:
         "Points to simulate: where the fitted models expect the wanted force"
     shell:
@@ -72,12 +61,6 @@ rule compile_kernels:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    params:
-        settings=settings("warm"),
     message:
         "Compile the kernels"
     shell:
@@ -99,12 +82,9 @@ rule simulate:
         "<benchmarks>/simulate/{plan}/{chunk}-of-{chunks}.tsv"
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
     resources:
         mem_mb=lambda wildcards, attempt: 2000 * attempt,
         runtime=lambda wildcards, attempt: 30 * attempt,
-    params:
-        settings=settings("simulate"),
     message:
         "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
     shell:
@@ -128,10 +108,6 @@ rule gather:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     message:
         "Forces of {wildcards.plan}: every point solved?"
     shell:
@@ -139,17 +115,12 @@ rule gather:
         "--output {output.forces} --timings-output {output.timings} >{log} 2>&1"
 
 
-# A rule made from another one is local only if it says so itself.
-localrules:
-    plan_parquet,
-    gather_parquet,
-
-
 use rule plan as plan_parquet with:
     output:
         "<results>/simulations/{plan}/scenes.parquet",
     log:
         "<logs>/plan/{plan}.parquet.log",
+    localrule: True
 
 
 use rule simulate as simulate_parquet with:
@@ -178,6 +149,7 @@ use rule gather as gather_parquet with:
         timings="<results>/simulations/{plan}/timings.parquet",
     log:
         "<logs>/gather/{plan}.parquet.log",
+    localrule: True
 
 
 rule sweep:
@@ -199,12 +171,6 @@ rule explain:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    params:
-        settings=settings("explain"),
     message:
         "What {wildcards.plan} needs, and what is left out"
     shell:

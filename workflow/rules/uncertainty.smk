@@ -15,12 +15,6 @@ rule uncertainty_table:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=10,
-    params:
-        settings=settings("uncertainty"),
     message:
         "What would explain the differences from the paper"
     shell:
@@ -41,12 +35,6 @@ rule cross_section:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    params:
-        settings=settings("cross-section"),
     message:
         "Gap and pressure under the finger over a period"
     shell:

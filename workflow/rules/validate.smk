@@ -33,12 +33,6 @@ rule validate:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
-    params:
-        settings=settings("validate"),
     message:
         "Judge the fit {wildcards.fit} on {wildcards.plan}"
     shell:

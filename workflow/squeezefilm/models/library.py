@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 from squeezefilm.io.errors import InputError
@@ -10,6 +11,8 @@ from squeezefilm.models.force_model import ExpressionModel, library, make_model
 
 SPACES = ("two_factor", "four_factor")
 """Where models are compared: the finger centred, or anywhere."""
+NAMING = ("comparison", "refine")
+"""The sections of a study that name models for each space."""
 
 
 def model_named(name: str, own: Mapping[str, Any], *, place: object) -> ExpressionModel:
@@ -29,8 +32,8 @@ def model_named(name: str, own: Mapping[str, Any], *, place: object) -> Expressi
     raise InputError(f"model {name!r} is unknown; known are {known}")
 
 
-def check_models(own: Mapping[str, Any], comparison: Mapping[str, Any], *, place: object) -> None:
-    """Read every model of a configuration's sections ``models`` and ``comparison``.
+def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: object) -> None:
+    """Read every model of a configuration: its own, and those that ``named`` has by section.
 
     Raises:
         InputError: naming the place of a formula that is refused, of a name that is the library's,
@@ -42,9 +45,9 @@ def check_models(own: Mapping[str, Any], comparison: Mapping[str, Any], *, place
                 f"{place}: models.{name}: the library has a model of this name; take another"
             )
         model_named(name, own, place=place)
-    for space in SPACES:
-        for name in comparison[space]:
+    for section, space in product(NAMING, SPACES):
+        for name in named[section][space]:
             try:
                 model_named(name, own, place=place)
             except InputError as error:
-                raise InputError(f"{place}: comparison.{space}: {error}") from None
+                raise InputError(f"{place}: {section}.{space}: {error}") from None

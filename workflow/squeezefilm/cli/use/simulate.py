@@ -26,6 +26,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.io import job
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
     ScenePoint,
@@ -140,8 +141,6 @@ def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Dev
 
 
 def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
-    from tqdm import tqdm
-
     if options.scenes is None or options.output is None:
         raise InputError("give a table of scenes and --output, or one scene by --h0 and --hv")
     rows = all_rows if options.chunk is None else partial(chunk_rows, options.chunk)
@@ -156,7 +155,7 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
     failures: list[str] = []
     seconds = 0.0
     with (
-        tqdm(total=len(table), unit="scene", desc=str(options.scenes), disable=None) as bar,
+        progress_bar(len(table), unit="scene", name=str(options.scenes)) as bar,
         table_writer(options.output) as write,
         _optional_writer(options.timings) as write_timings,
     ):

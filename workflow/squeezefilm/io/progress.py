@@ -1,0 +1,12 @@
+"""How far a command is, on a terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def progress_bar(total: int, *, unit: str, name: str) -> Any:
+    """A bar to be closed by ``with`` and moved on by its ``update(count)``; none in a log."""
+    from tqdm import tqdm  # slow to import, and only needed here
+
+    return tqdm(total=total, unit=unit, desc=name, disable=None)
