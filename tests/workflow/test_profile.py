@@ -33,11 +33,11 @@ def inputs(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[s
 def test_rules_that_read_the_actuator_have_the_scan_as_input(inputs: dict[str, set[str]]) -> None:
     with_scan = {rule for rule, files in inputs.items() if SCAN in files}
     assert {"smooth_profile", "simulate"} <= with_scan
-    assert {"plan", "gather", "fit", "plot", "draw_profile"} & with_scan == set()
-    assert {"plan", "gather", "fit", "plot", "draw_profile"} <= set(inputs)
+    assert {"plan", "gather", "fit", "figure", "plot"} & with_scan == set()
+    assert {"plan", "gather", "fit", "figure", "plot"} <= set(inputs)
 
 
 def test_a_figure_reads_the_actuator_or_not() -> None:
-    assert may_read("actuator", "commands.figure_data", "figure_data.fig05")
-    assert not may_read("actuator", "commands.figure_data", "figure_data.fig08")
+    assert may_read("actuator", "reporting.commands.figure", "paper.figures.fig05")
+    assert not may_read("actuator", "reporting.commands.figure", "paper.figures.fig08")
     assert may_read("screen", "commands.plan")  # whose sections go by the kind of plan

@@ -24,6 +24,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    claims = judge(read_results(parse_sources(options.inputs, names=INPUTS, user="claims")))
+    claims = judge(read_results(parse_sources(options.inputs, names=tuple(INPUTS), user="claims")))
     write_table(claims, options.output)
     write_markdown(to_markdown(claims), options.markdown)

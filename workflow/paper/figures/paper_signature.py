@@ -1,4 +1,8 @@
-"""Which numerical shortcuts would give the paper's errors: fits and force, shortcut by shortcut."""
+"""Why the paper's errors are larger: which shortcuts would give them.
+
+The screen simulated anew with numerical shortcuts, and the fits repeated: which of them would give
+the errors that the paper reports.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/paper_signature.csv",
+}
 COLUMNS = (
     "variant",
     "kind",

@@ -1,12 +1,18 @@
-"""Conditioning: what force errors do to the parameters, the model and the design."""
+"""How accurate a simulation must be: what force errors do to the fit and the design.
+
+What random errors in the forces do to the fit and to the design: everything moves in proportion.
+"""
 
 from __future__ import annotations
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/conditioning.csv",
+}
 COLUMNS = ("quantity", "points", "force_error", "value", "note")
 LINES = {
     ("parameters, relative move", "screen"): (style.BLUE, "o-", "parameters, 60 points"),

@@ -1,4 +1,8 @@
-"""Cost: run time and memory against the size of the problem, a panel per kind of size."""
+"""Cost against size: run time and memory by the size of the problem.
+
+Run time and memory against the number of scenes, points, instants and threads, with fitted
+exponents.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import NullLocator
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/cost.csv",
+}
 COLUMNS = (
     "axis",
     "method",

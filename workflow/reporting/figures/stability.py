@@ -1,4 +1,9 @@
-"""Stability: every case with its verdict, and what each check found."""
+"""Stiff and extreme films: every case with its verdict, and what each check found.
+
+A row for each film, a column for each check that the solver does not know of, and the verdict:
+solved, refused for a documented reason, or failed. Single precision is no check but a warning: what
+the same algorithm would lose in float32.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +13,11 @@ import pandas as pd
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/stability.csv",
+}
 CHECKS = {
     "method_difference": "chosen\nmethod",
     "limit_difference": "from its\nlimit",
