@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from matplotlib.text import Text
 
+from numerics import work_precision as measured
 from reporting.figures import figure_module, installed
 from reporting.figures.parts import style
 from reporting.pages.notes import one_digit, rounded_up
@@ -224,6 +225,32 @@ def test_inputs_are_checked_by_name(words: list[str], message: str) -> None:
 def test_an_unknown_figure_is_refused() -> None:
     with pytest.raises(InputError, match=r"no figure 'fig99'; the figures are .*, fig05, .*"):
         figure_module("fig99")
+
+
+@pytest.mark.parametrize(
+    ("name", "row"),
+    [
+        ("cost", {"axis": "magic", "method": "auto"}),
+        ("cost", {"axis": "scenes", "method": "magic"}),
+        ("conditioning", {"quantity": "magic", "points": "screen", "force_error": 1e-3}),
+        ("stability", {"verdict": "magic"}),
+        ("paper_signature", {"kind": "magic"}),
+        ("fig09", {"scaling": "magic"}),
+        (
+            "work_precision",
+            {"start": "warm", "relative_error": 0.1, "method": "magic", "path": "", "batch": 1},
+        ),
+    ],
+)
+def test_what_has_no_style_is_refused_and_not_left_out(name: str, row: dict[str, object]) -> None:
+    with pytest.raises(InputError, match=r"no style is known for .*magic"):
+        figure_module(name).draw(pd.DataFrame([row]))
+
+
+def test_every_method_that_is_measured_has_a_style() -> None:
+    film = measured.COLD_FILM
+    methods = {*measured.OWN, *(peer(film, 0)[0] for peer in measured.PEERS)}
+    assert methods == {method for method, _, _ in figure_module("work_precision").STYLES}
 
 
 def test_error_estimates_are_never_rounded_down() -> None:

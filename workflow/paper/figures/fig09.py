@@ -68,6 +68,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
 def draw(data: pd.DataFrame) -> Figure:
     """A panel for each scaling of the factors; a triangle of three dots for each search."""
     scalings = list(dict.fromkeys(data["scaling"]))
+    style.check_known(_TITLES, scalings, what="scaling")
     wide = len(scalings) > 1
     figure = style.new_figure(
         width_in=style.DOUBLE_COLUMN_IN if wide else style.SINGLE_COLUMN_IN, height_in=2.75
@@ -76,7 +77,7 @@ def draw(data: pd.DataFrame) -> Figure:
     for letter, axes, scaling in zip("abcdefgh", panels, scalings, strict=False):
         _draw_searches(axes, data[data["scaling"] == scaling])
         plane.set_up(axes, data)
-        axes.set_title(f"({letter}) " * wide + _TITLES.get(scaling, scaling))
+        axes.set_title(f"({letter}) " * wide + _TITLES[scaling])
         axes.label_outer()
     style.add_note(figure, data)
     return figure

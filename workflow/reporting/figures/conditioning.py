@@ -15,19 +15,19 @@ INPUTS = {
 }
 COLUMNS = ("quantity", "points", "force_error", "value", "note")
 LINES = {
-    ("parameters, relative move", "screen"): (style.BLUE, "o-", "parameters, 60 points"),
-    ("parameters, relative move", "design"): (style.BLUE, "o:", "parameters, five points"),
-    ("model over the screen, relative move", "screen"): (
+    ("parameter_move", "screen"): (style.BLUE, "o-", "parameters, 60 points"),
+    ("parameter_move", "design"): (style.BLUE, "o:", "parameters, five points"),
+    ("model_move", "screen"): (
         style.GREEN,
         "s-",
         "model's force, 60 points",
     ),
-    ("model over the screen, relative move", "design"): (
+    ("model_move", "design"): (
         style.GREEN,
         "s:",
         "model's force, five points",
     ),
-    ("design point, largest move in unit factors", "screen"): (
+    ("design_move", "screen"): (
         style.VERMILLION,
         "^-",
         "design points, unit factors",
@@ -37,6 +37,8 @@ LINES = {
 
 def draw(data: pd.DataFrame) -> Figure:
     """Log-log; the grey line is a move as large as the force error."""
+    moves = data[data["force_error"].notna()]
+    style.check_known(LINES, zip(moves["quantity"], moves["points"], strict=True), what="quantity")
     figure = style.new_figure(height_in=3.4)
     axes = figure.subplots()
     axes.set_xscale("log")

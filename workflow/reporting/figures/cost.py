@@ -35,16 +35,18 @@ COLOURS = {"auto": "black", "periodic": style.BLUE}
 LABELS = {"auto": "method chosen", "periodic": "periodic state"}
 PANELS = {
     "scenes": "scenes",
-    "points across the finger": "points across the finger",
-    "instants of the period": "instants of the period",
+    "points": "points across the finger",
+    "instants": "instants of the period",
     "cores": "threads",
-    "scenes a call": "scenes a call",
+    "chunk": "scenes a call",
 }
 
 
 def draw(data: pd.DataFrame) -> Figure:
     """Seconds per scene, log-log, with the fitted exponent of the run's time; memory last."""
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.2)
+    style.check_known(PANELS, data["axis"], what="axis")
+    style.check_known(COLOURS, data["method"], what="method")
     panels = figure.subplots(2, 3).ravel()
     for panel, (axis, label) in zip(panels, PANELS.items(), strict=False):
         panel.set_xscale("log")

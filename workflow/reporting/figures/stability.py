@@ -47,6 +47,7 @@ ROW_IN = 0.135
 
 def draw(data: pd.DataFrame) -> Figure:
     """A row per case, a column per check, coloured by the size of the difference found."""
+    style.check_known(VERDICTS, data["verdict"], what="verdict")
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.35 + ROW_IN * len(data))
     axes = figure.subplots()
     values = data[list(CHECKS)].to_numpy(dtype=float)
