@@ -16,7 +16,8 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from reporting.figures import figure_module, style
+from reporting.figures import figure_module
+from reporting.figures.parts import style
 from squeezefilm.io.tables import read_json, write_json
 
 from ..workflow.conftest import copy_checkout

@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from paper import uncertainty
+from paper import claims, uncertainty
+from reporting.rooms import described
 from squeezefilm.cli import main as cli
 from squeezefilm.io.tables import (
     DESIGN_COLUMNS,
@@ -22,6 +23,7 @@ from squeezefilm.io.tables import (
 )
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
 from squeezefilm.models.trust import Trust
+from squeezefilm.runs.code import WORKFLOW
 from squeezefilm.studies.config import load_config
 
 THETA = {
@@ -46,7 +48,7 @@ FOUR_FACTOR_POINTS = [
 
 @dataclass(frozen=True)
 class Study:
-    """Where the results lie, and which of them the rules hand to figures, tables and claims."""
+    """Where the results lie, and which of them figures, tables and claims are made from."""
 
     root: Path
     config: Path
@@ -69,16 +71,19 @@ def study(tmp_path_factory: pytest.TempPathFactory, repository: Path) -> Study:
     _write_designs(root)
     _write_validations(root, config)
     _write_extras(root, config)
-    rules = _rules_inputs(repository, root)
-    return Study(root, config, rules["FIGURE_INPUTS"], rules["TABLE_INPUTS"], rules["CLAIM_INPUTS"])
+    figures = {path.stem: described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"))}
+    tables = {path.stem: described(path) for path in WORKFLOW.glob("paper/tables/[!_]*.py")}
+    return Study(
+        root,
+        config,
+        {name: _placed(root, room.inputs) for name, room in figures.items() if room.builds},
+        {name.removeprefix("table"): _placed(root, room.inputs) for name, room in tables.items()},
+        _placed(root, claims.INPUTS),
+    )
 
 
-def _rules_inputs(repository: Path, root: Path) -> dict[str, Any]:
-    """The tables of inputs at the top of the figures' rules, which are plain Python."""
-    text = (repository / "workflow" / "rules" / "figures.smk").read_text(encoding="utf-8")
-    names: dict[str, Any] = {}
-    exec(text[: text.index("\nwildcard_constraints:")].replace("<results>", str(root)), names)
-    return names
+def _placed(root: Path, inputs: dict[str, str]) -> dict[str, str]:
+    return {name: str(root / file) for name, file in inputs.items()}
 
 
 def _write_forces(root: Path, plan: str, forces: pd.DataFrame) -> None:

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import pandas as pd
 import pytest
 
-from reporting.figures import style
+from reporting.figures.parts import style
 from squeezefilm.io import atomic, job
 from squeezefilm.io.atomic import whole_file
 from squeezefilm.io.errors import InputError

@@ -19,7 +19,7 @@ from reporting.check.reference import differences, read_reference, write_referen
 from reporting.check.show import on_screen, read_check, status
 from reporting.check.tolerances import GIVEN, SAME, AtMost, Close, Closeness, LastDigit
 from reporting.commands import check, reference
-from reporting.figures import style
+from reporting.figures.parts import style
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table

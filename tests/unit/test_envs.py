@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from reporting.rooms import described
 from squeezefilm.runs.code import WORKFLOW, Code
 
 CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
@@ -75,12 +76,12 @@ def test_every_environment_is_used() -> None:
 
 @pytest.mark.parametrize(("environment", "command"), commands_of_environments(REPOSITORY))
 def test_an_environment_has_what_its_commands_import(environment: str, command: str) -> None:
-    plug_ins = {"plot": "figures", "figure-data": "figure_data"}.get(command)
+    plug_ins = {"figure": "*/figures/[!_]*.py", "table": "*/tables/[!_]*.py"}.get(command)
     files = set(CODE.of(command))
     if plug_ins:
-        for path in WORKFLOW.glob(f"*/{plug_ins}/*.py"):
-            name = ".".join(path.relative_to(WORKFLOW).with_suffix("").parts)
-            files.update(CODE.of(command, name.removesuffix(".__init__")))
+        files.update(
+            *(CODE.of(command, described(path).module) for path in WORKFLOW.glob(plug_ins))
+        )
     needed = set().union(*(third_party(path) for path in files if path.suffix == ".py"))
     missing = {CONDA_NAME.get(name, name) for name in needed} - set(dependencies(environment))
     # Only for one scene on the command line, and for what runs outside of rules.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
@@ -11,14 +12,20 @@ import pandas as pd
 import pytest
 from matplotlib.text import Text
 
-from reporting.figure_data import figure_data_module
-from reporting.figures import FIGURES, figure_module, style
+from numerics import work_precision as measured
+from reporting.figures import figure_module, installed
+from reporting.figures.parts import style
 from reporting.pages.notes import one_digit, rounded_up
+from reporting.rooms import described
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
+from squeezefilm.runs.code import WORKFLOW
 from squeezefilm.studies.config import load_config
 
+PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
+ROOMS = {path.stem: described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"))}
+FIGURES = [name for name, room in ROOMS.items() if room.builds]
 UNITS = {
     "fig05": "(mm)",
     "fig06": "(mm)",
@@ -34,7 +41,7 @@ def tables(study) -> dict[str, Path]:
     paths = {name: study.root / "figures" / f"{name}.csv" for name in FIGURES}
     for name, path in paths.items():
         words = study.words(study.figures[name])
-        arguments = ["figure-data", name, *words, f"--config={study.config}", f"--output={path}"]
+        arguments = ["figure", name, *words, f"--config={study.config}", f"--output={path}"]
         assert cli.main(arguments) == 0
     return paths
 
@@ -55,10 +62,28 @@ def saved(
     return [path.read_bytes() for path in paths]
 
 
-def test_the_rules_hand_over_what_each_figure_asks_for(study) -> None:
-    assert set(study.figures) == set(FIGURES)
-    for name in FIGURES:
-        assert set(study.figures[name]) == set(figure_data_module(name).INPUTS), name
+@pytest.mark.parametrize("name", ROOMS)
+def test_what_is_read_of_a_figure_is_what_its_module_has(name: str) -> None:
+    room, module = ROOMS[name], figure_module(name)
+    assert installed()[name] == room.module == module.__name__
+    assert room.inputs == module.INPUTS
+    assert room.sections == getattr(module, "SECTIONS", ())
+    assert room.builds == hasattr(module, "build")
+    assert module.COLUMNS
+    assert callable(module.draw)
+
+
+def test_table_and_drawing_come_from_one_command_or_the_drawing_from_the_table(
+    study, tables: dict[str, Path], tmp_path: Path
+) -> None:
+    words = study.words(study.figures["fig08"])
+    made = [tmp_path / f"fig08.{kind}" for kind in ("csv", "svg")]
+    named = ["paper.figures.fig08", *words, f"--config={study.config}"]
+    assert cli.main(["figure", *named, "--output", *map(str, made)]) == 0
+    again = tmp_path / "again.svg"
+    assert cli.main(["plot", "fig08", str(made[0]), "--output", str(again)]) == 0
+    assert made[0].read_bytes() == tables["fig08"].read_bytes()
+    assert made[1].read_bytes() == again.read_bytes()
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -113,17 +138,23 @@ def test_a_table_without_a_column_is_refused(
     assert repr(missing) in message
 
 
-def test_figures_know_nothing_of_physics(repository: Path) -> None:
-    allowed = ("reporting.figures", "squeezefilm.io.errors", "squeezefilm.io.atomic")
-    drawings = sorted((repository / "workflow").glob("*/figures/*.py"))
-    assert len(drawings) > 25
-    for path in drawings:
-        for line in path.read_text(encoding="utf-8").splitlines():
-            if line.startswith(("from ", "import ")):
-                name = line.split()[1]
-                ours = name.split(".")[0] in ("squeezefilm", "numerics", "reporting", "paper")
-                own = name.startswith(("paper.figures", *allowed))
-                assert own or not ours, (path, line)
+def names_in(node: ast.AST) -> set[str]:
+    return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+
+
+@pytest.mark.parametrize("name", ROOMS)
+def test_a_drawing_knows_nothing_of_physics(name: str) -> None:
+    """What draws uses nothing of ours but what draws: it has its table and no other knowledge."""
+    tree = ast.parse(Path(str(figure_module(name).__file__)).read_text(encoding="utf-8"))
+    functions = {node.name: names_in(node) for node in tree.body if hasattr(node, "body")}
+    used, waiting = set(), {"draw"}
+    while waiting:
+        used |= waiting
+        waiting = set().union(*(functions.get(each, ()) for each in waiting)) - used
+    drawing = {"reporting.figures.parts", "paper.figures.parts.patterns"}
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module.split(".")[0] in PACKAGES:
+            assert node.module in drawing or not used & {each.name for each in node.names}
 
 
 def test_the_second_pattern_may_be_missing(study, tables: dict[str, Path], tmp_path: Path) -> None:
@@ -192,8 +223,34 @@ def test_inputs_are_checked_by_name(words: list[str], message: str) -> None:
 
 
 def test_an_unknown_figure_is_refused() -> None:
-    with pytest.raises(InputError, match="no figure 'fig99'; the figures are fig05"):
+    with pytest.raises(InputError, match=r"no figure 'fig99'; the figures are .*, fig05, .*"):
         figure_module("fig99")
+
+
+@pytest.mark.parametrize(
+    ("name", "row"),
+    [
+        ("cost", {"axis": "magic", "method": "auto"}),
+        ("cost", {"axis": "scenes", "method": "magic"}),
+        ("conditioning", {"quantity": "magic", "points": "screen", "force_error": 1e-3}),
+        ("stability", {"verdict": "magic"}),
+        ("paper_signature", {"kind": "magic"}),
+        ("fig09", {"scaling": "magic"}),
+        (
+            "work_precision",
+            {"start": "warm", "relative_error": 0.1, "method": "magic", "path": "", "batch": 1},
+        ),
+    ],
+)
+def test_what_has_no_style_is_refused_and_not_left_out(name: str, row: dict[str, object]) -> None:
+    with pytest.raises(InputError, match=r"no style is known for .*magic"):
+        figure_module(name).draw(pd.DataFrame([row]))
+
+
+def test_every_method_that_is_measured_has_a_style() -> None:
+    film = measured.COLD_FILM
+    methods = {*measured.OWN, *(peer(film, 0)[0] for peer in measured.PEERS)}
+    assert methods == {method for method, _, _ in figure_module("work_precision").STYLES}
 
 
 def test_error_estimates_are_never_rounded_down() -> None:
@@ -207,7 +264,7 @@ def test_error_estimates_are_never_rounded_down() -> None:
 
 
 def data_of(name: str, study) -> tuple[ModuleType, dict[str, Path]]:
-    return figure_data_module(name), {k: Path(v) for k, v in study.figures[name].items()}
+    return figure_module(name), {k: Path(v) for k, v in study.figures[name].items()}
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from paper.figure_data import fig05
-from reporting.figures import figure_module, style
+from paper.figures import fig05
+from reporting.figures import figure_module
+from reporting.figures.parts import style
 from squeezefilm.cli.use.example_scan import scan_text
 from squeezefilm.film.vibration import residuals as profile_figure
 from squeezefilm.film.vibration.choice import make_profile

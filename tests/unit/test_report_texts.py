@@ -4,35 +4,52 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
-from jinja2 import Template
 
-from reporting.figures import FIGURES
+from reporting.rooms import Room, described
+from squeezefilm.io.errors import InputError
+from squeezefilm.runs.code import WORKFLOW
 
-
-def caption(repository: Path, figure: str) -> str:
-    """What the report shows below a figure."""
-    text = (repository / "workflow/report/figure.rst").read_text(encoding="utf-8")
-    wildcards = SimpleNamespace(figure=figure)
-    return Template(text).render(snakemake=SimpleNamespace(wildcards=wildcards)).strip()
+FIGURES = [described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"))]
 
 
-@pytest.mark.parametrize("figure", FIGURES)
-def test_every_figure_has_a_caption(repository: Path, figure: str) -> None:
-    number = figure.removeprefix("fig")
-    title = f"Figure {int(number)}" if number.isdigit() else figure.replace("_", " ").capitalize()
-    assert caption(repository, figure).startswith(f"**{title}.** ")
+@pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.module)
+def test_every_figure_has_a_caption(figure: Room) -> None:
+    number = figure.place.removeprefix("figures/fig")
+    if number.isdigit():
+        assert figure.title == f"Figure {int(number)}"
+    assert len(figure.caption) > len(figure.shows) > 0
+    assert figure.caption.endswith(".")
 
 
-def test_a_figure_without_a_caption_says_so(repository: Path) -> None:
-    assert caption(repository, "fig99").startswith("**fig99.** No caption is written")
+@pytest.mark.parametrize("text", ["", '"""Figure 5: no caption."""', '"""A line.\n\nA text."""'])
+def test_a_figure_without_a_caption_is_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "fig05.py"
+    path.write_text(f"{text}\nINPUTS = {{'table': 'a.csv'}}\n")
+    with pytest.raises(InputError, match=r"fig05\.py: a figure's docstring says .* caption"):
+        described(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "what it is made from in INPUTS"),
+        ("INPUTS = dict(a='a.csv')", "INPUTS must be a plain literal"),
+        ("INPUTS = {'a': 'a.csv', 'b': 'b.csv'}", "drawn from one table"),
+    ],
+)
+def test_a_figure_says_what_it_is_made_from(text: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "fig05.py"
+    path.write_text(f'"""Figure 5: a thing.\n\nIts caption.\n"""\n{text}\n')
+    with pytest.raises(InputError, match=message):
+        described(path)
 
 
 def test_the_report_s_first_page_names_every_category(repository: Path) -> None:
     rules = (path.read_text() for path in (repository / "workflow/rules").glob("*.smk"))
-    found = {name for text in rules for name in re.findall(r'category="(\d+ [^"]+)"', text)}
+    pattern = re.compile(r'(?:category=|^    "\w+": )"(\d+ [^"]+)"', re.MULTILINE)
+    found = {name for text in rules for name in pattern.findall(text)}
     page = (repository / "workflow/report/workflow.rst").read_text(encoding="utf-8")
     named = {
         f"{number} {name}" for number, name in re.findall(r"^(\d+)\. \*\*(.+?)\*\*", page, re.M)

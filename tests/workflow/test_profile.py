@@ -28,6 +28,6 @@ def test_commands_that_read_the_actuator_rest_on_the_scan(bases: dict[str, set[s
     with_scan = {command for command, listed in bases.items() if SCAN in listed}
     with_actuator = {command for command, listed in bases.items() if "actuator" in listed}
     assert with_scan == with_actuator
-    assert {"profile", "simulate", "figure-data-paper.figure_data.fig05"} <= with_scan
-    others = {"plan-screen", "gather", "figure-data-paper.figure_data.fig08"}
+    assert {"profile", "simulate", "figure-paper.figures.fig05"} <= with_scan
+    others = {"plan-screen", "gather", "figure-paper.figures.fig08"}
     assert others <= bases.keys() - with_scan

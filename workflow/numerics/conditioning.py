@@ -67,7 +67,7 @@ def conditioning(
         )
         rows.append(
             {
-                "quantity": "design point, largest move in unit factors",
+                "quantity": "design_move",
                 "points": "screen",
                 "force_error": size,
                 "draws": len(moves),
@@ -111,7 +111,7 @@ def _moved(
     fits = np.array([local_fit(TWO_FACTOR, factors, each, best) for each in noisy])
     move = np.sqrt(np.mean((fits / best - 1) ** 2, axis=0))
     yield {
-        "quantity": "parameters, relative move",
+        "quantity": "parameter_move",
         "points": points,
         "force_error": size,
         "draws": draws,
@@ -121,7 +121,7 @@ def _moved(
     model = TWO_FACTOR.evaluate(best, screen)
     change = np.linalg.norm(TWO_FACTOR.evaluate(fits, screen) - model, axis=1)
     yield {
-        "quantity": "model over the screen, relative move",
+        "quantity": "model_move",
         "points": points,
         "force_error": size,
         "draws": draws,

@@ -90,11 +90,11 @@ def sizes(*, full: bool) -> list[Size]:
         ]
     given = "    solve_on_grid(some, grid=grid, tolerance=1e-6, device=device)"
     for axis, values in (
-        ("points across the finger", (8, 16, 24, 32, 48, 64, 96)),
-        ("instants of the period", (8, 16, 32, 64, 128)),
+        ("points", (8, 16, 24, 32, 48, 64, 96)),
+        ("instants", (8, 16, 32, 64, 128)),
     ):
         for value in values if full else values[:2]:
-            n, nt = (value, 16) if axis.startswith("points") else (24, value)
+            n, nt = (value, 16) if axis == "points" else (24, value)
             grid = f"Grid(nx={n // 2}, ny={n // 2}, nt={nt}, fold_x=True, fold_y=True)"
             prepare = f"some, grid = films(4), {grid}"
             found.append(Size(axis, "periodic", value, 4, given, prepare))
@@ -110,7 +110,7 @@ def sizes(*, full: bool) -> list[Size]:
             f"        solve(scenes[first:first + {chunk}], tolerance=1e-6, method='periodic', "
             "device=device)"
         )
-        found.append(Size("scenes a call", "periodic", chunk, many, body, scenes))
+        found.append(Size("chunk", "periodic", chunk, many, body, scenes))
     return found
 
 

@@ -73,6 +73,29 @@ def _row(claim: Claim, results: Results) -> tuple[str, ...]:
     return (*about, found.ours, claim.unit, verdict, found.explanation)
 
 
+INPUTS = {
+    "screen": "simulations/screen/forces.csv",
+    "screen_timings": "simulations/screen/timings.csv",
+    "screen_fit": "fits/screen.json",
+    "screen_runs": "fits/screen_runs.csv",
+    "design": "designs/two_factor.csv",
+    "design_summary": "designs/two_factor.json",
+    "design_fit": "fits/two_factor_design.json",
+    "screen_on_screen": "validation/screen_on_screen.json",
+    "design_on_screen": "validation/two_factor_design_on_screen.json",
+    "design_errors": "validation/two_factor_design_on_screen.csv",
+    "extrapolation": "simulations/extrapolation/forces.csv",
+    "four_factor": "simulations/four_factor/forces.csv",
+    "four_factor_design": "designs/four_factor.csv",
+    "four_factor_design_on_plan": "validation/four_factor_design_on_four_factor.json",
+    "four_factor_distinct_on_plan": ("validation/four_factor_design_distinct_on_four_factor.json"),
+    "four_factor_distinct_on_control": (
+        "validation/four_factor_design_distinct_on_four_factor_control.json"
+    ),
+}
+"""The files that claims rest on, by name, each with its place among a study's results."""
+
+
 def _read_summary(path: Path) -> dict[str, Any]:
     summary = read_json(path)
     for key in ("points", "global_error", "sum_of_squares"):

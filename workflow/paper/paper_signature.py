@@ -57,7 +57,7 @@ Forces = Callable[[Scene], np.ndarray]
 
 @dataclass(frozen=True)
 class Family:
-    """Ways to simulate that one run gives together: names, what is short, periods, the run."""
+    """Ways to simulate that one run gives together: what is short, names, periods, the run."""
 
     kind: str
     names: tuple[str, ...]
@@ -73,7 +73,7 @@ def families(*, full: bool) -> list[Family]:
     for start, phase in (("mean", 0.0), ("widest", math.pi / 2)):
         found.append(
             Family(
-                f"few periods from ambient pressure at the {start} gap",
+                f"from_{start}_gap",
                 tuple(f"{count} periods from the {start} gap" for count in counts),
                 counts,
                 partial(_by_period, counts=counts, phase=phase),
@@ -99,11 +99,11 @@ def families(*, full: bool) -> list[Family]:
     ):
         periods = int(settings["periods"])
         loose = partial(_once, method=method_of_lines, settings=settings)
-        found.append(Family("loose tolerance or coarse mesh", (kind,), (periods,), loose))
+        found.append(Family("loose", (kind,), (periods,), loose))
     long_steps = partial(
         _once, method=finite_elements, settings={"cells": 5, "steps": 6, "periods": 40}
     )
-    found.append(Family("long steps", ("6 steps a period",), (40,), long_steps))
+    found.append(Family("long_steps", ("6 steps a period",), (40,), long_steps))
     return [family for family in found if full or family.in_sample]
 
 

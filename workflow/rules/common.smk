@@ -98,12 +98,6 @@ def code(command, *modules, key=None):
     return relative(basis)
 
 
-def room(kind, name):
-    """The dotted name of a figure's module, in whichever package has it."""
-    (path,) = LIBRARY.glob(f"*/{kind}/{name}.py")
-    return ".".join(path.relative_to(LIBRARY).with_suffix("").parts)
-
-
 def chunk_files(plan, suffix):
     """The files of the chunks in which a plan is simulated; their number is known from the start."""
     chunks = CHECKED.chunks.get(plan, 1)

@@ -1,180 +1,91 @@
-# From results to figures, tables and claims. A figure is drawn from its one table alone.
+# From results to figures, tables and claims. A figure is a module, found in `figures` of a package.
 
-DEVICE = "<results>/simulations/device.json"
-SCREEN = "<results>/simulations/screen/forces.csv"
-DESIGN_FORCES = "<results>/simulations/two_factor_design/forces.csv"
-DESIGN_ON_SCREEN = "<results>/validation/two_factor_design_on_screen"
-TWO_FACTOR_SEARCHES = {
-    "plan": "<results>/simulations/screen/scenes.csv",
-    "searches": "<results>/designs/two_factor_searches.csv",
-    "summary": "<results>/designs/two_factor.json",
+from dataclasses import replace
+
+from reporting.rooms import described, literal
+
+CATEGORIES = {
+    "figures": "3 Figures",
+    "numerics": "4 Numerics",
+    "models": "7 Models",
+    "designs": "8 Designs and refinement",
+    "refine": "8 Designs and refinement",
 }
-FIGURE_INPUTS = {
-    "fig05": {},
-    "fig06": {},
-    "fig07": {"plan": "<results>/simulations/screen/scenes.csv"},
-    "fig08": {"forces": SCREEN, "fit": "<results>/fits/screen.json", "device": DEVICE},
-    "fig09": TWO_FACTOR_SEARCHES,
-    "fig10": TWO_FACTOR_SEARCHES,
-    "fig11": TWO_FACTOR_SEARCHES,
-    "fig12": {
-        "plan": "<results>/simulations/screen/scenes.csv",
-        "design": "<results>/designs/two_factor.csv",
-    },
-    "fig13": {
-        "design_forces": DESIGN_FORCES,
-        "fit": "<results>/fits/two_factor_design.json",
-        "control_forces": SCREEN,
-        "validation": f"{DESIGN_ON_SCREEN}.json",
-        "device": DEVICE,
-    },
-    "fig14": {
-        "fit": "<results>/fits/two_factor_design.json",
-        "forces": SCREEN,
-        "errors": f"{DESIGN_ON_SCREEN}.csv",
-        "validation": f"{DESIGN_ON_SCREEN}.json",
-        "device": DEVICE,
-    },
-    "fig15": {"plan": "<results>/simulations/four_factor/scenes.csv"},
-    "fig16": {
-        "plan": "<results>/simulations/four_factor/scenes.csv",
-        "screen": "<results>/simulations/screen/scenes.csv",
-        "design": "<results>/designs/four_factor.csv",
-        "distinct": "<results>/designs/four_factor_distinct.csv",
-    },
-    "error_map": {
-        "fit": "<results>/fits/two_factor_design.json",
-        "forces": "<results>/simulations/error_map/forces.csv",
-        "errors": "<results>/validation/two_factor_design_on_error_map.csv",
-        "validation": "<results>/validation/two_factor_design_on_error_map.json",
-        "design_forces": DESIGN_FORCES,
-        "device": DEVICE,
-    },
-    "uncertainty": {
-        "table": "<results>/tables/uncertainty.csv",
-        "curves": "<results>/tables/uncertainty_curves.csv",
-    },
-    "overview": {
-        "film": "<results>/simulations/extrapolation/film.csv",
-        "film_forces": "<results>/simulations/extrapolation/forces.csv",
-        "forces": SCREEN,
-        "fit": "<results>/fits/screen.json",
-        "design_forces": DESIGN_FORCES,
-        "errors": "<results>/validation/two_factor_design_on_error_map.csv",
-        "validation": "<results>/validation/two_factor_design_on_error_map.json",
-    },
-}
-TABLE_INPUTS = {
-    "1": {
-        "first_fit": "<results>/fits/screen.json",
-        "design_fit": "<results>/fits/two_factor_design.json",
-        "design_on_first": f"{DESIGN_ON_SCREEN}.json",
-        "forces": SCREEN,
-        "device": DEVICE,
-    },
-    "2": {
-        "screen": "<results>/simulations/screen/scenes.csv",
-        "plan": "<results>/simulations/four_factor/scenes.csv",
-    },
-    "3": {
-        "first_fit": "<results>/fits/four_factor.json",
-        "design_fit": "<results>/fits/four_factor_design.json",
-        "distinct_fit": "<results>/fits/four_factor_design_distinct.json",
-        "design_on_first": "<results>/validation/four_factor_design_on_four_factor.json",
-        "distinct_on_first": "<results>/validation/four_factor_design_distinct_on_four_factor.json",
-        "forces": "<results>/simulations/four_factor/forces.csv",
-        "device": DEVICE,
-    },
-}
-CLAIM_INPUTS = {
-    "screen": SCREEN,
-    "screen_timings": "<results>/simulations/screen/timings.csv",
-    "screen_fit": "<results>/fits/screen.json",
-    "screen_runs": "<results>/fits/screen_runs.csv",
-    "design": "<results>/designs/two_factor.csv",
-    "design_summary": "<results>/designs/two_factor.json",
-    "design_fit": "<results>/fits/two_factor_design.json",
-    "screen_on_screen": "<results>/validation/screen_on_screen.json",
-    "design_on_screen": f"{DESIGN_ON_SCREEN}.json",
-    "design_errors": f"{DESIGN_ON_SCREEN}.csv",
-    "extrapolation": "<results>/simulations/extrapolation/forces.csv",
-    "four_factor": "<results>/simulations/four_factor/forces.csv",
-    "four_factor_design": "<results>/designs/four_factor.csv",
-    "four_factor_design_on_plan": "<results>/validation/four_factor_design_on_four_factor.json",
-    "four_factor_distinct_on_plan": "<results>/validation/four_factor_design_distinct_on_four_factor.json",
-    "four_factor_distinct_on_control": "<results>/validation/four_factor_design_distinct_on_four_factor_control.json",
-}
+"""Of the report, by the folder that a figure lies in."""
 
 
-FIGURE_SHOWS = {
-    "fig05": "the model of the vibration over the surface",
-    "fig06": "the same as a mesh",
-    "fig07": "the screen: the simulations of the first plan",
-    "fig08": "the model fitted to the screen",
-    "fig09": "where the searches for an optimal design end",
-    "fig10": "the first pattern of optimal points",
-    "fig11": "the second pattern of optimal points",
-    "fig12": "the optimal design in the space of the experiment",
-    "fig13": "the model fitted to the optimal design",
-    "fig14": "relative error of that model on the screen",
-    "fig15": "the positions of the finger with four factors",
-    "fig16": "the optimal design with four factors",
-    "error_map": "relative error over the whole space: not in the paper",
-    "uncertainty": "what would explain the difference from the paper's force",
-    "overview": "what the whole study does",
-}
+def found_figures():
+    """What every figure says of itself, by its place: one for each space where it has several."""
+    for path in sorted(LIBRARY.glob("*/figures/[!_]*.py")):
+        figure = described(path)
+        if "{space}" not in figure.place:
+            yield figure.place, figure
+            continue
+        for space, words in MODEL_SPACES.items():
+            inputs = {name: file.format(space=space) for name, file in figure.inputs.items()}
+            one = replace(figure, inputs=inputs, title=f"{figure.title}, {words}")
+            yield one.place, one
+
+
+try:
+    FIGURES = dict(found_figures())
+    TABLES = {
+        path.stem.removeprefix("table"): described(path)
+        for path in sorted(LIBRARY.glob("*/tables/[!_]*.py"))
+    }
+except InputError as error:
+    refuse(error)
+CLAIM_INPUTS = literal(LIBRARY / "paper" / "claims.py", "INPUTS")
+# Those with a table of their own, and those drawn from a table that another stage makes.
+OWN = [place for place, figure in FIGURES.items() if figure.builds]
+STAGES = [place for place, figure in FIGURES.items() if not figure.builds]
+
+
+def report_category(wildcards):
+    return CATEGORIES[wildcards.place.partition("/")[0]]
+
+
+def report_labels(wildcards):
+    """How the report's list names a figure: the paper's by their numbers."""
+    figure = FIGURES[wildcards.place]
+    folder, _, name = wildcards.place.partition("/")
+    if folder != "figures":
+        return {"shows": figure.title}
+    return {"figure": name.replace("fig", "Fig. ").replace("_", " "), "shows": figure.shows}
+
+
+def among_results(inputs):
+    """Files by name, where they lie."""
+    return {name: f"<results>/{file}" for name, file in inputs.items()}
+
+
+def named(inputs, files):
+    """The words NAME=PATH of a command."""
+    return " ".join(f"{name}={files[name]}" for name in inputs)
 
 
 wildcard_constraints:
-    figure="|".join(FIGURE_INPUTS),
-    number="[1-3]",
+    number="|".join(TABLES),
 
 
-rule figure_data:
+rule figure:
     input:
-        unpack(lambda wildcards: FIGURE_INPUTS[wildcards.figure]),
-        code=lambda wildcards: code("figure-data", room("figure_data", wildcards.figure)),
+        unpack(lambda wildcards: among_results(FIGURES[wildcards.place].inputs)),
+        code=lambda wildcards: code("figure", FIGURES[wildcards.place].module),
         config=ancient(CONFIG_FILE),
     output:
-        "<results>/figures/{figure}.csv",
-    log:
-        "<logs>/figure_data/{figure}.log",
-    localrule: True
-    conda:
-        "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
-    params:
-        room=lambda wildcards: room("figure_data", wildcards.figure),
-        tables=lambda wildcards, input: " ".join(
-            f"{name}={input[name]}" for name in FIGURE_INPUTS[wildcards.figure]
-        ),
-    message:
-        "Data of {wildcards.figure}"
-    shell:
-        "python -m reporting figure-data {params.room} {params.tables} "
-        "--config {input.config} --output {output} >{log} 2>&1"
-
-
-rule plot:
-    input:
-        code=lambda wildcards: code("plot", room("figures", wildcards.figure)),
-        data="<results>/figures/{figure}.csv",
-    output:
-        png="<results>/figures/{figure}.png",
+        csv="<results>/{place}.csv",
+        png="<results>/{place}.png",
         svg=report(
-            "<results>/figures/{figure}.svg",
-            category="3 Figures",
-            labels=lambda wildcards: {
-                "figure": wildcards.figure.replace("fig", "Fig. ").replace("_", " "),
-                "shows": FIGURE_SHOWS[wildcards.figure],
-            },
+            "<results>/{place}.svg",
+            category=report_category,
+            labels=report_labels,
             caption="../report/figure.rst",
         ),
     log:
-        "<logs>/plot/{figure}.log",
+        "<logs>/plot/{place}.log",
+    wildcard_constraints:
+        place="|".join(OWN),
     localrule: True
     conda:
         "../../envs/figures.yaml"
@@ -183,18 +94,34 @@ rule plot:
         mem_mb=1000,
         runtime=5,
     params:
-        room=lambda wildcards: room("figures", wildcards.figure),
+        module=lambda wildcards: FIGURES[wildcards.place].module,
+        caption=lambda wildcards: "**{0.title}.** {0.caption}".format(FIGURES[wildcards.place]),
+        tables=lambda wildcards, input: named(FIGURES[wildcards.place].inputs, input),
     message:
-        "Draw {wildcards.figure}"
+        "Draw {wildcards.place}"
     shell:
-        "python -m reporting plot {params.room} {input.data} "
-        "--output {output.png} {output.svg} >{log} 2>&1"
+        "python -m reporting figure {params.module} {params.tables} "
+        "--config {input.config} --output {output} >{log} 2>&1"
+
+
+use rule figure as plot with:
+    output:
+        png="<results>/{place}.png",
+        svg=report(
+            "<results>/{place}.svg",
+            category=report_category,
+            labels=report_labels,
+            caption="../report/figure.rst",
+        ),
+    wildcard_constraints:
+        place="|".join(STAGES),
+    localrule: True
 
 
 rule table:
     input:
-        unpack(lambda wildcards: TABLE_INPUTS[wildcards.number]),
-        code=code("table"),
+        unpack(lambda wildcards: among_results(TABLES[wildcards.number].inputs)),
+        code=lambda wildcards: code("table", TABLES[wildcards.number].module),
     output:
         csv="<results>/tables/table{number}.csv",
         markdown="<results>/tables/table{number}.md",
@@ -208,9 +135,7 @@ rule table:
         mem_mb=500,
         runtime=5,
     params:
-        tables=lambda wildcards, input: " ".join(
-            f"{name}={input[name]}" for name in TABLE_INPUTS[wildcards.number]
-        ),
+        tables=lambda wildcards, input: named(TABLES[wildcards.number].inputs, input),
     message:
         "Table {wildcards.number}"
     shell:
@@ -220,7 +145,7 @@ rule table:
 
 rule compare_claims:
     input:
-        **CLAIM_INPUTS,
+        **among_results(CLAIM_INPUTS),
         code=code("claims"),
     output:
         csv="<results>/claims.csv",
@@ -235,7 +160,7 @@ rule compare_claims:
         mem_mb=500,
         runtime=5,
     params:
-        tables=lambda wildcards, input: " ".join(f"{name}={input[name]}" for name in CLAIM_INPUTS),
+        tables=lambda wildcards, input: named(CLAIM_INPUTS, input),
     message:
         "The paper's claims beside ours"
     shell:
@@ -244,27 +169,27 @@ rule compare_claims:
 
 
 # One short target a figure: `snakemake fig08` makes what Figure 8 needs and nothing else.
-for name in FIGURE_INPUTS:
+for place in OWN:
 
     rule:
         name:
-            name
+            Path(place).name
         input:
-            expand("<results>/figures/{figure}.{format}", figure=name, format=["png", "svg"]),
+            expand("<results>/{place}.{format}", place=place, format=["png", "svg"]),
         message:
             "{rule} is drawn"
 
 
 rule figures:
     input:
-        expand("<results>/figures/{figure}.{format}", figure=FIGURE_INPUTS, format=["png", "svg"]),
+        expand("<results>/{place}.{format}", place=OWN, format=["png", "svg"]),
     message:
         "The paper's figures and ours are drawn"
 
 
 rule tables:
     input:
-        expand("<results>/tables/table{number}.{format}", number=TABLE_INPUTS, format=["csv", "md"]),
+        expand("<results>/tables/table{number}.{format}", number=TABLES, format=["csv", "md"]),
     message:
         "The paper's tables are made"
 

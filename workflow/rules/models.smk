@@ -97,34 +97,6 @@ rule compare:
         "--errors {output.errors} >{log} 2>&1"
 
 
-rule plot_model_errors:
-    input:
-        code=code("plot", room("figures", "model_errors")),
-        data="<results>/models/{space}_errors.csv",
-    output:
-        png="<results>/models/{space}_errors.png",
-        svg=report(
-            "<results>/models/{space}_errors.svg",
-            category="7 Models",
-            labels=lambda wildcards: {"shows": f"errors, {MODEL_SPACES[wildcards.space]}"},
-            caption="../report/models.rst",
-        ),
-    log:
-        "<logs>/models/plot_{space}.log",
-    localrule: True
-    conda:
-        "../../envs/figures.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    message:
-        "Draw the candidates' errors on {wildcards.space} points"
-    shell:
-        "python -m reporting plot model_errors {input.data} "
-        "--output {output.png} {output.svg} >{log} 2>&1"
-
-
 rule models_page:
     input:
         code=code("pages"),

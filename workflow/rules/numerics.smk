@@ -5,15 +5,6 @@ ALONE = workflow.cores or 1
 # Threads of BLAS that wait for work count as processor time; every method gets one.
 ONE_BLAS_THREAD = "OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1"
 
-NUMERICS = [
-    "work_precision",
-    "stability",
-    "cost",
-    "conditioning",
-    "paper_signature",
-    "left_out",
-]
-
 
 rule work_precision:
     input:
@@ -207,41 +198,13 @@ rule paper_signature:
         "--points {output.points} >{log} 2>&1"
 
 
-rule plot_numerics:
-    input:
-        code=lambda wildcards: code("plot", room("figures", wildcards.numerics_figure)),
-        data="<results>/numerics/{numerics_figure}.csv",
-    output:
-        png="<results>/numerics/{numerics_figure}.png",
-        svg=report(
-            "<results>/numerics/{numerics_figure}.svg",
-            category="4 Numerics",
-            labels=lambda wildcards: {"shows": wildcards.numerics_figure.replace("_", " ")},
-            caption="../report/numerics.rst",
-        ),
-    log:
-        "<logs>/numerics/plot_{numerics_figure}.log",
-    wildcard_constraints:
-        numerics_figure="|".join(NUMERICS),
-    localrule: True
-    conda:
-        "../../envs/figures.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    params:
-        room=lambda wildcards: room("figures", wildcards.numerics_figure),
-    message:
-        "Draw {wildcards.numerics_figure}"
-    shell:
-        "python -m reporting plot {params.room} {input.data} "
-        "--output {output.png} {output.svg} >{log} 2>&1"
-
-
 rule numerics:
     input:
-        expand("<results>/numerics/{name}.{format}", name=NUMERICS, format=["csv", "png", "svg"]),
+        expand(
+            "<results>/{place}.{format}",
+            place=[place for place in STAGES if place.startswith("numerics/")],
+            format=["csv", "png", "svg"],
+        ),
         "<results>/numerics/roofline.csv",
         "<results>/numerics/equal_error.csv",
     message:

@@ -27,36 +27,9 @@ if SCAN:
             "--config {input.config} --points {output.points} --summary {output.summary} "
             "--forces {output.forces} --figure {output.figure} >{log} 2>&1"
 
-    rule draw_profile:
-        input:
-            code=code("plot", room("figures", "profile")),
-            data="<results>/figures/profile.csv",
-        output:
-            png="<results>/figures/profile.png",
-            svg=report(
-                "<results>/figures/profile.svg",
-                category="3 Figures",
-                labels={"figure": "profile", "shows": "the measured profile and its residuals"},
-                caption="../report/profile.rst",
-            ),
-        log:
-            "<logs>/plot/profile.log",
-        localrule: True
-        conda:
-            "../../envs/figures.yaml"
-        threads: 1
-        resources:
-            mem_mb=1000,
-            runtime=5,
-        message:
-            "Draw the measured profile"
-        shell:
-            "python -m reporting plot profile {input.data} "
-            "--output {output.png} {output.svg} >{log} 2>&1"
-
     rule profile:
         input:
             rules.smooth_profile.output,
-            rules.draw_profile.output,
+            expand("<results>/figures/profile.{format}", format=["png", "svg"]),
         message:
             "The measured profile is smooth, and its noise is weighed"

@@ -49,34 +49,6 @@ rule optimal_design:
         "--sensitivity {output.sensitivity} --summary {output.summary} >{log} 2>&1"
 
 
-rule plot_sensitivity:
-    input:
-        code=code("plot", room("figures", "sensitivity")),
-        data="<results>/designs/optimal_{space}_sensitivity.csv",
-    output:
-        png="<results>/designs/optimal_{space}_sensitivity.png",
-        svg=report(
-            "<results>/designs/optimal_{space}_sensitivity.svg",
-            category="8 Designs and refinement",
-            labels=lambda wildcards: {"shows": f"design, {MODEL_SPACES[wildcards.space]}"},
-            caption="../report/optimal.rst",
-        ),
-    log:
-        "<logs>/design/plot_optimal_{space}.log",
-    localrule: True
-    conda:
-        "../../envs/figures.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    message:
-        "Draw the sensitivity of the {wildcards.space} design"
-    shell:
-        "python -m reporting plot sensitivity {input.data} "
-        "--output {output.png} {output.svg} >{log} 2>&1"
-
-
 rule optimal:
     input:
         expand(
@@ -155,34 +127,6 @@ rule refine_report:
         "--figure {output.figure} >{log} 2>&1"
 
 
-rule plot_refine:
-    input:
-        code=code("plot", room("figures", "refine")),
-        data="<results>/refine/{space}_figure.csv",
-    output:
-        png="<results>/refine/{space}.png",
-        svg=report(
-            "<results>/refine/{space}.svg",
-            category="8 Designs and refinement",
-            labels=lambda wildcards: {"shows": f"refinement, {MODEL_SPACES[wildcards.space]}"},
-            caption="../report/refine.rst",
-        ),
-    log:
-        "<logs>/refine/plot_{space}.log",
-    localrule: True
-    conda:
-        "../../envs/figures.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
-    message:
-        "Draw the refinement over the {wildcards.space} space"
-    shell:
-        "python -m reporting plot refine {input.data} "
-        "--output {output.png} {output.svg} >{log} 2>&1"
-
-
 use rule models_page as refine_page with:
     input:
         code=code("pages"),
@@ -208,9 +152,9 @@ rule refine:
     input:
         rules.refine_page.output,
         expand(
-            "<results>/refine/{space}.{format}",
+            "<results>/refine/{space}{file}",
             space=MODEL_SPACES,
-            format=["csv", "md", "png", "svg"],
+            file=[".csv", ".md", "_figure.png", "_figure.svg"],
         ),
     message:
         "Models are refined until they are good enough, or their limit is known"

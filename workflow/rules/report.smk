@@ -12,11 +12,6 @@ SUMMARY_PLANS = [
     "four_factor_design",
     "four_factor_design_distinct",
 ]
-TABLE_SHOWS = {
-    "1": "parameters of the two-factor model",
-    "2": "the space of the experiment with four factors",
-    "3": "parameters of the four-factor model",
-}
 
 
 rule summary:
@@ -56,7 +51,7 @@ rule pages:
         summary="<results>/summary.md",
         claims="<results>/claims.md",
         uncertainty="<results>/tables/uncertainty.md",
-        tables=expand("<results>/tables/table{number}.md", number=TABLE_INPUTS),
+        tables=expand("<results>/tables/table{number}.md", number=TABLES),
     output:
         summary=report(
             "<results>/report/summary.html",
@@ -80,10 +75,10 @@ rule pages:
             report(
                 f"<results>/report/table{number}.html",
                 category="2 Tables",
-                labels={"table": number, "shows": shows},
+                labels={"table": number, "shows": table.shows},
                 caption="../report/table.rst",
             )
-            for number, shows in TABLE_SHOWS.items()
+            for number, table in TABLES.items()
         ],
     log:
         "<logs>/report/pages.log",

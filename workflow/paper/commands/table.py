@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import argparse
 
-from paper.paper_tables import TABLES, table_recipe
+from paper.tables import table_module
 from squeezefilm.io.markdown import write_markdown
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
@@ -19,15 +19,17 @@ SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("number", metavar="NUMBER", help=", ".join(TABLES))
+    parser.add_argument("number", metavar="NUMBER", help="1, 2 or 3")
     parser.add_argument("inputs", metavar="NAME=PATH", nargs="*", help="what it is made from")
     parser.add_argument("--output", required=True, metavar="TABLE.csv")
     parser.add_argument("--markdown", required=True, metavar="TABLE.md")
 
 
 def run(options: argparse.Namespace) -> None:
-    recipe = table_recipe(options.number)
-    inputs = parse_sources(options.inputs, names=recipe.inputs, user=f"table {options.number}")
-    table = recipe.build(inputs)
+    module = table_module(options.number)
+    inputs = parse_sources(
+        options.inputs, names=tuple(module.INPUTS), user=f"table {options.number}"
+    )
+    table = module.build(inputs)
     write_table(table.data, options.output)
     write_markdown(table.to_markdown(), options.markdown)

@@ -1,1 +1,1 @@
-"""The paper's figures, each drawn from its one table."""
+"""The paper's figures: a module each, as `reporting.figures` says."""

@@ -1,4 +1,10 @@
-"""Figure 5: amplitude of vibration over the actuator's surface, and where the finger may be."""
+"""Figure 5: the model of the vibration over the surface.
+
+Amplitude of vibration over the top surface of the actuator, as a share of its maximum at the
+centre, by the model of eq. (2). Dashed: the finger's centre may move within this circle without the
+finger leaving the surface at any angle. The measured amplitudes of the original figure are not
+available.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +13,40 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures import style
+from paper.figures.parts import disc
+from reporting.figures.parts import style
+from reporting.figures.parts.tables import Inputs
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.study import finger_of
 
+INPUTS: dict[str, str] = {}
+SECTIONS = ("actuator", "finger")
 COLUMNS = ("layer", "radius_mm", "angle_deg", "x_mm", "y_mm", "amplitude_ratio", "note")
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers surface (polar grid), centre_limit (a circle) and finger (its outline, centred)."""
+    finger, limit_mm = finger_of(config), disc.centre_limit_mm(config)
+    rim = np.round(np.array(finger.outline()) * 1e3, 9)
+    closed = np.vstack([rim, rim[:1]])
+    outline = pd.DataFrame({"layer": "finger", "x_mm": closed[:, 0], "y_mm": closed[:, 1]})
+    angle_deg = np.linspace(0, 360, 121)
+    circle = pd.DataFrame(
+        {
+            "layer": "centre_limit",
+            "radius_mm": limit_mm,
+            "angle_deg": angle_deg,
+            "x_mm": np.round(limit_mm * np.cos(np.radians(angle_deg)), 9),
+            "y_mm": np.round(limit_mm * np.sin(np.radians(angle_deg)), 9),
+        }
+    )
+    surface = disc.profile_table(config, radii=41, angles=61)
+    note = (
+        f"{disc.profile_note(config)} The finger, {finger.length_x_m * 1e3:g} mm × "
+        f"{finger.length_y_m * 1e3:g} mm, stays on the "
+        f"disc at every angle while its centre is within {limit_mm:.2f} mm."
+    )
+    return pd.concat([surface, circle, outline], ignore_index=True).assign(note=note)
 
 
 def draw(data: pd.DataFrame) -> Figure:

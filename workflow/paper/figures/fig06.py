@@ -1,13 +1,28 @@
-"""Figure 6: the model of the surface's displacement as a mesh."""
+"""Figure 6: the same as a mesh.
+
+The model of eq. (2) for the displacement of the actuator's surface, as a mesh. The measured points
+of the original figure are not available.
+"""
 
 from __future__ import annotations
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import style, surface
+from paper.figures.parts import disc
+from reporting.figures.parts import style, surface
+from reporting.figures.parts.tables import Inputs
+from squeezefilm.studies.config import Config
 
+INPUTS: dict[str, str] = {}
+SECTIONS = ("actuator",)
 COLUMNS = ("layer", "radius_mm", "angle_deg", "x_mm", "y_mm", "amplitude_ratio", "note")
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layer surface, on a polar grid."""
+    surface = disc.profile_table(config, radii=17, angles=49)
+    return surface.assign(note=disc.profile_note(config))
 
 
 def draw(data: pd.DataFrame) -> Figure:

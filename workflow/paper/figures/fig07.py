@@ -1,13 +1,34 @@
-"""Figure 7: the points of the screen in the plane of gap and amplitude."""
+"""Figure 7: the screen: the simulations of the first plan.
+
+Space of the experiment: the simulations of the first plan, a screen in mean gap and amplitude with
+the finger centred.
+"""
 
 from __future__ import annotations
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import plane, style
+from reporting.figures.parts import plane, style
+from reporting.figures.parts.tables import Inputs, add_limits, plane_table
+from squeezefilm.io.tables import read_scenes
+from squeezefilm.studies.config import Config
 
+INPUTS = {
+    "plan": "simulations/screen/scenes.csv",
+}
 COLUMNS = ("h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """One row per point of the screen's plan."""
+    screen = read_scenes(inputs["plan"])
+    gaps, amplitudes = screen["h0_m"].nunique(), screen["hv_m"].nunique()
+    note = (
+        f"{len(screen)} simulations: {gaps} gaps × {amplitudes} amplitudes (our reading of the "
+        "original figure), finger centred."
+    )
+    return add_limits(plane_table(screen, layer="screen"), screen).assign(note=note)
 
 
 def draw(data: pd.DataFrame) -> Figure:

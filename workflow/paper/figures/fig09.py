@@ -1,4 +1,8 @@
-"""Figure 9: the triplets that the searches for a D-optimal design ended in."""
+"""Figure 9: where the searches for an optimal design end.
+
+The three points that each search for a D-optimal design ended in, joined to a triangle. One panel
+for each unit in which the distances of criterion (12) can be taken; the outcome depends on it.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +10,19 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reporting.figures import plane, style
+from paper.figures.parts import patterns
+from reporting.figures.parts import plane, style
+from reporting.figures.parts.tables import Inputs, add_limits, micrometres
+from reporting.pages.notes import one_digit
+from squeezefilm.io.tables import read_scenes
+from squeezefilm.studies.config import Config
 
+INPUTS = {
+    "plan": "simulations/screen/scenes.csv",
+    "searches": "designs/two_factor_searches.csv",
+    "summary": "designs/two_factor.json",
+}
 COLUMNS = ("scaling", "search", "pattern", "h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
-
 _LOOKS = (
     (style.BLUE, "o"),
     (style.VERMILLION, "^"),
@@ -24,9 +37,38 @@ _TITLES = {
 }
 
 
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """One row per point of each search, the study's own scaling first."""
+    own, number, scalings = patterns.patterns_found(inputs["summary"])
+    points = patterns.read_searches(inputs["searches"])
+    data = pd.DataFrame(
+        {
+            "scaling": points["scaling"],
+            "search": points["search"],
+            "pattern": points["pattern"],
+            "h0_um": micrometres(points["h0_m"]),
+            "hv_um": micrometres(points["hv_m"]),
+            "objective": points["objective"],
+        }
+    ).sort_values("scaling", key=lambda names: names != own, kind="stable")
+    least = scalings[own][0]["objective"]
+    behind = [
+        f"{pattern['pattern']} {one_digit(pattern['objective_excess'] / least)}"
+        for pattern in scalings[own][1:]
+    ]
+    excess = f" O above that of A, in proportion: {', '.join(behind)} in (a)." if behind else ""
+    note = (
+        f"{number} searches on criterion (12) in each unit of the distances between points, which "
+        f"the paper does not state; (a) is used further on.{excess} Letters are given anew in each "
+        "panel."
+    )
+    return add_limits(data, read_scenes(inputs["plan"])).assign(note=note)
+
+
 def draw(data: pd.DataFrame) -> Figure:
     """A panel for each scaling of the factors; a triangle of three dots for each search."""
     scalings = list(dict.fromkeys(data["scaling"]))
+    style.check_known(_TITLES, scalings, what="scaling")
     wide = len(scalings) > 1
     figure = style.new_figure(
         width_in=style.DOUBLE_COLUMN_IN if wide else style.SINGLE_COLUMN_IN, height_in=2.75
@@ -35,7 +77,7 @@ def draw(data: pd.DataFrame) -> Figure:
     for letter, axes, scaling in zip("abcdefgh", panels, scalings, strict=False):
         _draw_searches(axes, data[data["scaling"] == scaling])
         plane.set_up(axes, data)
-        axes.set_title(f"({letter}) " * wide + _TITLES.get(scaling, scaling))
+        axes.set_title(f"({letter}) " * wide + _TITLES[scaling])
         axes.label_outer()
     style.add_note(figure, data)
     return figure

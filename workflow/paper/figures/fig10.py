@@ -1,5 +1,25 @@
-"""Figure 10: the first optimal pattern."""
+"""Figure 10: the first pattern of optimal points.
 
-from paper.figures.pattern import COLUMNS, draw
+First pattern of optimal points. Along the dashed lines of equal excursion ratio the model does not
+change.
+"""
 
-__all__ = ["COLUMNS", "draw"]
+from __future__ import annotations
+
+import pandas as pd
+
+from paper.figures.parts.patterns import COLUMNS, draw, pattern_table
+from reporting.figures.parts.tables import Inputs
+from squeezefilm.studies.config import Config
+
+__all__ = ["COLUMNS", "INPUTS", "build", "draw"]
+
+INPUTS = {
+    "plan": "simulations/screen/scenes.csv",
+    "summary": "designs/two_factor.json",
+}
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers design and ridge."""
+    return pattern_table(inputs, order=0)

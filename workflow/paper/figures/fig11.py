@@ -1,5 +1,25 @@
-"""Figure 11: the second optimal pattern; says so where the searches found none."""
+"""Figure 11: the second pattern of optimal points.
 
-from paper.figures.pattern import COLUMNS, draw
+Second pattern of optimal points, if the searches found one. Along the dashed lines of equal
+excursion ratio the model does not change.
+"""
 
-__all__ = ["COLUMNS", "draw"]
+from __future__ import annotations
+
+import pandas as pd
+
+from paper.figures.parts.patterns import COLUMNS, draw, pattern_table
+from reporting.figures.parts.tables import Inputs
+from squeezefilm.studies.config import Config
+
+__all__ = ["COLUMNS", "INPUTS", "build", "draw"]
+
+INPUTS = {
+    "plan": "simulations/screen/scenes.csv",
+    "summary": "designs/two_factor.json",
+}
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers design and ridge."""
+    return pattern_table(inputs, order=1)

@@ -1,4 +1,8 @@
-"""Figure 12: the optimal design's points among those of the screen."""
+"""Figure 12: the optimal design in the space of the experiment.
+
+The optimal design (black) in the space of the experiment, with the screen (white). The letters name
+the patterns that a point is of; a plus marks a point added by augmentation.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +11,38 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import plane, style
+from reporting.figures.parts import plane, style
+from reporting.figures.parts.tables import Inputs, add_limits, plane_table
+from squeezefilm.io.tables import read_design, read_scenes
+from squeezefilm.studies.config import Config
 
+INPUTS = {
+    "plan": "simulations/screen/scenes.csv",
+    "design": "designs/two_factor.csv",
+}
+AUGMENTATION = "augmentation"
 COLUMNS = ("layer", "h0_um", "hv_um", "label", *plane.LIMIT_COLUMNS, "note")
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers screen and design; ``label`` names the patterns of a point, + if it was added."""
+    screen, design = read_scenes(inputs["plan"]), read_design(inputs["design"])
+    labels = design["origin"].str.replace(" and ", ", ").replace(AUGMENTATION, "+")
+    data = pd.concat(
+        [
+            plane_table(screen, layer="screen"),
+            plane_table(design, layer="design").assign(label=labels),
+        ],
+        ignore_index=True,
+    )
+    added = int((design["origin"] == AUGMENTATION).sum())
+    note = f"{len(design)} points instead of {len(screen)}. Letters: a point's patterns"
+    if added:
+        note += (
+            f"; +: added by best augmentation, for the patterns have {len(design) - added} "
+            "distinct points"
+        )
+    return add_limits(data, screen).assign(note=f"{note}.")
 
 
 def draw(data: pd.DataFrame) -> Figure:

@@ -1,4 +1,8 @@
-"""Figure 14: relative error of the five-point fit at each control point."""
+"""Figure 14: relative error of that model on the screen.
+
+Relative error of the fit on the optimal design at the screen's points: model minus simulation over
+simulation. Dots are white inside the band and black outside.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +11,33 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import plane, style
+from reporting.figures.parts import plane, style
+from reporting.figures.parts.errors import error_note, error_table
+from reporting.figures.parts.tables import Inputs
+from reporting.pages.notes import simulations_note
+from squeezefilm.io.tables import read_ok_forces
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.studies.config import Config
 
+INPUTS = {
+    "fit": "fits/two_factor_design.json",
+    "forces": "simulations/screen/forces.csv",
+    "errors": "validation/two_factor_design_on_screen.csv",
+    "validation": "validation/two_factor_design_on_screen.json",
+    "device": "simulations/device.json",
+}
 COLUMNS = ("h0_um", "hv_um", "relative_error_percent", "in_band", "band_percent", "note")
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """One row per control point."""
+    fit, forces = read_fit(inputs["fit"]), read_ok_forces(inputs["forces"])
+    note = (
+        f"{error_note(inputs['validation'], fit=f'Fit on {fit.points} points')} "
+        f"{simulations_note(inputs['device'], forces)}"
+    )
+    data = error_table(inputs["errors"], inputs["validation"], layer="control")
+    return data.assign(note=note)
 
 
 def draw(data: pd.DataFrame) -> Figure:

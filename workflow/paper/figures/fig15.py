@@ -1,13 +1,43 @@
-"""Figure 15: the finger's positions of the four-factor plan."""
+"""Figure 15: the positions of the finger with four factors.
+
+Positions of the finger's centre in the four-factor plan. The positions are this study's assumption.
+"""
 
 from __future__ import annotations
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import plane, style
+from paper.figures.parts import disc
+from reporting.figures.parts import plane, style
+from reporting.figures.parts.tables import Inputs
+from squeezefilm.io.tables import read_scenes
+from squeezefilm.studies.config import Config
 
+INPUTS = {
+    "plan": "simulations/four_factor/scenes.csv",
+}
+SECTIONS = ("actuator", "finger")
 COLUMNS = ("phi_deg", "phi_r_mm", "phi_r_limit_mm", "note")
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """One row per position, with the number of points of the plan at it."""
+    plan = read_scenes(inputs["plan"])
+    positions = plan.groupby(["phi_r_m", "phi_deg"], as_index=False).size()
+    note = (
+        f"{len(plan)} simulations at {len(positions)} positions; the positions are our assumption, "
+        "for those of the original are not legible to us."
+    )
+    return pd.DataFrame(
+        {
+            "phi_deg": positions["phi_deg"],
+            "phi_r_mm": (positions["phi_r_m"] * 1e3).round(9),
+            "points": positions["size"],
+            "phi_r_limit_mm": disc.centre_limit_mm(config),
+            "note": note,
+        }
+    )
 
 
 def draw(data: pd.DataFrame) -> Figure:

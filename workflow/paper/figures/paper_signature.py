@@ -1,4 +1,8 @@
-"""Which numerical shortcuts would give the paper's errors: fits and force, shortcut by shortcut."""
+"""Why the paper's errors are larger: which shortcuts would give them.
+
+The screen simulated anew with numerical shortcuts, and the fits repeated: which of them would give
+the errors that the paper reports.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/paper_signature.csv",
+}
 COLUMNS = (
     "variant",
     "kind",
@@ -22,18 +29,20 @@ COLUMNS = (
     "paper_force_n",
     "note",
 )
-FROM_REST = "few periods from ambient pressure at the {} gap"
-STARTS = {"mean": "-", "widest": "--"}
+# Few periods from ambient pressure: kind → line, label.
+MARCHES = {"from_mean_gap": ("-", "mean gap"), "from_widest_gap": ("--", "widest gap")}
+OTHERS = ("loose", "long_steps")
 
 
 def draw(data: pd.DataFrame) -> Figure:
     """Marches stopped after so many periods, and the other shortcuts; thin lines: the paper."""
+    style.check_known({"none", *MARCHES, *OTHERS}, data["kind"], what="kind of shortcut")
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.5)
     errors, forces, others = figure.subplots(1, 3, width_ratios=(1, 1, 1.15))
     paper = data.iloc[0]
     converged = data[data["kind"] == "none"].iloc[0]
-    for start, line in STARTS.items():
-        march = data[data["kind"] == FROM_REST.format(start)]
+    for kind, (line, start) in MARCHES.items():
+        march = data[data["kind"] == kind]
         for name, colour, label in (
             ("screen_fit_error", style.BLUE, "fit on the screen"),
             ("design_fit_error", style.VERMILLION, "fit on five points"),
@@ -44,7 +53,7 @@ def draw(data: pd.DataFrame) -> Figure:
                 "o" + line,
                 color=colour,
                 markersize=2.6,
-                label=f"{label}, from the {start} gap",
+                label=f"{label}, from the {start}",
             )
         forces.plot(
             march["periods"],
@@ -52,7 +61,7 @@ def draw(data: pd.DataFrame) -> Figure:
             "o" + line,
             color="black",
             markersize=2.6,
-            label=f"from the {start} gap",
+            label=f"from the {start}",
         )
     _paper_line(errors, 100 * paper["paper_screen_error"], style.BLUE)
     _paper_line(errors, 100 * paper["paper_design_error"], style.VERMILLION)
@@ -68,7 +77,7 @@ def draw(data: pd.DataFrame) -> Figure:
     for panel in (errors, forces):
         panel.set_xlabel("periods marched")
         panel.grid(True)
-    single = data[~data["kind"].str.startswith("few") & (data["status"] == "ok")]
+    single = data[~data["kind"].isin(MARCHES) & (data["status"] == "ok")]
     rows = range(len(single))
     for name, colour, marker in (
         ("screen_fit_error", style.BLUE, "o"),

@@ -18,9 +18,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from reporting.check.quantities import Quantity, guarded
+from reporting.check.quantities import Quantity, by_name, guarded
 from reporting.check.tolerances import SAME, AtMost, Close
-from reporting.figures import FIGURES
 from squeezefilm.io.errors import InputError
 
 DRAWINGS = "drawings"
@@ -163,8 +162,8 @@ def _masked(text: str) -> str:
 
 def drawing_quantities(results: Path) -> Iterator[Quantity]:
     """The structure of every figure's two files."""
-    for name in FIGURES:
-        folder = results / "figures"
+    folder = results / "figures"
+    for name in by_name(folder, "*.csv"):
         yield from guarded(DRAWINGS, name, partial(_svg, folder, name))
         yield from guarded(DRAWINGS, name, partial(_png, folder, name))
 

@@ -8,7 +8,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from reporting.check.quantities import Quantity, column_quantities, guarded, text_of
+from reporting.check.quantities import (
+    Quantity,
+    by_name,
+    column_quantities,
+    guarded,
+    text_of,
+)
 from reporting.check.tolerances import (
     DERIVED,
     GIVEN,
@@ -19,7 +25,6 @@ from reporting.check.tolerances import (
     Closeness,
     Tolerance,
 )
-from reporting.figures import FIGURES
 from squeezefilm.io.sources import read_columns
 
 DATA, TABLES = "figure data", "tables"
@@ -50,8 +55,9 @@ SLIDING_FITS = ("optimal design, the paper's form", "optimal design, distinct sc
 
 def figure_quantities(results: Path, closeness: Closeness) -> Iterator[Quantity]:
     """Every figure's table but its note, which names the device."""
-    for name in FIGURES:
-        path = results / "figures" / f"{name}.csv"
+    folder = results / "figures"
+    for name in by_name(folder, "*.csv"):
+        path = folder / f"{name}.csv"
         yield from guarded(DATA, name, partial(_figure, name, path, closeness))
 
 

@@ -1,8 +1,8 @@
 """Commands that make figures and pages, and check a study."""
 
 COMMANDS = {
-    "figure-data": "build the table that a figure is drawn from",
-    "plot": "draw a figure from its table",
+    "figure": "build the table of a figure, and draw it",
+    "plot": "draw a figure from its table again",
     "compare": "fitted models side by side: errors, a table and a map",
     "refine-report": "compare what a refinement estimated with points never seen",
     "cross-section": "gap and pressure along the middle of the finger over a period",

@@ -1,83 +1,81 @@
-"""The figures: each module draws one from its one tidy table, and knows nothing else.
+"""The figures: a module each, found by being here or in ``figures`` of a package above.
 
-A module of this package that is named in FIGURES has
+A figure is one room. Its module says in plain literals, which the workflow reads without importing
+matplotlib or anything else (``reporting.rooms``):
 
+- its docstring: a line ``Name: what it shows.``, and below it the caption for the report;
+- ``INPUTS``: the files it is made from, by name, each with its place among a study's results.
+  ``{space}`` in a place stands for a space of factors: there is such a figure for each;
+- ``SECTIONS``: the sections of the configuration that decide its table, if any;
+
+and has
+
+- ``build(inputs, config)``: the one tidy table that it is drawn from. A figure without it is drawn
+  from its one input as it stands, the table of another stage;
 - ``COLUMNS``: the columns that its table must have;
-- ``draw(data)``: the table drawn as a matplotlib Figure.
+- ``draw(data)``: the table drawn as a matplotlib Figure, from nothing else.
 
 Column names carry the unit that the axis shows, so nothing is converted while drawing. ``layer``
-says what a row is (a mesh of the model, simulated points, …); ``note`` is the text below.
+says what a row is (a mesh of the model, simulated points, …); ``note`` is the text below. What
+several figures share lies in ``parts``.
 """
 
 from __future__ import annotations
 
 import importlib
 import importlib.metadata
-import importlib.util
+import pkgutil
+from collections.abc import Sequence
+from pathlib import Path
 from types import ModuleType
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.sources import read_columns
 
 ENTRY_POINTS = "squeezefilm.figures"
+FORMATS = (".png", ".svg", ".pdf")
+HELP = "fig05, overview, …; an unknown name is answered with all that there are"
 
-FIGURES = (
-    "fig05",
-    "fig06",
-    "fig07",
-    "fig08",
-    "fig09",
-    "fig10",
-    "fig11",
-    "fig12",
-    "fig13",
-    "fig14",
-    "fig15",
-    "fig16",
-    "error_map",
-    "uncertainty",
-    "overview",
-)
-# Those of the numerics stage, drawn from the tables that it makes.
-NUMERICS = (
-    "work_precision",
-    "stability",
-    "cost",
-    "conditioning",
-    "paper_signature",
-    "left_out",
-)
-MODELS = ("model_errors",)
-# Drawn by studies with a measured profile.
-PROFILES = ("profile",)
-# Those of designs and of the loop that refines a model.
-DESIGNS = ("sensitivity", "refine")
+
+def installed() -> dict[str, str]:
+    """The dotted name of every figure's module by its own: ours, and those above by entry point."""
+    above = sorted(point.value for point in importlib.metadata.entry_points(group=ENTRY_POINTS))
+    return {
+        found.name: f"{package}.figures.{found.name}"
+        for package in ("reporting", *above)
+        for found in pkgutil.iter_modules(importlib.import_module(f"{package}.figures").__path__)
+        if not found.ispkg
+    }
 
 
 def figure_module(name: str) -> ModuleType:
-    """The module that draws a figure.
+    """The module of a figure, by its name or by the whole dotted one, ``paper.figures.fig08``.
+
+    Rules give the whole name, so that they need no installation.
 
     Raises:
-        InputError: for a name that is no figure.
+        InputError: for a name that is no figure's, or a module that cannot be loaded.
     """
-    known = (*FIGURES, *NUMERICS, *PROFILES, *MODELS, *DESIGNS)
-    if name.rpartition(".")[2] not in known:
+    known = {} if "." in name else installed()
+    if "." not in name and name not in known:
         raise InputError(f"there is no figure {name!r}; the figures are {', '.join(known)}")
-    return room("figures", name)
+    try:
+        return importlib.import_module(known.get(name, name))
+    except ModuleNotFoundError as error:
+        raise InputError(f"the figure {name!r} cannot be loaded: {error}") from None
 
 
-def room(kind: str, name: str) -> ModuleType:
-    """The module ``name`` of the packages that have figures: ours, and those above by entry point.
+def check_formats(paths: Sequence[str]) -> None:
+    """Refuse a file name that no drawing has."""
+    for path in paths:
+        if Path(path).suffix not in FORMATS:
+            raise InputError(f"{path}: a figure's name ends in {', '.join(FORMATS)}")
 
-    ``kind`` is ``figures`` or ``figure_data``. Rules give the whole name, ``paper.figures.fig08``,
-    so that they need no installation.
 
-    Raises:
-        InputError: for a name that no package has.
-    """
-    if "." in name:
-        return importlib.import_module(name)
-    above = sorted(point.value for point in importlib.metadata.entry_points(group=ENTRY_POINTS))
-    for package in ("reporting", *above):
-        if importlib.util.find_spec(f"{package}.{kind}.{name}"):
-            return importlib.import_module(f"{package}.{kind}.{name}")
-    raise InputError(f"no package that is installed here has a figure {name!r}")
+def draw(module: ModuleType, table: Path | str, paths: Sequence[str]) -> None:
+    """Draw a figure's table as read back from its file, in the formats that the names ask for."""
+    from reporting.figures.parts import style  # matplotlib: only when something is drawn
+
+    data = read_columns(table, columns=module.COLUMNS)
+    with style.settings():
+        style.save(module.draw(data), paths)

@@ -1,27 +1,33 @@
-"""Conditioning: what force errors do to the parameters, the model and the design."""
+"""How accurate a simulation must be: what force errors do to the fit and the design.
+
+What random errors in the forces do to the fit and to the design: everything moves in proportion.
+"""
 
 from __future__ import annotations
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/conditioning.csv",
+}
 COLUMNS = ("quantity", "points", "force_error", "value", "note")
 LINES = {
-    ("parameters, relative move", "screen"): (style.BLUE, "o-", "parameters, 60 points"),
-    ("parameters, relative move", "design"): (style.BLUE, "o:", "parameters, five points"),
-    ("model over the screen, relative move", "screen"): (
+    ("parameter_move", "screen"): (style.BLUE, "o-", "parameters, 60 points"),
+    ("parameter_move", "design"): (style.BLUE, "o:", "parameters, five points"),
+    ("model_move", "screen"): (
         style.GREEN,
         "s-",
         "model's force, 60 points",
     ),
-    ("model over the screen, relative move", "design"): (
+    ("model_move", "design"): (
         style.GREEN,
         "s:",
         "model's force, five points",
     ),
-    ("design point, largest move in unit factors", "screen"): (
+    ("design_move", "screen"): (
         style.VERMILLION,
         "^-",
         "design points, unit factors",
@@ -31,6 +37,8 @@ LINES = {
 
 def draw(data: pd.DataFrame) -> Figure:
     """Log-log; the grey line is a move as large as the force error."""
+    moves = data[data["force_error"].notna()]
+    style.check_known(LINES, zip(moves["quantity"], moves["points"], strict=True), what="quantity")
     figure = style.new_figure(height_in=3.4)
     axes = figure.subplots()
     axes.set_xscale("log")

@@ -1,4 +1,8 @@
-"""Cost: run time and memory against the size of the problem, a panel per kind of size."""
+"""Cost against size: run time and memory by the size of the problem.
+
+Run time and memory against the number of scenes, points, instants and threads, with fitted
+exponents.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import NullLocator
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/cost.csv",
+}
 COLUMNS = (
     "axis",
     "method",
@@ -28,16 +35,18 @@ COLOURS = {"auto": "black", "periodic": style.BLUE}
 LABELS = {"auto": "method chosen", "periodic": "periodic state"}
 PANELS = {
     "scenes": "scenes",
-    "points across the finger": "points across the finger",
-    "instants of the period": "instants of the period",
+    "points": "points across the finger",
+    "instants": "instants of the period",
     "cores": "threads",
-    "scenes a call": "scenes a call",
+    "chunk": "scenes a call",
 }
 
 
 def draw(data: pd.DataFrame) -> Figure:
     """Seconds per scene, log-log, with the fitted exponent of the run's time; memory last."""
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.2)
+    style.check_known(PANELS, data["axis"], what="axis")
+    style.check_known(COLOURS, data["method"], what="method")
     panels = figure.subplots(2, 3).ravel()
     for panel, (axis, label) in zip(panels, PANELS.items(), strict=False):
         panel.set_xscale("log")

@@ -1,4 +1,9 @@
-"""Error map: relative error of the five-point fit over a dense grid of control simulations."""
+"""Error map: relative error over the whole space: not in the paper.
+
+Relative error of the fit on the optimal design over a dense grid of control simulations; dots mark
+the design. A thick line would bound the region outside the band of allowed errors. The amplitude
+axis is logarithmic, for the error changes fastest at small amplitudes.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +12,38 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
 
-from reporting.figures import plane, style
+from reporting.figures.parts import plane, style
+from reporting.figures.parts.errors import error_note, error_table
+from reporting.figures.parts.tables import Inputs, plane_table
+from reporting.pages.notes import simulations_note
+from squeezefilm.io.tables import read_ok_forces
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.studies.config import Config
 
+INPUTS = {
+    "fit": "fits/two_factor_design.json",
+    "forces": "simulations/error_map/forces.csv",
+    "errors": "validation/two_factor_design_on_error_map.csv",
+    "validation": "validation/two_factor_design_on_error_map.json",
+    "design_forces": "simulations/two_factor_design/forces.csv",
+    "device": "simulations/device.json",
+}
 COLUMNS = ("layer", "h0_um", "hv_um", "relative_error_percent", "band_percent", "note")
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers map (the grid of control points) and design."""
+    fit, forces = read_fit(inputs["fit"]), read_ok_forces(inputs["forces"])
+    design = read_ok_forces(inputs["design_forces"])
+    grid = error_table(inputs["errors"], inputs["validation"], layer="map")
+    data = pd.concat(
+        [grid, plane_table(design, layer="design").drop(columns="force_n")], ignore_index=True
+    )
+    note = (
+        f"{error_note(inputs['validation'], fit=f'Fit on {fit.points} points')} "
+        f"{simulations_note(inputs['device'], forces, design)}"
+    )
+    return data.assign(band_percent=grid["band_percent"].iloc[0], note=note)
 
 
 def draw(data: pd.DataFrame) -> Figure:

@@ -1,4 +1,8 @@
-"""Left out: how much longer the same scenes take with one thing put back, and the error kept."""
+"""What leaving things out saves: run time with one thing put back, and the error kept.
+
+The terms and symmetries that the solver leaves out put back one by one: the same forces, at what
+cost.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/left_out.csv",
+}
 COLUMNS = ("put_back", "tolerance", "cpu_ratio", "worst_error")
 AS_NEEDED = "nothing (as needed)"
 COLOURS = (style.ORANGE, style.GREEN, style.BLUE)

@@ -1,4 +1,9 @@
-"""Models compared: each one's relative error at the control points, in one colour scale."""
+"""Models compared: errors at the control points.
+
+The paper's forms, polynomials, the study's own formulas and physics with nothing or little fitted,
+each judged at simulations that no model was fitted to. In brackets the number of parameters, below
+the name the global error; one scale of colour for all.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +14,11 @@ import pandas as pd
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from reporting.figures import plane, style
+from reporting.figures.parts import plane, style
 
+INPUTS = {
+    "table": "models/{space}_errors.csv",
+}
 COLUMNS = (
     "model",
     "parameters",

@@ -1,4 +1,9 @@
-"""Overview: what a study does, in four steps from a film to the error of a model."""
+"""Overview: what the whole study does.
+
+A film is simulated over a period; a model is fitted to the simulations of a screen; the points at
+which simulations teach most are found; the model fitted to these alone is judged on many more
+simulations.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +16,25 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
 
-from reporting.figures import style, surface
+from reporting.figures.parts import style, surface
+from reporting.figures.parts.errors import error_table
+from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
+from reporting.pages.notes import percent, rounded_up
+from squeezefilm.io.sources import read_columns
+from squeezefilm.io.tables import read_json, read_ok_forces
+from squeezefilm.models.fitted import number, read_fit
+from squeezefilm.studies.config import Config
 
+INPUTS = {
+    "film": "simulations/extrapolation/film.csv",
+    "film_forces": "simulations/extrapolation/forces.csv",
+    "forces": "simulations/screen/forces.csv",
+    "fit": "fits/screen.json",
+    "design_forces": "simulations/two_factor_design/forces.csv",
+    "errors": "validation/two_factor_design_on_error_map.csv",
+    "validation": "validation/two_factor_design_on_error_map.json",
+}
+FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "finger_um", "overpressure_kpa")
 COLUMNS = (
     "layer",
     "x_mm",
@@ -35,17 +57,60 @@ GAP_LABEL, AMPLITUDE_LABEL = r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)"
 LABEL_SIZE, TICK_SIZE = 6.5, 6
 
 
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers film, model, simulation, design and map, and four captions in column text."""
+    film = read_columns(inputs["film"], columns=("point_id", *FILM_COLUMNS))
+    point = film["point_id"].iloc[0]
+    forces, fit = read_ok_forces(inputs["forces"]), read_fit(inputs["fit"])
+    simulated = read_ok_forces(inputs["film_forces"]).set_index("point_id").loc[point]
+    design = read_ok_forces(inputs["design_forces"])
+    summary = read_json(inputs["validation"])
+    worst, points = (
+        number(summary, key, inputs["validation"]) for key in ("worst_relative_error", "points")
+    )
+    force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
+    captions = (
+        f"{force_n:.3f} N, good to {rounded_up(error_n / force_n)} of it",
+        f"{len(forces)} simulations, error {percent(fit.global_error)}",
+        f"{len(design)} points instead of {len(forces)}",
+        f"{points:.0f} more: at most {percent(abs(worst))} off",
+    )
+    data = pd.concat(
+        [
+            film.loc[film["point_id"] == point, list(FILM_COLUMNS)].assign(layer="film"),
+            model_mesh(fit, forces),
+            plane_table(forces, layer="simulation"),
+            plane_table(design, layer="design"),
+            error_table(inputs["errors"], inputs["validation"], layer="map"),
+            pd.DataFrame({"layer": "caption", "text": captions}),
+        ],
+        ignore_index=True,
+    )
+    estimate = rounded_up(float((forces["force_error_n"] / forces["force_n"]).max()))
+    seen = f"at {film['phase_deg'].nunique()} times of a period (red: surface up)"
+    if film["overpressure_kpa"].notna().all():  # where there is a state to show (cross_section)
+        seen = f"its pressure {seen} and their mean (thick)"
+    note = (
+        f"From left to right: a film at h0 = {1e6 * simulated['h0_m']:g} µm, "
+        f"hv = {1e6 * simulated['hv_m']:g} µm, "
+        f"{seen}; the model fitted to the screen; the "
+        "D-optimal points among the screen's; the error of the model fitted to them alone. "
+        f"Estimated error of the simulations ≤ {estimate} of the force."
+    )
+    return data.assign(note=note)
+
+
 def draw(data: pd.DataFrame) -> Figure:
     """Layers film; model and simulation; design; map: a step each, with the captions above."""
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.8)
     figure.set_layout_engine("none")
     bottom = style.add_note(figure, data) + 0.135
     captions = list(style.rows(data, "caption")["text"])
-    for number, ((left, width), step, caption) in enumerate(
+    for order, ((left, width), step, caption) in enumerate(
         zip(PLACES, STEPS, captions, strict=True), start=1
     ):
         middle = left + width / 2
-        figure.text(middle, 0.935, f"{number}  {step}", ha="center", fontsize=9, weight="bold")
+        figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
         figure.text(middle, 0.87, caption, ha="center", fontsize=LABEL_SIZE, color="0.25")
     _film(figure, style.rows(data, "film"), bottom=bottom)
     left, width = PLACES[1]

@@ -1,12 +1,22 @@
-"""The measured profile: points, the smooth profile through them, and the residuals."""
+"""Measured profile: the measured profile and its residuals.
+
+The measured amplitudes and the smooth profile that all simulations use, over the distance from the
+disc's centre; where the profile is not axisymmetric, its least and largest value at that distance.
+The band is what noise leaves open. On the right what the profile does not explain. Forces of this
+study are uncertain by the scan's noise too: the note says by how much at most, at 95 %. The errors
+in tables of forces are the solver's alone.
+"""
 
 from __future__ import annotations
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "figures/profile.csv",
+}
 COLUMNS = (
     "layer",
     "r_mm",

@@ -1,4 +1,10 @@
-"""Refinement: what was estimated in each round beside the truth, and where each model fails."""
+"""Models refined: what was estimated in each round beside the truth, and where models fail.
+
+Simulate, fit, judge on points that are never fitted, design, and so on until the estimated errors
+are as small as wanted, or the model is found to be the limit. Left: estimates with their 95 %
+limits, dashed what is wanted, stars the truth on simulations that no refinement used. Right: where
+the best fit errs. Simulations have no scatter; the limits are about where in the space one looks.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +15,11 @@ import pandas as pd
 from matplotlib.colors import SymLogNorm
 from matplotlib.figure import Figure
 
-from reporting.figures import plane, style
+from reporting.figures.parts import plane, style
 
+INPUTS = {
+    "table": "refine/{space}_figure.csv",
+}
 COLUMNS = (
     "model",
     "verdict",

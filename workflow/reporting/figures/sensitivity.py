@@ -1,4 +1,10 @@
-"""Sensitivity of a D-optimal design: the certificate of the equivalence theorem, drawn."""
+"""Where to simulate: the certificate of a D-optimal design.
+
+Sensitivity of the locally D-optimal design of the fitted model. It is nowhere above one, and one at
+the design's points (circles, their area the weight): by the equivalence theorem no design on this
+space is better. The table beside it in results, `designs/optimal_*_plans.csv`, has the D-efficiency
+of the study's own plans, the screen's among them.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +13,11 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures import plane, style
+from reporting.figures.parts import plane, style
 
+INPUTS = {
+    "table": "designs/optimal_{space}_sensitivity.csv",
+}
 COLUMNS = ("layer", "sensitivity", "h0_um", "hv_um", "x_mm", "y_mm", "weight", "note")
 LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
 LARGEST_DOT = 140

@@ -1,4 +1,9 @@
-"""Stability: every case with its verdict, and what each check found."""
+"""Stiff and extreme films: every case with its verdict, and what each check found.
+
+A row for each film, a column for each check that the solver does not know of, and the verdict:
+solved, refused for a documented reason, or failed. Single precision is no check but a warning: what
+the same algorithm would lose in float32.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +13,11 @@ import pandas as pd
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from reporting.figures import style
+from reporting.figures.parts import style
 
+INPUTS = {
+    "table": "numerics/stability.csv",
+}
 CHECKS = {
     "method_difference": "chosen\nmethod",
     "limit_difference": "from its\nlimit",
@@ -39,6 +47,7 @@ ROW_IN = 0.135
 
 def draw(data: pd.DataFrame) -> Figure:
     """A row per case, a column per check, coloured by the size of the difference found."""
+    style.check_known(VERDICTS, data["verdict"], what="verdict")
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.35 + ROW_IN * len(data))
     axes = figure.subplots()
     values = data[list(CHECKS)].to_numpy(dtype=float)

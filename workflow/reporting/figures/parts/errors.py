@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from reporting.figure_data.common import micrometres, plane_table
+from reporting.figures.parts.tables import micrometres, plane_table
 from reporting.pages.notes import percent
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
-from reporting.figures import plane, style
+from reporting.figures.parts import plane, style
 
 
 def add_axes(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.textpath import text_to_path
 
 from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.errors import InputError
 
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
@@ -113,6 +114,17 @@ def _wrapped(text: str, *, width_pt: float) -> list[str]:
         else:
             lines.append(word)
     return lines
+
+
+def check_known(styles: Container[Any], keys: Iterable[Any], *, what: str) -> None:
+    """Refuse a table with something that would not be drawn, for no style is known for it.
+
+    Raises:
+        InputError: naming it.
+    """
+    unknown = sorted({str(key) for key in keys if key not in styles})
+    if unknown:
+        raise InputError(f"no style is known for the {what} {', '.join(unknown)}")
 
 
 def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""The searches for a D-optimal design and the patterns they ended in, for Figures 9 to 11."""
+"""The patterns that searches for a D-optimal design ended in, for Figures 9 to 11."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
-from reporting.figure_data.common import Inputs, add_limits, micrometres
+from reporting.figures.parts import plane, style
+from reporting.figures.parts.tables import Inputs, add_limits, micrometres
 from reporting.pages.notes import one_digit
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json, read_scenes
 
-INPUTS = ("plan", "searches", "summary")
+COLUMNS = ("layer", "epsilon", "h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
 SEARCH_COLUMNS = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
 
 
@@ -73,3 +75,35 @@ def pattern_table(inputs: Inputs, *, order: int) -> pd.DataFrame:
         "(12) alone tell points apart."
     )
     return add_limits(data, screen).assign(note=note)
+
+
+def draw(data: pd.DataFrame) -> Figure:
+    """One pattern: layers design (three dots) and ridge (the line of equal hv/h0 through each).
+
+    Without a row of the layer design the plane stays empty and says so.
+    """
+    figure = style.new_figure()
+    axes = figure.subplots()
+    for _, line in style.rows(data, "ridge").groupby("epsilon"):
+        axes.plot(line["h0_um"], line["hv_um"], color="0.55", linestyle=(0, (4, 2)), linewidth=0.9)
+    design = style.rows(data, "design")
+    axes.plot(
+        design["h0_um"], design["hv_um"], "o", color="black", markersize=6, clip_on=False, zorder=3
+    )
+    plane.set_up(axes, data, headroom=0.3)
+    labels = [
+        f"({h0:.3g}, {hv:.3g}) µm\n$h_v/h_0$ = {epsilon:.3f}"
+        for h0, hv, epsilon in zip(design["h0_um"], design["hv_um"], design["epsilon"], strict=True)
+    ]
+    plane.label_points(axes, design, labels=labels)
+    if design.empty:
+        axes.text(
+            0.5,
+            0.5,
+            "no such pattern:\nall searches ended in the\npatterns shown before",
+            transform=axes.transAxes,
+            ha="center",
+            va="center",
+        )
+    style.add_note(figure, data)
+    return figure
