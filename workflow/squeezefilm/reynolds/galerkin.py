@@ -21,18 +21,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from squeezefilm.film.scene import FUKUI_KANEKO_LEAST_D, Scene
+from squeezefilm.io.solution import Solution
+from squeezefilm.reynolds.error_estimate import (
+    ITERATION_SHARE,
+    MOMENTS,
+    ROUND_OFF,
+    error_text,
+    estimate,
+)
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.pad_modes import PadGrid, PadModes, pad_modes
-from squeezefilm.reynolds.refinement import ITERATION_SHARE
-from squeezefilm.reynolds.resolution import (
-    MOMENT_FACTOR,
-    MOMENTS,
-    MOST_TIME,
-    ROUND_OFF,
-    ROUNDED,
-    first_grid,
-)
-from squeezefilm.reynolds.solution import Solution, error_text, left_out_text
+from squeezefilm.reynolds.resolution import MOST_TIME, first_grid
+from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.spectral import period
 
 METHOD = "periodic-modes"
@@ -220,25 +220,31 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
             break
         mean = float(state.moments[0, 0])
         if before is not None:
-            floor = ROUND_OFF * state.largest
-            change = float(np.abs(state.moments - before.moments).max())
-            # A mass error w moves the pressure by about n w/H.
-            left = scene.gas.polytropic_exponent * residual / (1 - scene.closure())
-            known = MOMENT_FACTOR * change + left
-            known = MARGIN * known + floor
-            allowed = tolerance * abs(mean) + ROUNDED * floor / (1 - scene.closure())
+            narrowest = 1 - scene.closure()
+            found = estimate(
+                change=np.abs(state.moments - before.moments).max(),
+                # A mass error w moves the pressure by about n w/H.
+                left=scene.gas.polytropic_exponent * residual / narrowest,
+                largest=state.largest,
+                narrowest=narrowest,
+                mean=mean,
+                tolerance=tolerance,
+                margin=MARGIN,
+            )
+            known, allowed = float(found.error), float(found.allowed)
             if known <= allowed:
                 status, force, error = "ok", mean, known
                 break
             reached = error_text(known, allowed=allowed, force=mean)
         before = state
         resolution = resolution.finer
-    return Solution(
-        force_n=force * scene.force_scale_n,
-        force_error_n=error * scene.force_scale_n,
+    return solution_of(
+        scene,
+        mean=force,
+        error=error,
+        left_out=halves_left_out(resolution, needs) + needs.terms_left_out,
         status=status,
         method=METHOD,
-        left_out=left_out_text(halves_left_out(resolution, needs) + needs.terms_left_out),
         nx=resolution.pad.points[0],
         ny=resolution.pad.points[1],
         nt=resolution.instants,

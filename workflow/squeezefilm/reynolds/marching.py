@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.galerkin import wants_modes
 from squeezefilm.reynolds.grid import Grid
@@ -22,7 +23,7 @@ from squeezefilm.reynolds.settling import (
     too_many_steps,
     transient_force,
 )
-from squeezefilm.reynolds.solution import Solution, left_out_text
+from squeezefilm.reynolds.solution import solution_of
 
 # Neither scheme is preconditioned for sliding: beyond this, steps become many or slow.
 LARGEST_BEARING = 30.0
@@ -124,17 +125,17 @@ def left_out_by(why: str, needs: Needs) -> tuple[LeftOut, ...]:
 
 def _solution(scene: Scene, needs: Needs, force: SettledForce) -> Solution:
     grid: Grid = force.grid
-    return Solution(
-        force_n=force.mean * scene.force_scale_n,
-        force_error_n=force.error * scene.force_scale_n,
+    return solution_of(
+        scene,
+        mean=force.mean,
+        error=force.error,
+        left_out=left_out_by(force.left_out, needs),
         status=force.status,
         method=force.method,
-        left_out=left_out_text(left_out_by(force.left_out, needs)),
         nx=grid.x.full_points,
         ny=grid.y.full_points,
         nt=force.steps_per_period,
         newton_steps=force.newton_steps,
         krylov_iterations=force.krylov_iterations,
-        residual=0.0,
         work=float(force.periods * force.steps_per_period * grid.nx * grid.ny),
     )

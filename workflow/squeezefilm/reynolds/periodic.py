@@ -122,6 +122,12 @@ class States:
     newton_steps: np.ndarray
     krylov_iterations: np.ndarray
 
+    @property
+    def mean_in_time(self) -> np.ndarray:
+        """Overpressure averaged over the period, shape (scenes, nx, ny)."""
+        instants = self.overpressure.shape[-1]
+        return np.asarray(self.overpressure @ np.full(instants, 1 / instants))
+
 
 def solve_batch(
     *, problems: Problems, grid: Grid, device: Device, guess: np.ndarray | None = None

@@ -9,25 +9,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from squeezefilm.film.scene import FUKUI_KANEKO_LEAST_D, Scene
+from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import (
+    ITERATION_SHARE,
+    error_text,
+    estimate,
+    largest_change,
+)
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, Problems, States, launch
 from squeezefilm.reynolds.resolution import (
-    MOMENT_FACTOR,
-    MOMENTS,
     MOST_UNKNOWNS,
-    ROUND_OFF,
-    ROUNDED,
     finer_grid,
     first_grid,
     nodes_for_profile,
     start_grid,
 )
-from squeezefilm.reynolds.solution import Solution, error_text, left_out_text
+from squeezefilm.reynolds.solution import solution_of
 
-# Share of the tolerance that Newton's iteration may leave; the grids get the rest.
-ITERATION_SHARE = 0.2
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
 # Launches under way at a time: the host judges one while the device is at the other.
@@ -202,20 +203,26 @@ def _judge(
 ) -> list[Solution | None]:
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
-    floor = ROUND_OFF * states.largest
-    epsilon = np.array([progress.scene.epsilon for progress in group])
-    error = np.full(len(group), np.inf)
+    change = None
     if len(grids) > 1 and grids[-1].finer_than(grids[-2]):
-        change = _change(stages[-2], grids[-2], states, grids[-1])
-        # A mass error w moves the pressure by about n w/H.
-        exponent = np.array([progress.scene.gas.polytropic_exponent for progress in group])
-        error = MOMENT_FACTOR * change + exponent * states.residual / (1 - epsilon) + floor
-    # What rounding leaves, of grids and of the iteration, is no reason for a finer grid.
-    allowed = tolerance * np.abs(states.mean) + ROUNDED * floor / (1 - epsilon)
+        change = largest_change(stages[-2].mean_in_time, grids[-2], states.mean_in_time, grids[-1])
+    narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
+    # A mass error w moves the pressure by about n w/H.
+    exponent = np.array([progress.scene.gas.polytropic_exponent for progress in group])
+    found = estimate(
+        change=change,
+        left=exponent * states.residual / narrowest,
+        largest=states.largest,
+        narrowest=narrowest,
+        mean=states.mean,
+        tolerance=tolerance,
+    )
     finer = finer_grid(grids[-1], room=room)
     return [
         _judge_scene(progress, stages, position, finer=finer, error=float(e), allowed=float(a))
-        for position, (progress, e, a) in enumerate(zip(group, error, allowed, strict=True))
+        for position, (progress, e, a) in enumerate(
+            zip(group, found.error, found.allowed, strict=True)
+        )
     ]
 
 
@@ -236,14 +243,15 @@ def _judge_scene(
         progress.work += (krylov + newton) * iteration_flops(its_grid)
 
     def finished(
-        *, status: str, grid: Grid = grid, force: float = np.nan, error: float = np.nan
+        *, status: str, grid: Grid = grid, mean: float = np.nan, error: float = np.nan
     ) -> Solution:
-        return Solution(
-            force_n=force * scene.force_scale_n,
-            force_error_n=error * scene.force_scale_n,
+        return solution_of(
+            scene,
+            mean=mean,
+            error=error,
+            left_out=progress.needs.halves_left_out + progress.needs.terms_left_out,
             status=status,
             method="periodic",
-            left_out=left_out_text(progress.needs.halves_left_out + progress.needs.terms_left_out),
             nx=grid.x.full_points,
             ny=grid.y.full_points,
             nt=grid.nt,
@@ -264,7 +272,7 @@ def _judge_scene(
         )
     force = float(states.mean[position])
     if error <= allowed:
-        return finished(status="ok", force=force, error=error)
+        return finished(status="ok", mean=force, error=error)
     if finer is None:
         reason = error_text(error, allowed=allowed, force=force)
         return finished(
@@ -278,18 +286,6 @@ def iteration_flops(grid: Grid) -> float:
     """Floating-point operations of one Krylov iteration's products."""
     nx, ny, nt = grid.shape
     return 2.0 * nx * ny * nt * (3 * nx + 3 * ny + 2 * nt)
-
-
-def _change(before: States, coarse: Grid, after: States, fine: Grid) -> np.ndarray:
-    """Largest change, from grid to grid, of the mean pressure's lowest cosine moments, per scene.
-
-    The first of the moments is the force.
-    """
-    on_coarse = before.overpressure @ np.full(coarse.nt, 1 / coarse.nt)
-    on_fine = after.overpressure @ np.full(fine.nt, 1 / fine.nt)
-    carried = coarse.x.interpolation_to(fine.x) @ on_coarse @ coarse.y.interpolation_to(fine.y).T
-    moments = fine.x.moments(MOMENTS) @ (on_fine - carried) @ fine.y.moments(MOMENTS).T
-    return np.abs(moments).max(axis=(1, 2))
 
 
 def _size(grid: Grid) -> str:

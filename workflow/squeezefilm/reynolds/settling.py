@@ -12,9 +12,10 @@ from math import pi
 import numpy as np
 
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import ROUND_OFF, estimate, largest_change
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import Problems
-from squeezefilm.reynolds.resolution import MOMENT_FACTOR, MOMENTS, ROUND_OFF, finer_grid
+from squeezefilm.reynolds.resolution import finer_grid
 from squeezefilm.reynolds.schemes import SCHEMES, Choice, choose, steps_for_stability
 from squeezefilm.reynolds.transient import STATUS, march
 
@@ -301,17 +302,18 @@ def _judge(
         return _settled(one, grid, steps, status=reason)
     mean, overpressure = float(settled.mean[position]), settled.overpressure[position]
     pressure = settled.mean_overpressure[position]
-    floor = ROUND_OFF * float(np.abs(overpressure).max())
-    error = float(settled.left[position]) + floor
-    if one.mean_overpressure is None:
-        error = np.inf
-    else:
-        change = pressure - _carried(one.mean_overpressure, before, grid)
-        moments = grid.x.moments(MOMENTS) @ change @ grid.y.moments(MOMENTS).T
-        error += MOMENT_FACTOR * float(np.abs(moments).max())
+    known = one.mean_overpressure
+    found = estimate(
+        change=None if known is None else largest_change(known, before, pressure, grid),
+        left=settled.left[position],
+        largest=np.abs(overpressure).max(),
+        narrowest=1.0,
+        mean=mean,
+        tolerance=tolerance,
+    )
     one.overpressure, one.mean_overpressure = overpressure, pressure
-    if error <= tolerance * abs(mean) + floor:
-        return _settled(one, grid, steps, mean=mean, error=error)
+    if found.holds:
+        return _settled(one, grid, steps, mean=mean, error=float(found.error))
     return None
 
 

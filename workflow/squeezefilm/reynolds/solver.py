@@ -12,6 +12,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds import galerkin, limits, marching
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.galerkin import solve_in_modes, wants_modes
@@ -20,7 +21,7 @@ from squeezefilm.reynolds.marching import solve_marching
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import solve_periodic
 from squeezefilm.reynolds.resolution import nodes_for_profile, unseen_profile
-from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
+from squeezefilm.reynolds.solution import solution_of
 
 # The methods from cheap to dear; the limits know their own error before anything is solved.
 LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
@@ -132,7 +133,7 @@ def solve(
 
     def failed(error: Exception) -> Solution:
         report(1)
-        return refusal(unexpected(error), method=method)
+        return Solution(status=unexpected(error), method=method)
 
     return each_on_its_own(attempt, scenes, failed=failed)
 
@@ -179,7 +180,7 @@ def _solve(
     ways = ways_of(scenes, needs, tolerance=tolerance, method=method)
     for index, way in enumerate(ways):
         if way.refused:
-            solutions[index] = refusal(way.refused, method=way.method)
+            solutions[index] = Solution(status=way.refused, method=way.method)
         elif way.limit is not None:
             limit = way.limit
             solutions[index] = _limit_solution(scenes[index], needs[index], limit, tolerance)
@@ -347,17 +348,14 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
 
 def _limit_solution(scene: Scene, needs: Needs, result: LimitResult, tolerance: float) -> Solution:
     finite = isfinite(result.error)
-    return Solution(
-        force_n=result.mean * scene.force_scale_n if finite else np.nan,
-        force_error_n=result.error * scene.force_scale_n if finite else np.nan,
+    return solution_of(
+        scene,
+        mean=result.mean if finite else np.nan,
+        error=result.error if finite else np.nan,
+        left_out=(result.left_out, *needs.terms_left_out),
         status=result.status(tolerance),
         method=result.method,
-        left_out=left_out_text((result.left_out, *needs.terms_left_out)),
         nx=result.nx,
         ny=result.ny,
-        nt=0,
-        newton_steps=0,
-        krylov_iterations=0,
-        residual=0.0,
         work=result.flops,
     )
