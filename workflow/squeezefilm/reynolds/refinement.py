@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from squeezefilm.film.scene import FUKUI_KANEKO_LEAST_D, Scene
+from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
@@ -19,7 +19,8 @@ from squeezefilm.reynolds.error_estimate import (
 )
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, Problems, States, launch
+from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, States, launch
+from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.resolution import (
     MOST_UNKNOWNS,
     finer_grid,
@@ -28,6 +29,7 @@ from squeezefilm.reynolds.resolution import (
     start_grid,
 )
 from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
@@ -148,7 +150,7 @@ def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
     filled: dict[object, int] = {}
     for progress in sorted(waiting, key=lambda progress: -iteration_flops(progress.grids[-1])):
         needs = progress.needs
-        terms = (needs.bearing, needs.flow_terms, needs.polytropic)
+        terms = needs.terms
         size = 8 * sum(grid.count for grid in progress.grids)
         if terms not in current or filled[terms] + size > LAUNCH_BYTES:
             current[terms], filled[terms] = defaultdict(list), 0
@@ -170,34 +172,6 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
 
 
-def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
-    """Scenes of one finger shape and like terms, in the dimensionless form of a batch."""
-    amplitude, place = _amplitudes(scenes, grid)
-    return Problems(
-        epsilon=np.array([scene.epsilon for scene in scenes]),
-        sigma=np.array([scene.sigma for scene in scenes]),
-        bearing=np.array([scene.bearing_number for scene in scenes]),
-        inverse_exponent=np.array([1 / scene.gas.polytropic_exponent for scene in scenes]),
-        flow=np.array([scene.flow_coefficients for scene in scenes]),
-        aspect=scenes[0].aspect,
-        amplitude=amplitude,
-        place=place,
-        tolerance=tolerance,
-    )
-
-
-def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """The profile on all nodes at each place of the finger, and each scene's place."""
-    x, y = grid.positions
-    profiles: list[np.ndarray] = []
-    known: dict[object, int] = {}
-    for scene in scenes:
-        if scene.place not in known:
-            known[scene.place] = len(profiles)
-            profiles.append(scene.amplitude(x, y))
-    return np.stack(profiles), np.array([known[scene.place] for scene in scenes])
-
-
 def _judge(
     group: Sequence[_Progress], stages: Sequence[States], *, tolerance: float, room: float
 ) -> list[Solution | None]:
@@ -208,10 +182,10 @@ def _judge(
         change = largest_change(stages[-2].mean_in_time, grids[-2], states.mean_in_time, grids[-1])
     narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
     # A mass error w moves the pressure by about n w/H.
-    exponent = np.array([progress.scene.gas.polytropic_exponent for progress in group])
+    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
     found = estimate(
         change=change,
-        left=exponent * states.residual / narrowest,
+        left=stiffness * states.residual / narrowest,
         largest=states.largest,
         narrowest=narrowest,
         mean=states.mean,
@@ -265,11 +239,9 @@ def _judge_scene(
         if each.status[position] != 0:
             reason = f"{STATUS[each.status[position]]} ({_size(its_grid)})"
             return finished(status=reason, grid=its_grid)
-    thinnest = scene.inverse_knudsen * float(states.thinnest[position])
-    if scene.gas.rarefaction == "fukui-kaneko" and thinnest < FUKUI_KANEKO_LEAST_D:
-        return finished(
-            status=f"gas too rarefied: D falls to {thinnest:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
-        )
+    thinnest = float(states.thinnest[position])
+    if refused := state_refused(scene, progress.needs.terms, thinnest=thinnest):
+        return finished(status=refused)
     force = float(states.mean[position])
     if error <= allowed:
         return finished(status="ok", mean=force, error=error)

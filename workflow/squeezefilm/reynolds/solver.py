@@ -22,6 +22,7 @@ from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import solve_periodic
 from squeezefilm.reynolds.resolution import nodes_for_profile, unseen_profile
 from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import terms_of
 
 # The methods from cheap to dear; the limits know their own error before anything is solved.
 LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
@@ -269,9 +270,9 @@ def _applies(name: str, scene: Scene, needs: Needs) -> bool:
     """Whether the limit was derived for this scene's finger and terms at all."""
     if wants_modes(scene):
         return False
-    if needs.bearing or needs.polytropic or needs.flow_terms > 2 or scene.epsilon == 0:
+    if scene.epsilon == 0 or not all(term.knows_limit(name) for term in needs.terms):
         return False
-    return name != "closed-form" or (needs.uniform and needs.flow_terms == 1)
+    return name != "closed-form" or needs.uniform
 
 
 def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
@@ -342,8 +343,22 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
         sigma=sigma,
         amplitude=np.stack([places[scene.place] for scene in scenes]),
         aspect=aspect,
-        slip=np.array([sum(scene.flow_coefficients[1:]) for scene in scenes]),
+        **_numbers_of_terms(scenes),
     )
+
+
+def _numbers_of_terms(scenes: Sequence[Scene]) -> dict[str, np.ndarray]:
+    """What the terms of some scenes say to a limit; 0 for a scene without the term."""
+    each = [
+        {
+            name: value
+            for term in terms_of(scene)
+            for name, value in term.limit_numbers(scene).items()
+        }
+        for scene in scenes
+    ]
+    names = dict.fromkeys(name for numbers in each for name in numbers)
+    return {name: np.array([numbers.get(name, 0.0) for numbers in each]) for name in names}
 
 
 def _limit_solution(scene: Scene, needs: Needs, result: LimitResult, tolerance: float) -> Solution:
