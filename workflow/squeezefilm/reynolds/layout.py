@@ -47,10 +47,19 @@ def rows_of(
         whole: for each name one for all scenes, or one for each.
         numbers: with a row per scene.
     """
-    names = tuple(numbers.dtype.names or ())
-    rows = np.empty(len(numbers), dtype=_row_type(tuple(whole), numbers.dtype, tuple(more)))
-    for name, value in [*whole.items(), *((each, numbers[each]) for each in names), *more.items()]:
-        rows[name] = value
+    kind = _row_type(tuple(whole), numbers.dtype, tuple(more))
+    table = np.empty((len(numbers), kind.itemsize // 8), dtype=np.int64)
+    # All at once what is one for all: a row has some thirty columns.
+    table[:, : len(whole)] = [
+        0 if isinstance(each, np.ndarray) else each for each in whole.values()
+    ]
+    rows = table.view(kind)[:, 0]
+    for names in (whole, more):
+        for name, each in names.items():
+            if isinstance(each, np.ndarray):
+                rows[name] = each
+    for name in numbers.dtype.names or ():
+        rows[name] = numbers[name]
     return rows
 
 

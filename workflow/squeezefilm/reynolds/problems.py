@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -52,7 +52,12 @@ class Problems:
 
 
 def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
-    """Scenes of one finger shape and like terms, in the dimensionless form of a batch.
+    """Scenes of one finger shape and like terms on one grid."""
+    return problems_on(scenes, {grid: tolerance})[0]
+
+
+def problems_on(scenes: Sequence[Scene], tolerances: Mapping[Grid, float]) -> list[Problems]:
+    """Scenes of one finger shape and like terms on each of some grids.
 
     Raises:
         ValueError: for scenes of unlike terms.
@@ -60,15 +65,21 @@ def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Pro
     terms = terms_of(scenes[0])
     if any(terms_of(scene) != terms for scene in scenes):
         raise ValueError("a batch is of scenes with like terms")
-    amplitude, places = _amplitudes(scenes, grid)
-    return Problems(
-        numbers=_table([numbers_of(scene, terms) for scene in scenes]),
-        terms=terms,
-        aspect=scenes[0].aspect,
-        amplitude=amplitude,
-        places=places,
-        tolerance=tolerance,
-    )
+    numbers = _table([numbers_of(scene, terms) for scene in scenes])
+    problems = []
+    for grid, tolerance in tolerances.items():
+        amplitude, places = _amplitudes(scenes, grid)
+        problems.append(
+            Problems(
+                numbers=numbers,
+                terms=terms,
+                aspect=scenes[0].aspect,
+                amplitude=amplitude,
+                places=places,
+                tolerance=tolerance,
+            )
+        )
+    return problems
 
 
 def _table(rows: Sequence[Any]) -> np.ndarray:

@@ -20,7 +20,7 @@ from squeezefilm.reynolds.error_estimate import (
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, States, launch
-from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.resolution import (
     MOST_UNKNOWNS,
     finer_grid,
@@ -166,8 +166,7 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     grids = group[0].grids
     left = ITERATION_SHARE * tolerance
     shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * 2
-    on_grids = zip(grids, shares[-len(grids) :], strict=True)
-    problems = [problems_of(scenes, grid, tolerance=share) for grid, share in on_grids]
+    problems = problems_on(scenes, dict(zip(grids, shares[-len(grids) :], strict=True)))
     known = [progress.overpressure for progress in group if progress.overpressure is not None]
     return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
 
