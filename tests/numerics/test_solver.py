@@ -20,7 +20,7 @@ from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import Batch, Launch, launch
-from squeezefilm.reynolds.refinement import problems_of
+from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import plan

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,17 @@ def rows_of(
     return rows
 
 
+def scene_by_scene(batches: Iterable[Sequence[np.ndarray]]) -> np.ndarray:
+    """The rows of batches, each of which has arrays of one row per scene, one after the other."""
+    kind, tables = np.dtype(np.int64), []
+    for arrays in batches:
+        kind = arrays[0].dtype
+        # As plain numbers: NumPy is slow to find that structured types are the same.
+        plain = [rows.view(np.int64).reshape(len(rows), -1) for rows in arrays]
+        tables.append(np.stack(plain, axis=1).ravel())
+    return np.concatenate(tables).view(kind)
+
+
 @lru_cache(maxsize=64)
 def _row_type(
     whole: tuple[str, ...], numbers: np.dtype[Any], more: tuple[str, ...]
@@ -85,8 +97,8 @@ class Joined:
 
 def joined(parts: Mapping[str, np.ndarray]) -> Joined:
     pieces = [np.ascontiguousarray(part).ravel() for part in parts.values()]
-    ends = np.cumsum([0, *(piece.size for piece in pieces)])
-    return Joined(np.concatenate(pieces), dict(zip(parts, ends.tolist(), strict=False)))
+    starts = accumulate((piece.size for piece in pieces[:-1]), initial=0)
+    return Joined(np.concatenate(pieces), dict(zip(parts, starts, strict=True)))
 
 
 @dataclass

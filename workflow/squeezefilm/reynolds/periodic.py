@@ -11,7 +11,7 @@ import numpy as np
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, Device, aligned, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
-from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of
+from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
 from squeezefilm.reynolds.problems import Problems, problems_of, profile_fields
 from squeezefilm.reynolds.terms import Terms
 
@@ -236,8 +236,8 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
             if coarser is None:
                 results[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
             at_state, coarser = end, grid
-        rows.append(np.stack(of_batch, axis=1).ravel())
-    return _Inputs(begins.astype(np.int32), np.concatenate(rows), pile.values, results)
+        rows.append(of_batch)
+    return _Inputs(begins.astype(np.int32), scene_by_scene(rows), pile.values, results)
 
 
 def _offsets(
