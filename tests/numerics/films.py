@@ -10,7 +10,8 @@ from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
 from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import Problems, States, solve_batch
+from squeezefilm.reynolds.periodic import States, solve_batch
+from squeezefilm.reynolds.problems import problems_of
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
@@ -61,17 +62,7 @@ def periodic_state(
     """The scene solved on one given grid: ``points`` across the finger in both directions."""
     unknowns = points // 2 if fold else points
     grid = Grid(nx=unknowns, ny=unknowns, nt=instants, fold_x=fold, fold_y=fold)
-    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
-    problems = Problems(
-        epsilon=np.array([scene.epsilon]),
-        sigma=np.array([scene.sigma]),
-        bearing=np.array([scene.bearing_number]),
-        inverse_exponent=np.array([1 / scene.gas.polytropic_exponent]),
-        flow=np.array([scene.flow_coefficients]),
-        aspect=scene.aspect,
-        amplitude=scene.amplitude(x, y)[None],
-        tolerance=tolerance,
-    )
+    problems = problems_of([scene], grid, tolerance=tolerance)
     return grid, solve_batch(problems=problems, grid=grid, device=choose_device())
 
 

@@ -13,11 +13,10 @@ from scipy.special import ellipe, iv
 from squeezefilm.film.scene import GapShape, Scene, check_scene
 from squeezefilm.film.vibration.shapes import StandingWave
 from squeezefilm.io.errors import InputError
-from squeezefilm.reynolds import boundary_layer
+from squeezefilm.reynolds import Solution, boundary_layer
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.galerkin import _periodic_state, first_resolution, solve_in_modes
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.solution import Solution
 from squeezefilm.reynolds.solver import solve
 
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)

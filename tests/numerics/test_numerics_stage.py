@@ -21,9 +21,11 @@ from numerics.work_precision import FILMS, work_precision
 from squeezefilm.reynolds import periodic
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.layout import Joined
 from squeezefilm.reynolds.periodic import States
+from squeezefilm.reynolds.terms import Terms
 
-Field = np.ndarray
+Fields = dict[str, np.ndarray]
 
 
 @pytest.mark.parametrize(
@@ -128,11 +130,11 @@ def test_a_sound_solver_fails_no_case() -> None:
     assert red() == set()
 
 
-def spoil_fields(change: Callable[[Field], None]) -> Callable[..., Field]:
-    """The profile's fields (s, |∇s|², Δs, ∂s/∂X), changed before the kernel sees them."""
+def spoil_fields(change: Callable[[Fields], None]) -> Callable[..., Fields]:
+    """The profile's fields by name, changed before the kernel sees them."""
     sound = periodic.profile_fields
 
-    def spoilt(*args: Any, **options: Any) -> Field:
+    def spoilt(*args: Any, **options: Any) -> Fields:
         fields = sound(*args, **options)
         change(fields)
         return fields
@@ -140,12 +142,13 @@ def spoil_fields(change: Callable[[Field], None]) -> Callable[..., Field]:
     return spoilt
 
 
-def drop_curvature(fields: Field) -> None:
-    fields[:, 2] = 0
+def drop_curvature(fields: Fields) -> None:
+    fields["laplacian"] = 0 * fields["laplacian"]
 
 
-def turn_slope(fields: Field) -> None:
-    fields[:, 3:] *= -1
+def turn_slope(fields: Fields) -> None:
+    if "slope_x" in fields:
+        fields["slope_x"] = -fields["slope_x"]
 
 
 @pytest.mark.parametrize(
@@ -154,7 +157,7 @@ def turn_slope(fields: Field) -> None:
     ids=["dropped term", "wrong sign"],
 )
 def test_a_fault_in_a_term_turns_the_films_red_that_have_it(
-    change: Callable[[Field], None], expected: set[str], monkeypatch: pytest.MonkeyPatch
+    change: Callable[[Fields], None], expected: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(periodic, "profile_fields", spoil_fields(change))
     assert red() == expected
@@ -163,11 +166,11 @@ def test_a_fault_in_a_term_turns_the_films_red_that_have_it(
 def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
     sound = periodic.grid_matrices
 
-    def spoilt(grid: Grid, *, aspect: float, bearing: bool) -> Field:
-        matrices = sound(grid, aspect=aspect, bearing=bearing).copy()
-        behind = grid.nt + bearing * grid.nx**2  # harmonics and the derivative along x
-        matrices[-behind - grid.nt : -behind] *= -1
-        return matrices
+    def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+        matrices = sound(grid, aspect=aspect, terms=terms)
+        values, at = matrices.values.copy(), matrices.starts["sine"]
+        values[at : at + grid.nt] *= -1
+        return Joined(values, matrices.starts)
 
     monkeypatch.setattr(periodic, "grid_matrices", spoilt)
     assert red() == set(CASES)

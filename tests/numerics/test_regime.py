@@ -11,7 +11,8 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Profile
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.regime import regime_notes, slip_share
+from squeezefilm.reynolds.regime import regime_notes
+from squeezefilm.reynolds.terms.rarefaction import slip_share
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 

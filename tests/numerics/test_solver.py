@@ -14,14 +14,13 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Sinc
 from squeezefilm.io.tables import ScenePoint, write_table
-from squeezefilm.reynolds import refinement, solve
+from squeezefilm.reynolds import Solution, refinement, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import Batch, Launch, launch
-from squeezefilm.reynolds.refinement import problems_of
-from squeezefilm.reynolds.solution import Solution
+from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import plan

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from films import PISTON, film, mean_overpressure, periodic_state
 from scipy.optimize import brentq
 
-from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds import solve
+from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.reynolds import solve, terms
+from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.galerkin import _periodic_state, first_resolution
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
+from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
 
 
 @pytest.mark.parametrize("rarefaction", ["none", "slip", "fukui-kaneko"])
@@ -37,7 +45,7 @@ def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
     nodes, weights = np.polynomial.legendre.leggauss(20)
     path = 1 + (pressure[..., None] - 1) * (nodes + 1) / 2
     flow = np.zeros_like(pressure)
-    for k, coefficient in enumerate(scene.flow_coefficients):
+    for k, coefficient in enumerate(flow_coefficients(scene)):
         integral = (path ** ((1 - k) / exponent) * weights).sum(axis=-1) * (pressure - 1) / 2
         flow += coefficient * gap ** (3 - k) * integral
     assert np.abs(flow.mean(axis=-1)).max() < 1e-9
@@ -134,3 +142,80 @@ def test_krylov_iterations_stay_few_however_fast_the_finger_slides(bearing: floa
     _, states = periodic_state(scene, points=48, instants=16, tolerance=1e-8)
     assert states.status[0] == 0
     assert states.krylov_iterations[0] <= 100
+
+
+DRIFT = """
+static void response_drift(const Grid *g, const Film *film, field mass, field work, field out)
+{
+    along_x(g, ARRAY(film, drift_x), mass, work, 0);
+    subtract(out, film->row->drift, work, g->count4);
+}
+
+static void residual_drift(const Grid *g, const Film *film, field excess, field work, field out)
+{
+    matrix slope = ARRAY(film, drift_slope);
+    field4 out4 = (field4)out;
+    FOR_EACH_POINT(g, row, t, i)
+        out4[i] -= film->row->drift * film->epsilon * slope[row] * g->sine[t];
+    SYNC;
+    response_drift(g, film, excess, work, out);
+}
+"""
+
+
+@dataclass(frozen=True)
+class Drift(Term):
+    """A term that the library does not have: sliding with Λ = 5 once more."""
+
+    label: str = "drift"
+
+    NAME = "drift"
+    ABSENT = LeftOut("drift", "the gas is light")
+    BREAKS = "x"
+    HOOKS = ("residual", "response")
+
+    @classmethod
+    def of(cls, scene: Scene) -> Drift | None:
+        return cls() if scene.gas.density_kg_per_m3 > 2 else None
+
+    def numbers(self, scene: Scene) -> Numbers:
+        return {"drift": 5.0}
+
+    def matrices(self, grid: Grid) -> dict[str, np.ndarray]:
+        return {"drift_x": grid.x.first_derivative}
+
+    def profile_fields(self, s: np.ndarray, grid: Grid) -> dict[str, np.ndarray]:
+        return {"drift_slope": grid.x.derivative @ s}
+
+
+def test_a_new_term_is_one_module_and_a_place_in_the_list(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Solved, explained, left out and refused from what it says of itself."""
+    (tmp_path / "drift.cl").write_text(DRIFT)
+    monkeypatch.setattr(Drift, "OVER_PERIOD", str(tmp_path / "drift.cl"))
+    monkeypatch.setattr(terms, "TERMS", (*terms.TERMS, Drift))
+    sliding = film(epsilon=0.4, sigma=100.0, x=0.1, bearing=5.0)
+    drifting = replace(sliding, gas=replace(sliding.gas, density_kg_per_m3=2.5))
+    without, found = solve([sliding, drifting], tolerance=1e-7)
+    (exact,) = solve([film(epsilon=0.4, sigma=100.0, x=0.1, bearing=10.0)], tolerance=1e-7)
+    assert found.force_n == pytest.approx(exact.force_n, rel=2e-7)
+    assert without.force_n != pytest.approx(exact.force_n, rel=1e-3)
+    assert without.left_out == found.left_out + "; drift"
+    assert explain([drifting], tolerance=1e-7)[0].terms == ("squeeze", "bearing", "drift")
+    tilted = replace(drifting, finger=replace(drifting.finger, gap=GapShape(tilt_x_m=1e-6)))
+    refusals = [
+        solve([scene], tolerance=1e-2, method=method)[0].status
+        for scene, method in ((drifting, "march"), (drifting, "boundary-layer"), (tilted, "auto"))
+    ]
+    assert refusals == [
+        "march does not know drift",
+        "boundary-layer does not know this scene's finger, profile or terms",
+        "drift is not known under this finger",
+    ]
+
+
+def test_scenes_of_unlike_terms_are_no_batch() -> None:
+    scenes = [film(epsilon=0.3, sigma=20.0), film(epsilon=0.3, sigma=20.0, rarefaction="slip")]
+    with pytest.raises(ValueError, match="like terms"):
+        problems_of(scenes, Grid(8, 8, 8, False, False), tolerance=1e-6)

@@ -13,7 +13,7 @@ from squeezefilm.film.vibration.shapes import Profile
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import Problems
+from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.schemes import SCHEMES, choose, steps_for_stability
 from squeezefilm.reynolds.settling import SettledForce, settle, transient_force
 from squeezefilm.reynolds.transient import March, march
@@ -37,20 +37,11 @@ def problems_on(
     tolerance: float = 1e-9,
 ) -> Problems:
     """Scenes that differ in ε alone, with the finger at `position` along x."""
-    scenes = len(epsilon)
-    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
-    scene = film(epsilon=0.1, sigma=1.0, profile=profile, aspect=aspect, x=position)
-    s = scene.amplitude(x, y)
-    return Problems(
-        epsilon=np.array(epsilon),
-        sigma=np.full(scenes, sigma),
-        bearing=np.full(scenes, bearing),
-        inverse_exponent=np.ones(scenes),
-        flow=np.ones((scenes, 1)),
-        aspect=aspect,
-        amplitude=np.repeat(s[None], scenes, axis=0),
-        tolerance=tolerance,
-    )
+    scenes = [
+        film(epsilon=e, sigma=sigma, profile=profile, aspect=aspect, x=position, bearing=bearing)
+        for e in epsilon
+    ]
+    return problems_of(scenes, grid, tolerance=tolerance)
 
 
 def settled_mean(problems: Problems, grid: Grid, scheme: str, steps: int) -> float:
@@ -236,7 +227,7 @@ def test_a_sliding_finger_settles_on_the_periodic_state() -> None:
     grid = Grid(nx=24, ny=12, nt=4, fold_x=False, fold_y=True)
     problems = problems_on(grid, epsilon=(0.4,), sigma=100.0, position=0.2, bearing=10.0)
     assert settled_mean(problems, grid, "esdirk4", 48) == pytest.approx(exact, rel=1e-6)
-    still = replace(problems, bearing=np.zeros(1))
+    still = problems_on(grid, epsilon=(0.4,), sigma=100.0, position=0.2)
     assert settled_mean(still, grid, "esdirk4", 48) != pytest.approx(exact, rel=1e-3)
 
 
@@ -411,11 +402,12 @@ def test_stiff_films_take_implicit_steps_and_others_explicit_ones() -> None:
 def test_what_cannot_be_marched_is_refused_with_a_reason() -> None:
     grid = quarter_grid(8)
     problems = problems_on(grid, epsilon=(0.3,), sigma=20.0)
-    rarefied = replace(problems, flow=np.ones((1, 2)))
+    slipping = film(epsilon=0.3, sigma=20.0, rarefaction="slip")
+    rarefied = problems_of([slipping], grid, tolerance=1e-9)
     odd = quarter_grid(12)
     for wrong, on, scheme, reason in (
         (problems, grid, "euler", "scheme 'euler': unknown"),
-        (rarefied, grid, "esdirk4", "without slip"),
+        (rarefied, grid, "esdirk4", "does not know slip"),
         (problems_on(odd, epsilon=(0.3,), sigma=20.0), odd, "esdirk4", "multiples of 4"),
         (problems, grid, "rk4", "8 steps per period with rk4 are too few at sigma = 20"),
     ):

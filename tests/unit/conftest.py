@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import pytest
 from paper import claims, uncertainty
 from reporting.rooms import described
 from squeezefilm.cli import main as cli
+from squeezefilm.io.solution import Solution
 from squeezefilm.io.tables import (
     DESIGN_COLUMNS,
     FACTOR_COLUMNS,
@@ -87,18 +88,10 @@ def _placed(root: Path, inputs: dict[str, str]) -> dict[str, str]:
 
 
 def _write_forces(root: Path, plan: str, forces: pd.DataFrame) -> None:
-    solver = {
-        "status": "ok",
-        "method": "periodic",
-        "left_out": "",
-        "nx": 24,
-        "ny": 24,
-        "nt": 16,
-        "newton_steps": 5,
-        "krylov_iterations": 33,
-        "residual": 1e-12,
-    }
-    table = forces.assign(force_error_n=2.4e-7 * forces["force_n"], **solver)
+    solved = Solution(status="ok", method="periodic", nx=24, ny=24, nt=16, krylov_iterations=33)
+    force_n = forces["force_n"]
+    observed = asdict(solved) | {"force_n": force_n, "force_error_n": 2.4e-7 * force_n}
+    table = forces.assign(**observed)
     folder = root / "simulations" / plan
     write_table(table[list(FORCE_COLUMNS)], folder / "forces.csv")
     write_table(table[list(SCENE_COLUMNS)], folder / "scenes.csv")

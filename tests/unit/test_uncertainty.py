@@ -15,6 +15,7 @@ from paper.uncertainty import ASSUMPTIONS, compare, differences, to_markdown
 from squeezefilm.cli import main as cli
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import RunError
+from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.studies.config import Config, load_config
 
 FORCE_N = 0.962042
@@ -23,7 +24,7 @@ FORCE_N = 0.962042
 def film_like(scene: Scene) -> float:
     """A force that goes with pressure and amplitude as the film's does, and less so with slip."""
     relative = (scene.epsilon / 0.44) ** 2.1 * scene.gas.ambient_pressure_pa / 101_325
-    slip = sum(scene.flow_coefficients[1:])
+    slip = sum(flow_coefficients(scene)[1:])
     return FORCE_N * relative * (1 - 0.1 * slip) * scene.gas.polytropic_exponent
 
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from numerics.films import Film
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import Problems, States, solve_batch
+from squeezefilm.reynolds.periodic import States, solve_batch
+from squeezefilm.reynolds.problems import Problems, problems_of
 
 
 def solve_on_grid(films: Sequence[Film], *, grid: Grid, tolerance: float, device: Device) -> States:
@@ -24,15 +23,4 @@ def solve_on_grid(films: Sequence[Film], *, grid: Grid, tolerance: float, device
 
 def problems_on_grid(films: Sequence[Film], *, grid: Grid, tolerance: float) -> Problems:
     """The films as the kernels take them; they differ in epsilon and sigma alone."""
-    first = films[0]
-    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
-    return Problems(
-        epsilon=np.array([film.epsilon for film in films]),
-        sigma=np.array([film.sigma for film in films]),
-        bearing=np.array([film.bearing for film in films]),
-        inverse_exponent=np.ones(len(films)),
-        flow=np.array([film.scene.flow_coefficients for film in films]),
-        aspect=first.aspect,
-        amplitude=np.repeat(first.amplitude(x, y)[None], len(films), axis=0),
-        tolerance=tolerance,
-    )
+    return problems_of([film.scene for film in films], grid, tolerance=tolerance)

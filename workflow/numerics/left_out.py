@@ -19,10 +19,13 @@ import numpy as np
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import solve_batch
-from squeezefilm.reynolds.refinement import ITERATION_SHARE, problems_of, solve_periodic
+from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.refinement import solve_periodic
+from squeezefilm.reynolds.solution import solution_of
 
 Solve = Callable[..., list[Solution]]
 NEGLIGIBLE = 1e-14
@@ -187,22 +190,19 @@ def _one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> l
     coarse, fine = results
     grid = ONE_FOR_ALL[-1]
     return [
-        Solution(
-            force_n=float(fine.mean[index]) * scene.force_scale_n,
-            force_error_n=(
-                2 * abs(float(fine.mean[index] - coarse.mean[index])) + float(fine.residual[index])
-            )
-            * scene.force_scale_n,
+        solution_of(
+            scene,
+            mean=float(fine.mean[index]),
+            error=2 * abs(float(fine.mean[index] - coarse.mean[index]))
+            + float(fine.residual[index]),
             status="ok",
             method="periodic",
-            left_out="",
             nx=grid.nx,
             ny=grid.ny,
             nt=grid.nt,
             newton_steps=int(fine.newton_steps[index]),
             krylov_iterations=int(fine.krylov_iterations[index]),
             residual=float(fine.residual[index]),
-            work=0.0,
         )
         for index, scene in enumerate(scenes)
     ]

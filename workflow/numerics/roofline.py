@@ -15,12 +15,15 @@ from typing import Any
 
 import numpy as np
 
+from numerics.films import Film
+from numerics.fixed_grid import problems_on_grid
 from squeezefilm.reynolds.device import Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
-from squeezefilm.reynolds.periodic import Problems, solve_batch
+from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
+from squeezefilm.reynolds.periodic import solve_batch
 from squeezefilm.reynolds.refinement import iteration_flops
 
-SOURCES = ("linear_algebra.cl", "film_over_period.cl", "roofline.cl")
+SOURCES = ("linear_algebra.cl", "grid_over_period.cl", "roofline.cl")
 REPEATS = 5
 PEAK_TURNS = 1_000_000
 TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}
@@ -50,7 +53,8 @@ def measure(device: Device) -> list[Rate]:
     """Rates of all compute units together, by the wall clock."""
 
     def seconds(name: str, *arguments: Any) -> float:
-        handle = kernel(device, name, sources=SOURCES, defines=("FLOW_TERMS=1", "PROFILE_FIELDS=3"))
+        header = f"#define FLOW_TERMS 1\n{c_struct('Row', _row(GRIDS['quarter'])[0].dtype)}"
+        handle = kernel(device, name, sources=SOURCES, header=header)
         shape = (device.groups * device.work_items,), (device.work_items,)
 
         def run() -> None:
@@ -75,13 +79,13 @@ def measure(device: Device) -> list[Rate]:
         streams.append(Rate(f"stream triad {name}", "", 0.0, stream, "memory", 1.0))
     parts: list[tuple[str, str, float]] = []
     for name, grid in GRIDS.items():
-        matrices = device.sent(grid_matrices(grid, aspect=1.0, bearing=False))
+        row, matrices = (device.sent(values) for values in _row(grid))
         nx, ny, nt = grid.shape
         workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups))
         for which, (part, inner) in enumerate((("along x", nx), ("along y", ny), ("along t", nt))):
             flops = 2.0 * nx * ny * nt * inner
             turns = int(PRODUCT_FLOPS / flops)
-            time_s = seconds("panel_products", which, turns, nx, ny, nt, matrices, workspace)
+            time_s = seconds("panel_products", which, turns, row, matrices, workspace)
             rate = flops * turns * device.groups / time_s / 1e9
             parts.append((f"product {part}", name, rate))
         parts.append(("whole solve", name, _solve_rate(grid, device)))
@@ -97,18 +101,8 @@ def measure(device: Device) -> list[Rate]:
 def _solve_rate(grid: Grid, device: Device) -> float:
     """GFLOP/s of a batch's whole Newton–Krylov solve, counting its products alone."""
     scenes = 8 * device.groups
-    x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
-    shape = np.sinc(1.098 * np.hypot(x - 0.5, y - 0.5))
-    problems = Problems(
-        epsilon=np.full(scenes, 0.4),
-        sigma=np.linspace(583.0, 2331.0, scenes),
-        bearing=np.zeros(scenes),
-        inverse_exponent=np.ones(scenes),
-        flow=np.ones((scenes, 1)),
-        aspect=1.0,
-        amplitude=np.broadcast_to(shape, (scenes, *shape.shape)),
-        tolerance=1e-8,
-    )
+    films = [Film("", 0.4, sigma) for sigma in np.linspace(583.0, 2331.0, scenes)]
+    problems = problems_on_grid(films, grid=grid, tolerance=1e-8)
     states = solve_batch(problems=problems, grid=grid, device=device)
     iterations = states.krylov_iterations.sum() + states.newton_steps.sum()
 
@@ -116,6 +110,14 @@ def _solve_rate(grid: Grid, device: Device) -> float:
         solve_batch(problems=problems, grid=grid, device=device)
 
     return float(iterations * iteration_flops(grid) / _fastest_seconds(run) / 1e9)
+
+
+def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """The grid as kernels take it: a row of sizes and places, and the matrices."""
+    pile = Pile()
+    starts = pile.add(grid_matrices(grid, aspect=1.0, terms=()))
+    row = rows_of({"nx": grid.nx, "ny": grid.ny, "nt": grid.nt, **starts}, np.empty(1, dtype=[]))
+    return row, pile.values
 
 
 def _fastest_seconds(run: Callable[[], None]) -> float:

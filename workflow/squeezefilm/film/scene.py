@@ -36,13 +36,6 @@ class Gas:
     polytropic_exponent: float
 
 
-# Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
-# inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
-# J. Tribology 112 (1990), 78–83, the branch for D ≥ 5.
-FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
-FUKUI_KANEKO_LEAST_D = 5.0
-
-
 @dataclass(frozen=True)
 class Actuator:
     """A disc that vibrates normal to itself with amplitude hv · s(x, y) at one frequency."""
@@ -193,19 +186,6 @@ class Scene:
     def inverse_knudsen(self) -> float:
         """D = √π / (2 Kn) at the mean gap and ambient density (Fukui and Kaneko)."""
         return sqrt(pi) / (2 * self.knudsen)
-
-    @property
-    def flow_coefficients(self) -> tuple[float, ...]:
-        """Coefficients c_k of the mass flux Σ c_k H^(3−k) ρ^(1−k) ∇P, the first being 1.
-
-        Slip of first order adds 6 Kn H² (Burgdorfer 1959). The mean free path's 1/ρ is in the
-        powers of ρ.
-        """
-        if self.gas.rarefaction == "slip":
-            return (1.0, 6 * self.knudsen)
-        if self.gas.rarefaction == "fukui-kaneko":
-            return tuple(c / self.inverse_knudsen**k for k, c in enumerate(FUKUI_KANEKO))
-        return (1.0,)
 
     @property
     def modified_reynolds(self) -> float:

@@ -19,6 +19,7 @@ import pandas as pd
 from squeezefilm.io.atomic import whole_file
 from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.solution import SOLUTION_COLUMNS
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
@@ -30,20 +31,7 @@ ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", 
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out"}
 PARQUET = ".parquet"
-FORCE_COLUMNS = (
-    *SCENE_COLUMNS,
-    "force_n",
-    "force_error_n",
-    "status",
-    "method",
-    "left_out",
-    "nx",
-    "ny",
-    "nt",
-    "newton_steps",
-    "krylov_iterations",
-    "residual",
-)
+FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 
 
 Rows = Callable[[int], slice]

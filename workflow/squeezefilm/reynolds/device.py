@@ -188,31 +188,41 @@ def describe(device: Device) -> dict[str, Any]:
     }
 
 
-def kernel(device: Device, name: str, *, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
-    """A kernel of a program made of some files of this folder, joined in order.
+def kernel(
+    device: Device,
+    name: str,
+    *,
+    sources: tuple[str, ...],
+    header: str = "",
+    defines: tuple[str, ...] = (),
+) -> Any:
+    """A kernel of a program made of a text and some files of this folder, joined in order.
 
-    ``defines`` switch terms on; the number of work-items per group is always defined. Kernels are
+    The number of work-items per group is always defined. Kernels are
     kept for the process and programs, by pyopencl and the driver, on disk.
     """
-    return _kernel(device.context, name, sources, (f"WORK_ITEMS={device.work_items}", *defines))
+    defines = (f"WORK_ITEMS={device.work_items}", *defines)
+    return _kernel(device.context, name, header, sources, defines)
 
 
 @cache
-def _kernel(context: Any, name: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+def _kernel(
+    context: Any, name: str, header: str, sources: tuple[str, ...], defines: tuple[str, ...]
+) -> Any:
     import pyopencl as cl
 
-    made = cl.Kernel(_program(context, sources, defines), name)
+    made = cl.Kernel(_program(context, header, sources, defines), name)
     types = [made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args)]
     made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(each)) for each in types])
     return made
 
 
 @cache
-def _program(context: Any, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
     import pyopencl as cl
 
-    text = "\n".join((Path(__file__).parent / name).read_text() for name in sources)
+    texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
     options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", cl.CompilerWarning)
-        return cl.Program(context, text).build(options=options)
+        return cl.Program(context, "\n".join(texts)).build(options=options)

@@ -75,11 +75,7 @@ def _explanation(scene: Scene, need: Needs, way: Way, *, tolerance: float) -> Ex
         explanation = _on_grids(scene, need, tolerance=tolerance)
     else:
         explanation = _marched(scene, need, tolerance=tolerance)
-    terms = ["squeeze"]
-    terms += ["bearing"] * need.bearing
-    terms += [scene.gas.rarefaction] * (need.flow_terms > 1)
-    terms += ["polytropic gas"] * need.polytropic
-    return replace(explanation, terms=tuple(terms))
+    return replace(explanation, terms=("squeeze", *(term.label for term in need.terms)))
 
 
 def _by_limit(need: Needs, result: LimitResult, *, tolerance: float) -> Explanation:

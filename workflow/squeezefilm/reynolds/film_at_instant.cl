@@ -2,7 +2,7 @@
  *
  * Unknown: the mass excess y = HP − 1 at the inner nodes. In the mass the equation is a rate,
  *
- *     dy/dT = f(T, y) = [div(H³ P grad P) − Λ d(HP)/dX] / σ,
+ *     dy/dT = f(T, y) = [div(H³ P grad P) + what other terms add] / σ,
  *
  * with no dH/dT in it: a surface that starts with a jump of velocity gives no jump of the rate,
  * every stage knows the rim exactly by p = (y − (H − 1)) / H = 0 there, and in w = δy the operator
@@ -11,57 +11,8 @@
  *
  * IMPLICIT: w − c df/dy w is preconditioned by the inverse of 1 − c D Δ / σ, D = mean of H²P,
  * diagonal in the modal basis; c, the stage's share of a step, is kept with the film.
- * A field is stored [x][y], so that both derivatives are products with contiguous rows.
+ * Compiled after the sources of the scene's terms, which add their lines at the hooks TERMS_….
  */
-typedef struct {
-    int nx, ny, ny4, count, count4;
-    matrix laplace_x, laplace_y, area;
-#ifdef BEARING
-    matrix derivative_x;
-#endif
-#ifdef IMPLICIT
-    matrix modes_x, to_modes_x, modes_y, to_modes_y, eigenvalues;
-#endif
-} Grid;
-
-typedef struct {
-    double epsilon, sigma, bearing, excursion, diffusivity, stage;
-    matrix4 amplitude, gradient_squared, laplacian, slope_x;
-    field4 overpressure, inverse_gap, power, potential, response;
-    field work_a, work_b;
-} Film;
-
-/* Matrices that act along y are stored transposed, to be multiplied from the right. */
-static Grid make_grid(int nx, int ny, matrix m)
-{
-    Grid g;
-    g.nx = nx; g.ny = ny; g.ny4 = ny / 4;
-    g.count = nx * ny; g.count4 = g.count / 4;
-    g.laplace_x = m; m += nx * nx;
-    g.laplace_y = m; m += ny * ny;
-    g.area = m; m += g.count;
-#ifdef BEARING
-    g.derivative_x = m; m += nx * nx;
-#endif
-#ifdef IMPLICIT
-    g.modes_x = m; m += nx * nx;
-    g.to_modes_x = m; m += nx * nx;
-    g.modes_y = m; m += ny * ny;
-    g.to_modes_y = m; m += ny * ny;
-    g.eigenvalues = m;
-#endif
-    return g;
-}
-
-static void along_x(const Grid *g, matrix a, field in, field out, int add)
-{
-    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, g->ny4, 1, add);
-}
-
-static void along_y(const Grid *g, matrix transposed, field in, field out, int add)
-{
-    multiply(in, g->nx, g->ny, (matrix4)transposed, (field4)out, g->ny4, 1, add);
-}
 
 /* The gap H = 1 + excursion · s, and what depends on it alone. Each work-item reads only what it has
  * written itself, so that no barrier is needed, which a caller could not make conditional. */
@@ -103,15 +54,7 @@ static void rate(const Grid *g, Film *film, field y, field out, __local double *
     FOR_EACH(i, g->count4)
         r[i] = inverse_sigma * film->power[i] * (r[i] - film->potential[i] * v[i]);
     SYNC;
-#ifdef BEARING
-    field4 moved = (field4)film->work_b;
-    FOR_EACH(i, g->count4) moved[i] = mass[i] - film->excursion * film->amplitude[i];
-    SYNC;
-    along_x(g, g->derivative_x, film->work_b, film->work_a, 0);
-    const double speed = film->bearing * inverse_sigma;
-    FOR_EACH(i, g->count4) r[i] -= speed * (v[i] + film->excursion * film->slope_x[i]);
-    SYNC;
-#endif
+    TERMS_RATE(g, film, y, film->work_a, out)
 #ifdef IMPLICIT
     film->diffusivity = sum_over_group(sum_of(diffusivity), scratch) / g->count;
 #endif
@@ -143,11 +86,7 @@ static void apply_jacobian(const Grid *g, const Film *film, field w, field out)
     FOR_EACH(i, g->count4)
         r[i] = from[i] - scale * film->power[i] * (r[i] - film->potential[i] * v[i]);
     SYNC;
-#ifdef BEARING
-    along_x(g, g->derivative_x, w, film->work_a, 0);
-    FOR_EACH(i, g->count4) r[i] += scale * film->bearing * v[i];
-    SYNC;
-#endif
+    TERMS_RATE_RESPONSE(g, film, w, film->work_a, out)
     precondition(g, film, out);
 }
 #endif

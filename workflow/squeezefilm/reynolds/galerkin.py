@@ -20,20 +20,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from squeezefilm.film.scene import FUKUI_KANEKO_LEAST_D, Scene
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.solution import Solution
+from squeezefilm.reynolds.error_estimate import (
+    ITERATION_SHARE,
+    MOMENTS,
+    ROUND_OFF,
+    error_text,
+    estimate,
+)
+from squeezefilm.reynolds.film_in_modes import FilmInModes
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.pad_modes import PadGrid, PadModes, pad_modes
-from squeezefilm.reynolds.refinement import ITERATION_SHARE
-from squeezefilm.reynolds.resolution import (
-    MOMENT_FACTOR,
-    MOMENTS,
-    MOST_TIME,
-    ROUND_OFF,
-    ROUNDED,
-    first_grid,
-)
-from squeezefilm.reynolds.solution import Solution, error_text, left_out_text
+from squeezefilm.reynolds.resolution import MOST_TIME, first_grid
+from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.spectral import period
+from squeezefilm.reynolds.terms import (
+    Terms,
+    first_reason,
+    state_refused,
+    stiffness_of,
+)
 
 METHOD = "periodic-modes"
 # Estimates are this many times those of the grids. Without it 2 of 60 forces of random pads were
@@ -43,8 +50,6 @@ MARGIN = 2.0
 MOST_NEWTON = 40
 MOST_KRYLOV = 120
 LARGEST_BYTES = 2**30
-# The preconditioner does not know of sliding: beyond this, iterations become many.
-LARGEST_BEARING = 30.0
 
 
 @dataclass(frozen=True)
@@ -131,10 +136,12 @@ def pressure_at(
     times = period(instants)
     excursion = scene.epsilon * scene.amplitude(x, y)
     gap = scene.rest_gap(x, y)[:, None] + excursion[:, None] * np.sin(times.nodes)
-    resolution = first_resolution(scene, needs_of(scene), tolerance=tolerance)
+    needs = needs_of(scene)
+    terms = needs.terms
+    resolution = first_resolution(scene, needs, tolerance=tolerance)
     state: _State | None = None
     before: np.ndarray | None = None
-    while resolution.fits and abs(scene.bearing_number) <= LARGEST_BEARING:
+    while resolution.fits and not _unknown(terms, scene):
         guess = state.carried_to(resolution) if state is not None else None
         state = _periodic_state(scene, resolution, guess=guess, tolerance=tolerance)
         if state.failure:
@@ -155,13 +162,17 @@ def wants_modes(scene: Scene) -> bool:
 
 def refused(scene: Scene, needs: Needs, *, tolerance: float) -> str:
     """Why a scene has no force in modes, as far as that is known before solving; else empty."""
-    if abs(scene.bearing_number) > LARGEST_BEARING:
-        return f"bearing numbers up to {LARGEST_BEARING:g} only under this finger"
+    if unknown := _unknown(needs.terms, scene):
+        return unknown
     first = first_resolution(scene, needs, tolerance=tolerance)
     for resolution in (first, first.finer):  # it takes two to know the error
         if not resolution.fits:
             return too_many(resolution)
     return ""
+
+
+def _unknown(terms: Terms, scene: Scene) -> str:
+    return first_reason(term.refused_in_modes(scene) for term in terms)
 
 
 def too_many(resolution: Resolution) -> str:
@@ -214,31 +225,36 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
         if state.failure:
             status = f"{state.failure} (modes up to degree {resolution.pad.degree})"
             break
-        thinnest = scene.inverse_knudsen * state.thinnest
-        if scene.gas.rarefaction == "fukui-kaneko" and thinnest < FUKUI_KANEKO_LEAST_D:
-            status = f"gas too rarefied: D falls to {thinnest:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
+        if refused_state := state_refused(scene, needs.terms, thinnest=state.thinnest):
+            status = refused_state
             break
         mean = float(state.moments[0, 0])
         if before is not None:
-            floor = ROUND_OFF * state.largest
-            change = float(np.abs(state.moments - before.moments).max())
-            # A mass error w moves the pressure by about n w/H.
-            left = scene.gas.polytropic_exponent * residual / (1 - scene.closure())
-            known = MOMENT_FACTOR * change + left
-            known = MARGIN * known + floor
-            allowed = tolerance * abs(mean) + ROUNDED * floor / (1 - scene.closure())
+            narrowest = 1 - scene.closure()
+            found = estimate(
+                change=np.abs(state.moments - before.moments).max(),
+                # A mass error w moves the pressure by about n w/H.
+                left=stiffness_of(scene, needs.terms) * residual / narrowest,
+                largest=state.largest,
+                narrowest=narrowest,
+                mean=mean,
+                tolerance=tolerance,
+                margin=MARGIN,
+            )
+            known, allowed = float(found.error), float(found.allowed)
             if known <= allowed:
                 status, force, error = "ok", mean, known
                 break
             reached = error_text(known, allowed=allowed, force=mean)
         before = state
         resolution = resolution.finer
-    return Solution(
-        force_n=force * scene.force_scale_n,
-        force_error_n=error * scene.force_scale_n,
+    return solution_of(
+        scene,
+        mean=force,
+        error=error,
+        left_out=halves_left_out(resolution, needs) + needs.terms_left_out,
         status=status,
         method=METHOD,
-        left_out=left_out_text(halves_left_out(resolution, needs) + needs.terms_left_out),
         nx=resolution.pad.points[0],
         ny=resolution.pad.points[1],
         nt=resolution.instants,
@@ -256,7 +272,7 @@ def _periodic_state(
     from scipy.sparse.linalg import LinearOperator, gmres
 
     modes, time = pad_modes(resolution.pad), period(resolution.instants)
-    film = _Film(scene, modes, time.nodes)
+    film = FilmInModes(scene, modes, time.nodes)
     shape = len(modes.eigenvalues), resolution.instants
     mass = np.zeros(shape) if guess is None else guess
     harmonics = 1j * np.arange(resolution.instants // 2 + 1)
@@ -317,81 +333,3 @@ def _periodic_state(
         krylov_iterations=krylov,
         failure=failure,
     )
-
-
-class _Film:
-    """The equation's terms but for the rate, at the quadrature points: fields are (Q, instants)."""
-
-    def __init__(self, scene: Scene, modes: PadModes, instants: np.ndarray) -> None:
-        self.scene, self.modes = scene, modes
-        s = scene.amplitude(modes.x, modes.y)[:, None]
-        self.gap = scene.rest_gap(modes.x, modes.y)[:, None] + scene.epsilon * s * np.sin(instants)
-        squeeze = scene.sigma * scene.epsilon * s * np.cos(instants)
-        self.drive = -modes.project(squeeze)
-        self.bearing = scene.bearing_number
-        if self.bearing:
-            self.drive += modes.project_on_slopes(self.bearing * self.gap, None)
-        self.exponent = scene.gas.polytropic_exponent
-
-    def set_state(self, mass: np.ndarray) -> None:
-        """Take a state, given by its mass excess in the modes, shape (modes, instants)."""
-        self.mass = mass
-        excess = self.modes.values(mass)
-        self.density = 1 + excess / self.gap
-        n = self.exponent
-        self.pressure = excess / self.gap
-        slope = 1 / self.gap  # dP/dm
-        if n != 1:
-            self.pressure = np.expm1(n * np.log1p(self.pressure))
-            slope = n * self.density ** (n - 1) / self.gap
-        self.terms = []
-        self.diffusivity = 0.0
-        for k, coefficient in enumerate(self.scene.flow_coefficients):
-            power = coefficient * self.gap ** (3 - k)
-            response = self.density ** (1 - k) * slope
-            self.terms.append((power, response, self._potential(k)))
-            share = (power * response).mean(axis=1)
-            self.diffusivity += float(self.modes.weights @ share)
-
-    def _potential(self, k: int) -> np.ndarray:
-        """g_k(P) − g_k(1), exact for a small overpressure."""
-        p = self.pressure
-        power = (1 - k) / self.exponent + 1
-        if power == 2:
-            return p * (1 + p / 2)
-        return np.log1p(p) if power == 0 else np.expm1(power * np.log1p(p)) / power
-
-    def _flow(self, power: np.ndarray, potential: np.ndarray) -> np.ndarray:
-        """−⟨∇φ_i, power ∇Π potential⟩, shape (modes, instants)."""
-        along_x, along_y = self.modes.slopes(self.modes.project(potential))
-        return -self.modes.project_on_slopes(power * along_x, power * along_y)
-
-    def balance(self) -> np.ndarray:
-        """All terms of the equation but −σ dm/dT, at the state."""
-        total = self.drive.copy()
-        for power, _, potential in self.terms:
-            total += self._flow(power, potential)
-        return total + self._carried(self.mass)
-
-    def respond(self, change: np.ndarray) -> np.ndarray:
-        """What a small change of the mass changes in the balance."""
-        values = self.modes.values(change)
-        total = self._carried(change)
-        for power, response, _ in self.terms:
-            total += self._flow(power, response * values)
-        return total
-
-    def _carried(self, mass: np.ndarray) -> np.ndarray:
-        """The mass that sliding carries along, Λ ⟨∂φ_i/∂X, m⟩."""
-        if not self.bearing:
-            return np.zeros_like(mass)
-        return self.modes.project_on_slopes(self.bearing * self.modes.values(mass), None)
-
-    def safe_share(self, change: np.ndarray) -> float:
-        """Largest share of a step that takes at most 9/10 of the density anywhere."""
-        steepest = float((-self.modes.values(change) / self.gap / self.density).max())
-        return 0.9 / steepest if steepest > 0.9 else 1.0
-
-    @property
-    def mean_overpressure(self) -> float:
-        return float(self.modes.weights @ self.pressure.mean(axis=1))

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from squeezefilm.reynolds.layout import Joined, joined
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
+from squeezefilm.reynolds.terms import Terms
 
 # Nodes across the finger beyond which none is tried: there rounding begins to show at 1e-6, and a
 # scene takes minutes.
 MOST_SPACE = 320
+# Names of the matrices that interpolate to a finer grid.
+CARRYING = ("carry_t", "carry_x", "carry_y")
 
 
 @dataclass(frozen=True)
@@ -70,43 +73,58 @@ def _positions(x: Axis, y: Axis) -> tuple[np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=256)
-def grid_matrices(grid: Grid, *, aspect: float, bearing: bool) -> np.ndarray:
-    """The batch's matrices in one array, in the order in which make_grid reads them."""
+def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+    """The matrices of a grid over the period, under the names that kernels know them by."""
     values_x, vectors_x, inverse_x = grid.x.modes
     values_y, vectors_y, inverse_y = grid.y.modes
-    parts = [
-        grid.x.second_derivative,
-        vectors_x,
-        inverse_x,
-        grid.y.second_derivative / aspect**2,
-        vectors_y,
-        inverse_y,
-        grid.t.fourier,
-        grid.t.fourier.T,
-        grid.t.derivative.T,
-        np.add.outer(values_x, values_y / aspect**2),
-        values_y / aspect**2,
-        np.outer(grid.x.weights, grid.y.weights),
-        np.tile(np.arange(grid.nt // 2), 2),
-        np.sin(grid.t.nodes),
-        np.cos(grid.t.nodes),
-    ]
-    if bearing:
-        parts.append(grid.x.first_derivative)
-    return _joined(parts)
+    parts = {
+        "laplace_x": grid.x.second_derivative,
+        "modes_x": vectors_x,
+        "to_modes_x": inverse_x,
+        "laplace_y": grid.y.second_derivative / aspect**2,
+        "modes_y": vectors_y,
+        "to_modes_y": inverse_y,
+        "fourier": grid.t.fourier,
+        "fourier_transposed": grid.t.fourier.T,
+        "time_derivative": grid.t.derivative.T,
+        "eigenvalues": np.add.outer(values_x, values_y / aspect**2),
+        "eigenvalues_y": values_y / aspect**2,
+        "weights": np.outer(grid.x.weights, grid.y.weights),
+        "harmonics": np.tile(np.arange(grid.nt // 2), 2),
+        "sine": np.sin(grid.t.nodes),
+        "cosine": np.cos(grid.t.nodes),
+    }
+    for term in terms:
+        parts.update(term.matrices(grid))
+    return joined(parts)
 
 
 @lru_cache(maxsize=256)
-def carrying_matrices(coarse: Grid, fine: Grid) -> np.ndarray:
-    """What interpolates a state to a finer grid, in the order in which ``carry`` reads it."""
-    return _joined(
-        [
-            coarse.t.interpolation_to(fine.t).T,
-            coarse.x.interpolation_to(fine.x),
-            coarse.y.interpolation_to(fine.y),
-        ]
+def instant_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+    """The same for the march; what acts along y is transposed, to be multiplied from the right."""
+    values_x, vectors_x, inverse_x = grid.x.modes
+    values_y, vectors_y, inverse_y = grid.y.modes
+    parts = {
+        "laplace_x": grid.x.second_derivative,
+        "laplace_y": grid.y.second_derivative.T / aspect**2,
+        "area": np.outer(grid.x.weights, grid.y.weights),
+        "modes_x": vectors_x,
+        "to_modes_x": inverse_x,
+        "modes_y": vectors_y.T,
+        "to_modes_y": inverse_y.T,
+        "eigenvalues": np.add.outer(values_x, values_y / aspect**2),
+    }
+    for term in terms:
+        parts.update(term.matrices(grid))
+    return joined(parts)
+
+
+@lru_cache(maxsize=256)
+def carrying_matrices(coarse: Grid, fine: Grid) -> Joined:
+    """What interpolates a state to a finer grid."""
+    matrices = (
+        coarse.t.interpolation_to(fine.t).T,
+        coarse.x.interpolation_to(fine.x),
+        coarse.y.interpolation_to(fine.y),
     )
-
-
-def _joined(parts: Iterable[np.ndarray]) -> np.ndarray:
-    return np.concatenate([np.ascontiguousarray(part).ravel() for part in parts])
+    return joined(dict(zip(CARRYING, matrices, strict=True)))

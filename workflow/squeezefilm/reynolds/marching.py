@@ -7,11 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.galerkin import wants_modes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs
-from squeezefilm.reynolds.refinement import grid_for, problems_of
+from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.refinement import grid_for
 from squeezefilm.reynolds.resolution import finer_grid
 from squeezefilm.reynolds.schemes import SCHEMES, Choice, choose
 from squeezefilm.reynolds.settling import (
@@ -22,10 +24,9 @@ from squeezefilm.reynolds.settling import (
     too_many_steps,
     transient_force,
 )
-from squeezefilm.reynolds.solution import Solution, left_out_text
+from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import first_reason
 
-# Neither scheme is preconditioned for sliding: beyond this, steps become many or slow.
-LARGEST_BEARING = 30.0
 # Periods on each of two grids; five films of ε 0.05–0.44, σ 5–2331 took 4 to 6 on both, at 1e-3.
 PERIODS = 3
 
@@ -43,7 +44,7 @@ def solve_marching(
     groups: dict[object, list[int]] = defaultdict(list)
     for index, (scene, need) in enumerate(zip(scenes, needs, strict=True)):
         grid = grid_for(scene, need, tolerance=tolerance)
-        groups[grid.nx, grid.ny, grid.fold_x, grid.fold_y, scene.aspect, need.bearing].append(index)
+        groups[grid.nx, grid.ny, grid.fold_x, grid.fold_y, scene.aspect, need.terms].append(index)
     for group in groups.values():
         members = [scenes[index] for index in group]
         forces = transient_force(
@@ -110,11 +111,7 @@ def _unknown(scene: Scene, needs: Needs) -> str:
     """What of a scene cannot be marched at all; empty where all can."""
     if wants_modes(scene):
         return "march knows rectangular fingers with a flat gap only"
-    if needs.flow_terms > 1 or needs.polytropic:
-        return "march knows viscous isothermal flow only"
-    if abs(scene.bearing_number) > LARGEST_BEARING:
-        return f"march takes bearing numbers up to {LARGEST_BEARING:g}"
-    return ""
+    return first_reason(term.refused_by_march(scene) for term in needs.terms)
 
 
 def left_out_by(why: str, needs: Needs) -> tuple[LeftOut, ...]:
@@ -124,17 +121,17 @@ def left_out_by(why: str, needs: Needs) -> tuple[LeftOut, ...]:
 
 def _solution(scene: Scene, needs: Needs, force: SettledForce) -> Solution:
     grid: Grid = force.grid
-    return Solution(
-        force_n=force.mean * scene.force_scale_n,
-        force_error_n=force.error * scene.force_scale_n,
+    return solution_of(
+        scene,
+        mean=force.mean,
+        error=force.error,
+        left_out=left_out_by(force.left_out, needs),
         status=force.status,
         method=force.method,
-        left_out=left_out_text(left_out_by(force.left_out, needs)),
         nx=grid.x.full_points,
         ny=grid.y.full_points,
         nt=force.steps_per_period,
         newton_steps=force.newton_steps,
         krylov_iterations=force.krylov_iterations,
-        residual=0.0,
         work=float(force.periods * force.steps_per_period * grid.nx * grid.ny),
     )

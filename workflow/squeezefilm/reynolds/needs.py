@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
 from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
 
 
@@ -14,17 +15,13 @@ class Needs:
 
     Attributes:
         fold_x, fold_y: the film is even about the finger's middle along x, y: half is enough.
-        bearing: the finger slides.
-        flow_terms: 1 for viscous flow, more for a rarefied gas.
-        polytropic: the gas is not isothermal.
+        terms: what the equation has beside squeezing.
         profile: the profile under the finger.
     """
 
     fold_x: bool
     fold_y: bool
-    bearing: bool
-    flow_terms: int
-    polytropic: bool
+    terms: Terms
     profile: UnderFinger
 
     @property
@@ -42,34 +39,16 @@ class Needs:
     @property
     def terms_left_out(self) -> tuple[LeftOut, ...]:
         """Terms of the full equation that are zero for this scene."""
-        parts = (
-            (not self.bearing, "bearing term", "the finger is at rest"),
-            (self.flow_terms == 1, "rarefaction", "gas.rarefaction is none"),
-            (not self.polytropic, "heating", "gas.polytropic_exponent is 1"),
-        )
-        return tuple(LeftOut(what, why) for out, what, why in parts if out)
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """One thing that a scene does not need, and why not."""
-
-    what: str
-    why: str
+        return left_out_of(self.terms)
 
 
 def needs_of(scene: Scene) -> Needs:
-    """What the scene needs, found from its profile, motion and gas.
-
-    Sliding along x breaks the symmetry along x.
-    """
-    profile = under_finger(scene)
-    bearing = scene.bearing_number != 0
+    """What the scene needs, found from its profile, motion and gas."""
+    profile, terms = under_finger(scene), terms_of(scene)
+    broken = {axis for term in terms for axis in term.BREAKS}
     return Needs(
-        fold_x=profile.even_x and not bearing,
-        fold_y=profile.even_y,
-        bearing=bearing,
-        flow_terms=len(scene.flow_coefficients),
-        polytropic=scene.gas.polytropic_exponent != 1,
+        fold_x=profile.even_x and "x" not in broken,
+        fold_y=profile.even_y and "y" not in broken,
+        terms=terms,
         profile=profile,
     )

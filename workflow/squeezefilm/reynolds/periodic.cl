@@ -1,5 +1,6 @@
 /* The periodic state of the film by Newton–GMRES, one scene per work-group at a time. Compiled after
- * film_over_period.cl, which has the equation, and krylov.cl. */
+ * film_over_period.cl, which has the equation, and krylov.cl. Row, Said and how an iteration ends
+ * are defined in periodic.py. */
 
 /* Mean overpressure over film and period, in units of ambient pressure. */
 static double mean_overpressure(const Grid *g, const Film *film, __local double *scratch)
@@ -32,54 +33,47 @@ static double safe_share(const Grid *g, const Film *film, matrix4 step, __local 
     return steepest > 0.9 ? 0.9 / steepest : 1.0;
 }
 
-/* The state on a coarser grid (nx, ny, nt), interpolated to g by the matrices m, with two fields of
- * g's size to work in. */
-static void carry(const Grid *g, int nx, int ny, int nt, matrix m, field coarse, field fine,
-                  field work_a, field work_b)
+/* The state on the coarser grid of another row as the first guess on g. */
+static void carry(const Grid *g, __global const Row *coarser, field results, const Film *film)
 {
-    matrix along_t = m, along_x = along_t + nt * g->nt, along_y = along_x + g->nx * nx;
-    multiply(coarse, nx * ny, nt, (matrix4)along_t, (field4)work_a, g->nt4, 1, 0);
-    multiply(along_x, g->nx, nx, (matrix4)work_a, (field4)work_b, ny * g->nt4, 1, 0);
-    multiply(along_y, g->ny, ny, (matrix4)work_b, (field4)fine, g->nt4, g->nx, 0);
+    const int nx = coarser->nx, ny = coarser->ny, nt = coarser->nt;
+    field coarse = results + coarser->state;
+    multiply(coarse, nx * ny, nt, (matrix4)ARRAY(film, carry_t), (field4)film->work_a, g->nt4, 1, 0);
+    multiply(ARRAY(film, carry_x), g->nx, nx, (matrix4)film->work_a, (field4)film->work_b,
+             ny * g->nt4, 1, 0);
+    multiply(ARRAY(film, carry_y), g->ny, ny, (matrix4)film->work_b, film->p, g->nt4, g->nx, 0);
 }
 
 /* The iteration's rounding error of the mass, relative to the largest overpressure. */
 #define ROUNDING 1e-14
 
-enum { CONVERGED = 0, STALLED = 1, NOT_FINITE = 2 };
-
-/* What is said of a scene on a grid, beside its state. */
-typedef struct {
-    double force, left;
-    int status, newton, krylov;
-} Solved;
-
 /* Newton's iteration from the guess film->p. `basis` has room for most_krylov + 1 fields, `small`
  * for the numbers of gmres. */
-static Solved solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
-                    field basis, field small, __local double *scratch)
+static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
+                  field basis, field small, __local double *scratch)
 {
-    Solved s = {mean_overpressure(g, film, scratch), 0.0, STALLED, 0, 0};
-    for (; s.newton <= most_newton; s.newton++) {
+    Said s = {.mean = mean_overpressure(g, film, scratch), .status = STALLED};
+    for (; s.newton_steps <= most_newton; s.newton_steps++) {
         residual(g, film, basis, scratch);
         precondition(g, film, basis);
-        s.left = norm(basis, g->count4, g->nt, scratch);
-        if (!isfinite(s.left)) {
+        s.residual = norm(basis, g->count4, g->nt, scratch);
+        if (!isfinite(s.residual)) {
             s.status = NOT_FINITE;
             break;
         }
         /* The force answers to an error w with at most its mean, so this bounds its error. */
-        const double goal = fmax(tolerance * fabs(s.force),
+        const double goal = fmax(tolerance * fabs(s.mean),
                                  ROUNDING * largest_overpressure(g, film, scratch));
-        if (s.left <= goal || s.left == 0.0) {
+        if (s.residual <= goal || s.residual == 0.0) {
             s.status = CONVERGED;
             break;
         }
-        if (s.newton == most_newton)
+        if (s.newton_steps == most_newton)
             break;
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
-        const double target = fmax(0.3 * goal, fmin(0.1 * s.left, s.left * s.left));
-        s.krylov += gmres(g, film, basis, small, s.left, target, most_krylov, g->nt, scratch);
+        const double target = fmax(0.3 * goal, fmin(0.1 * s.residual, s.residual * s.residual));
+        s.krylov_iterations +=
+            gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, scratch);
         field4 step = (field4)film->work_b;
         from_modal(g, basis, film->work_a, film->work_b);
         FOR_EACH_POINT(g, row, t, i)
@@ -88,38 +82,25 @@ static Solved solve(const Grid *g, Film *film, double tolerance, int most_newton
         const double share = safe_share(g, film, step, scratch);
         FOR_EACH(i, g->count4) film->p[i] += share * step[i];
         SYNC;
-        s.force = mean_overpressure(g, film, scratch);
+        s.mean = mean_overpressure(g, film, scratch);
     }
     return s;
 }
-
-/* What a row of the layout has: a grid, the most Krylov iterations of a Newton step, and where a
- * scene's parts lie in the arrays of its launch, in numbers from their starts. */
-enum { NX, NY, NT, MOST_KRYLOV, MATRICES, CARRY, PROFILE, SCHUR, STATE, LAYOUT };
-
-/* What a row of the results has. */
-enum { MEAN, RESIDUAL, LARGEST, LOWEST, THINNEST, STATUS, NEWTON, KRYLOV, NUMBERS };
 
 /* Work-groups take scenes from a queue until none is left; each has a workspace of its own, and a
  * scene's result does not depend on which group takes it. A scene goes from grid to grid: each
  * state is the first guess of the next, if it was found.
  *
- * begins:   per scene its first row in layout, numbers and results; a row is the scene on a grid.
- * layout:   where its parts lie.
- * matrices: per grid and aspect what make_grid reads, and what carry reads; CARRY is negative on a
- *           scene's first grid.
- * numbers:  per row epsilon, sigma, bearing, tolerance (of the force, relative), 1/exponent of
- *           the gas, and the flow coefficients c_0 …
- * profile:  per place amplitude, |grad|², Laplacian and (BEARING) x-slope, each (nx, ny).
- * schur:    BEARING, per row the Schur vectors along x, their inverse and the triangle (nx, nx).
- * results:  per row mean overpressure, norm of the last residual, largest |p|, smallest P, smallest
- *           P H, status, Newton steps and Krylov iterations; then, where layout says, per row p
- *           (nx, ny, nt), the first guess on entry. One array, for each that the host waits for
- *           costs it as much as a small solve. */
+ * begins:  per scene its first row in rows and results; a row is the scene on a grid.
+ * rows:    sizes, numbers and where the scene's parts lie; carry_t is negative on its first grid.
+ * values:  those parts: matrices, profiles, operators.
+ * results: per row what is said of it; then, where the row says, its state p (nx, ny, nt), the
+ *          first guess on entry. One array, for each that the host waits for costs it as much as a
+ *          small solve. */
 __kernel void periodic_state(const int scenes, const int most_newton, __global const int *begins,
-                             __global const long *layout, matrix matrices, matrix numbers,
-                             matrix profile, matrix schur, field results, __global int *queue,
-                             field workspace, const ulong workspace_size, __local double *scratch)
+                             __global const Row *rows, matrix values, field results,
+                             __global int *queue, field workspace, const ulong workspace_size,
+                             __local double *scratch)
 {
     __local int taken;
 
@@ -132,16 +113,18 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
         if (scene >= scenes)
             break;
         int status = CONVERGED;
-        for (int row = begins[scene]; row < begins[scene + 1]; row++) {
-            __global const long *entry = layout + row * LAYOUT;
-            const int most_krylov = entry[MOST_KRYLOV];
-            Grid g = make_grid(entry[NX], entry[NY], entry[NT], matrices + entry[MATRICES]);
+        for (int k = begins[scene]; k < begins[scene + 1]; k++) {
+            __global const Row *row = rows + k;
+            const int most_krylov = row->most_krylov;
+            Grid g = make_grid(row, values);
             Film film;
+            film.row = row;
+            film.values = values;
             field space = workspace + get_group_id(0) * workspace_size;
-            for (int k = 0; k < FLOW_TERMS; k++) {
-                film.gap_power[k] = (field4)space;
-                film.potential[k] = (field4)(space + g.count);
-                film.response[k] = (field4)(space + 2 * g.count);
+            for (int term = 0; term < FLOW_TERMS; term++) {
+                film.gap_power[term] = (field4)space;
+                film.potential[term] = (field4)(space + g.count);
+                film.response[term] = (field4)(space + 2 * g.count);
                 space += 3 * g.count;
             }
             film.work_a = space;
@@ -149,36 +132,22 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             film.work_c = space + 2 * g.count;
             field basis = space + 3 * g.count;
             field small = basis + (most_krylov + 1) * g.count;
-            matrix number = numbers + row * (5 + FLOW_TERMS);
-            film.epsilon = number[0];
-            film.sigma = number[1];
-            film.bearing = number[2];
-            const double tolerance = number[3];
-            film.inverse_exponent = number[4];
-            for (int k = 0; k < FLOW_TERMS; k++)
-                film.flow[k] = number[5 + k];
-            film.amplitude = profile + entry[PROFILE];
-            film.gradient_squared = film.amplitude + g.rows;
-            film.laplacian = film.amplitude + 2 * g.rows;
-            film.slope_x = film.amplitude + (PROFILE_FIELDS - 1) * g.rows;
-            film.p = (field4)(results + entry[STATE]);
-#ifdef BEARING
-            g.modes_x = schur + entry[SCHUR];
-            g.to_modes_x = g.modes_x + g.nx * g.nx;
-            g.schur = g.to_modes_x + g.nx * g.nx;
-#endif
-            if (entry[CARRY] >= 0 && status == CONVERGED) {
-                __global const long *before = entry - LAYOUT;
-                carry(&g, before[NX], before[NY], before[NT], matrices + entry[CARRY],
-                      results + before[STATE], (field)film.p, film.work_a, film.work_b);
-            } else if (entry[CARRY] >= 0) {
+            film.epsilon = row->epsilon;
+            film.sigma = row->sigma;
+            film.amplitude = ARRAY(&film, amplitude);
+            film.gradient_squared = ARRAY(&film, gradient_squared);
+            film.laplacian = ARRAY(&film, laplacian);
+            film.p = (field4)(results + row->state);
+            if (row->carry_t >= 0 && status == CONVERGED) {
+                carry(&g, row - 1, results, &film);
+            } else if (row->carry_t >= 0) {
                 FOR_EACH(i, g.count4) film.p[i] = (double4)(0.0);
                 SYNC;
             }
             set_gap(&g, &film);
-            const Solved solved =
-                solve(&g, &film, tolerance, most_newton, most_krylov, basis, small, scratch);
-            status = solved.status;
+            Said said =
+                solve(&g, &film, row->tolerance, most_newton, most_krylov, basis, small, scratch);
+            status = said.status;
             double4 deficit = (double4)(-INFINITY), thinness = deficit;
             FOR_EACH_POINT(&g, place, t, i)
             {
@@ -186,20 +155,11 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
                 deficit = larger(deficit, -(1.0 + p));
                 thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
             }
-            const double largest = largest_overpressure(&g, &film, scratch);
-            const double lowest = -max_over_group(max_of(deficit), scratch);
-            const double thinnest = -max_over_group(max_of(thinness), scratch);
-            if (get_local_id(0) == 0) {
-                field result = results + row * NUMBERS;
-                result[MEAN] = solved.force;
-                result[RESIDUAL] = solved.left;
-                result[LARGEST] = largest;
-                result[LOWEST] = lowest;
-                result[THINNEST] = thinnest;
-                result[STATUS] = status;
-                result[NEWTON] = solved.newton;
-                result[KRYLOV] = solved.krylov;
-            }
+            said.largest = largest_overpressure(&g, &film, scratch);
+            said.lowest = -max_over_group(max_of(deficit), scratch);
+            said.thinnest = -max_over_group(max_of(thinness), scratch);
+            if (get_local_id(0) == 0)
+                ((__global Said *)results)[k] = said;
             SYNC;
         }
     }

@@ -3,57 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
-from squeezefilm.reynolds.device import Device, aligned, kernel
-from squeezefilm.reynolds.grid import Grid, carrying_matrices, grid_matrices
-from squeezefilm.reynolds.needs import Needs
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.device import ALIGNMENT_BYTES, Device, aligned, kernel
+from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
+from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
+from squeezefilm.reynolds.problems import Problems, problems_of, profile_fields
+from squeezefilm.reynolds.terms import Terms
 
-SOURCES = ("linear_algebra.cl", "film_over_period.cl", "krylov.cl", "periodic.cl")
-# Numbers that the device says of a scene beside its state: those of States but the first.
-NUMBERS = 8
-# Numbers of a row of the layout, as periodic.cl lists them, and what stands for no offset.
-LAYOUT = 9
+# What stands for no offset.
 NOTHING = -1
-STATUS = ("ok", "Newton's method did not converge", "the pressure became infinite")
+# How an iteration ends: the kernel's names, and what is said of it.
+ENDINGS = {
+    "CONVERGED": "ok",
+    "STALLED": "Newton's method did not converge",
+    "NOT_FINITE": "the pressure became infinite",
+}
+STATUS = tuple(ENDINGS.values())
 MOST_NEWTON = 40
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
-
-
-@dataclass(frozen=True)
-class Problems:
-    """The scenes of a batch in dimensionless form; arrays of shape (scenes,).
-
-    Attributes:
-        epsilon, sigma, bearing: excursion ratio, squeeze number, bearing number.
-        inverse_exponent: 1/n of the gas law ρ = P^(1/n), 1 for an isothermal film.
-        flow: coefficients c_k of the flow's terms H^(3−k) ρ^(1−k) ∇P, shape (scenes, terms); 1 for
-            the viscous flow alone.
-        aspect: finger's length along y over that along x, one for the batch.
-        amplitude: profile s on all nodes of the grid's axes, ends and mirror images included,
-            shape (places, full nx + 2, full ny + 2).
-        tolerance: relative error of the force that the iteration may leave, one for the batch.
-        place: which profile each scene has; one of its own, in order, if left out.
-    """
-
-    epsilon: np.ndarray
-    sigma: np.ndarray
-    bearing: np.ndarray
-    inverse_exponent: np.ndarray
-    flow: np.ndarray
-    aspect: float
-    amplitude: np.ndarray
-    tolerance: float
-    place: np.ndarray | None = None
-
-    @property
-    def places(self) -> np.ndarray:
-        """Row of ``amplitude`` that each scene has."""
-        return np.arange(len(self.epsilon)) if self.place is None else self.place
 
 
 @dataclass(frozen=True)
@@ -73,7 +46,7 @@ class Batch:
 
     @property
     def scenes(self) -> int:
-        return len(self.problems[0].epsilon)
+        return len(self.problems[0])
 
     @property
     def count(self) -> int:
@@ -83,7 +56,7 @@ class Batch:
     @property
     def workspace_size(self) -> int:
         """Numbers that a work-group needs beside the states: fields, Krylov basis, Hessenberg."""
-        flow_terms = self.problems[0].flow.shape[1]
+        flow_terms = self.problems[0].numbers["flow"].shape[1]
         sizes = []
         for grid in self.grids:
             most = most_krylov(grid)
@@ -122,6 +95,24 @@ class States:
     newton_steps: np.ndarray
     krylov_iterations: np.ndarray
 
+    @property
+    def mean_in_time(self) -> np.ndarray:
+        """Overpressure averaged over the period, shape (scenes, nx, ny)."""
+        instants = self.overpressure.shape[-1]
+        return np.asarray(self.overpressure @ np.full(instants, 1 / instants))
+
+
+# What the device says of a scene on a grid beside its overpressure: a row of its results.
+COUNTS = {"status", "newton_steps", "krylov_iterations"}
+SAID = np.dtype(
+    [(each.name, np.int64 if each.name in COUNTS else np.float64) for each in fields(States)[1:]]
+)
+
+
+def _said_numbers(rows: int) -> int:
+    """Numbers that results begin with, before the states, which kernels read in vectors."""
+    return -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+
 
 def solve_batch(
     *, problems: Problems, grid: Grid, device: Device, guess: np.ndarray | None = None
@@ -147,8 +138,8 @@ class Launch:
         """Wait for the device; the states of each batch on each of its grids."""
         self.device.fetch(self.results, self.buffer, after=self.done)
         rows = sum(batch.scenes * len(batch.grids) for batch in self.batches)
-        at_state = rows * NUMBERS
-        numbers = self.results[:at_state].reshape(rows, NUMBERS)
+        at_state = _said_numbers(rows)
+        said = self.results[: rows * SAID.itemsize // 8].view(SAID)
         states: list[list[States]] = []
         first = 0
         for batch in self.batches:
@@ -157,14 +148,9 @@ class Launch:
             states.append([])
             for stage, grid in enumerate(batch.grids):
                 end = at_state + batch.scenes * grid.count
-                said = numbers[first + stage : last : stages].T
-                states[-1].append(
-                    States(
-                        self.results[at_state:end].reshape(-1, *grid.shape),
-                        *said[:5],
-                        *said[5:].astype(int),
-                    )
-                )
+                overpressure = self.results[at_state:end].reshape(-1, *grid.shape)
+                own = said[first + stage : last : stages]
+                states[-1].append(States(overpressure, *(own[name] for name in SAID.names or ())))
                 at_state = end
             first = last
         return states
@@ -180,10 +166,11 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     """
     import pyopencl as cl
 
-    moving = any(np.any(batch.problems[0].bearing) for batch in batches)
-    defines = _defines(batches, moving=moving)
-    periodic_state = kernel(device, "periodic_state", sources=SOURCES, defines=defines)
-    inputs = _inputs(batches, moving=moving)
+    inputs = _inputs(batches)
+    terms = batches[0].problems[0].terms
+    periodic_state = kernel(
+        device, "periodic_state", sources=_sources(terms), header=_header(terms, inputs.rows)
+    )
     scenes = sum(batch.scenes for batch in batches)
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
@@ -194,7 +181,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         (device.work_items,),
         scenes,
         MOST_NEWTON,
-        *(device.sent(values) for values in inputs.read_only),
+        *(device.sent(values) for values in (inputs.begins, inputs.rows, inputs.values)),
         buffer,
         device.sent(np.zeros(1, dtype=np.int32)),
         device.room(workspace_size * groups),
@@ -209,142 +196,87 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
 class _Inputs:
     """A launch's arrays, as periodic.cl describes them.
 
-    read_only: begins, layout, matrices, numbers, profile and schur.
     results: room for what the device says of the scenes, and their first guesses.
     """
 
-    read_only: tuple[np.ndarray, ...]
+    begins: np.ndarray
+    rows: np.ndarray
+    values: np.ndarray
     results: np.ndarray
 
 
-class _Joined:
-    """Arrays that are put behind each other, and where the next one will begin."""
-
-    def __init__(self) -> None:
-        self.parts: list[np.ndarray] = [np.zeros(0)]
-        self.end = 0
-
-    def add(self, values: np.ndarray) -> int:
-        """Where the values begin."""
-        begin = self.end
-        self.parts.append(values.ravel())
-        self.end += values.size
-        return begin
-
-    @property
-    def values(self) -> np.ndarray:
-        return np.concatenate(self.parts) if self.end else np.zeros(1)
-
-
-def _inputs(batches: Sequence[Batch], *, moving: bool) -> _Inputs:
+def _inputs(batches: Sequence[Batch]) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = np.concatenate([np.full(batch.scenes, len(batch.grids)) for batch in batches])
     begins = np.concatenate([[0], np.cumsum(stages)])
-    at_state = NUMBERS * int(begins[-1])
+    at_state = _said_numbers(int(begins[-1]))
     results = aligned(at_state + sum(batch.count for batch in batches))
-    matrices, profile, schur = _Joined(), _Joined(), _Joined()
-    layouts, numbers = [], []
+    pile = Pile()
+    rows = []
     for batch in batches:
-        layout = np.empty((batch.scenes, len(batch.grids), LAYOUT), dtype=np.int64)
+        of_batch = []
         coarser = None
-        for stage, (grid, problems) in enumerate(zip(batch.grids, batch.problems, strict=True)):
-            scene = np.arange(batch.scenes)
-            fields = profile_fields(problems, grid, slope=moving)
-            parts = (
-                *grid.shape,
-                most_krylov(grid),
-                matrices.add(grid_matrices(grid, aspect=problems.aspect, bearing=moving)),
-                matrices.add(carrying_matrices(coarser, grid)) if coarser else NOTHING,
-                profile.add(fields) + problems.places * fields[0].size,
-                (schur.add(_schur_forms(problems, grid)) + 3 * grid.nx**2 * scene) if moving else 0,
-                at_state + grid.count * scene,
+        for grid, problems in zip(batch.grids, batch.problems, strict=True):
+            of_batch.append(
+                rows_of(
+                    {
+                        "nx": grid.nx,
+                        "ny": grid.ny,
+                        "nt": grid.nt,
+                        "most_krylov": most_krylov(grid),
+                        "state": at_state + grid.count * np.arange(batch.scenes),
+                        **_offsets(pile, problems, grid, coarser=coarser),
+                    },
+                    problems.numbers,
+                    # A mass error w moves the pressure by w/H.
+                    tolerance=problems.tolerance * (1 - problems.epsilon),
+                )
             )
-            for column, value in enumerate(parts):
-                layout[:, stage, column] = value
             end = at_state + batch.scenes * grid.count
             if coarser is None:
                 results[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
             at_state, coarser = end, grid
-        layouts.append(layout.reshape(-1, LAYOUT))
-        numbers.append(np.stack([_numbers(each) for each in batch.problems], axis=1).ravel())
-    read_only = (
-        begins.astype(np.int32),
-        np.concatenate(layouts),
-        matrices.values,
-        np.concatenate(numbers),
-        profile.values,
-        schur.values,
-    )
-    return _Inputs(read_only=read_only, results=results)
+        rows.append(of_batch)
+    return _Inputs(begins.astype(np.int32), scene_by_scene(rows), pile.values, results)
 
 
-def _numbers(problems: Problems) -> np.ndarray:
-    return np.column_stack(
+def _offsets(
+    pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None
+) -> dict[str, int | np.ndarray]:
+    """Where what a batch needs on one grid lies in the pile, which it is put on."""
+    matrices = grid_matrices(grid, aspect=problems.aspect, terms=problems.terms)
+    offsets: dict[str, int | np.ndarray] = dict.fromkeys(CARRYING, NOTHING)
+    if coarser:
+        offsets |= pile.add(carrying_matrices(coarser, grid))
+    offsets |= pile.add(matrices)
+    offsets |= pile.add_each(profile_fields(problems, grid), problems.places)
+    for term in problems.terms:
+        offsets |= pile.add_each(term.operators(problems.numbers, grid))
+    return offsets
+
+
+def _sources(terms: Terms) -> tuple[str, ...]:
+    own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
+    grid = ["linear_algebra.cl", "grid_over_period.cl"]
+    return (*grid, *own, "film_over_period.cl", "krylov.cl", "periodic.cl")
+
+
+def _header(terms: Terms, rows: np.ndarray) -> str:
+    """What the sources take as known; terms that no scene of a launch has are not compiled."""
+    (flow_terms,) = rows.dtype["flow"].shape
+    return "\n".join(
         [
-            problems.epsilon,
-            problems.sigma,
-            problems.bearing,
-            # A mass error w moves the pressure by w/H.
-            problems.tolerance * (1 - problems.epsilon),
-            problems.inverse_exponent,
-            problems.flow,
+            f"#define FLOW_TERMS {flow_terms}",
+            c_struct("Row", rows.dtype),
+            c_struct("Said", SAID),
+            c_enum(ENDINGS),
+            c_terms(terms),
         ]
     )
 
 
-def _defines(batches: Sequence[Batch], *, moving: bool) -> tuple[str, ...]:
-    """The terms that the batches need; the others are not compiled."""
-    defines = [f"FLOW_TERMS={batches[0].problems[0].flow.shape[1]}", "PROFILE_FIELDS=3"]
-    if moving:
-        defines[1:] = ["PROFILE_FIELDS=4", "BEARING"]
-    if any(np.any(batch.problems[0].inverse_exponent != 1) for batch in batches):
-        defines.append("POLYTROPIC")
-    return tuple(defines)
-
-
-def _schur_forms(problems: Problems, grid: Grid) -> np.ndarray:
-    """Real Schur form of d²/dX² − (Λ/D) d/dX per scene: vectors, inverse, triangle (3, nx, nx).
-
-    An orthogonal basis stays well conditioned where the eigenvectors of a convection-dominated
-    operator do not. D, the mean diffusivity, is that of the film at ambient pressure. The vectors
-    are scaled so that coefficients measure like nodal values.
-    """
-    from scipy.linalg import schur
-
-    forms = np.empty((len(problems.epsilon), 3, grid.nx, grid.nx))
-    scale = np.sqrt(grid.nx)
-    for form, bearing, flow in zip(forms, problems.bearing, problems.flow, strict=True):
-        operator = grid.x.second_derivative - bearing / flow.sum() * grid.x.first_derivative
-        triangle, vectors = schur(operator, output="real")
-        form[:] = vectors * scale, vectors.T / scale, triangle
-    return forms
-
-
-def warm(device: Device, needs: Needs) -> None:
+def warm(device: Device, scene: Scene) -> None:
     """Build and load the kernels that a scene needs, so that the first batch need not wait."""
     grid = Grid(nx=4, ny=4, nt=8, fold_x=False, fold_y=False)
-    problems = Problems(
-        epsilon=np.zeros(1),
-        sigma=np.ones(1),
-        bearing=np.full(1, float(needs.bearing)),
-        inverse_exponent=np.full(1, 0.8 if needs.polytropic else 1.0),
-        flow=np.ones((1, needs.flow_terms)),
-        aspect=1.0,
-        amplitude=np.ones((1, 6, 6)),
-        tolerance=1.0,
-    )
+    problems = problems_of([replace(scene, hv_m=0.0)], grid, tolerance=1.0)
     solve_batch(problems=problems, grid=grid, device=device)
-
-
-def profile_fields(problems: Problems, grid: Grid, *, slope: bool) -> np.ndarray:
-    """s, |∇s|², Δs and, if asked for, ∂s/∂X where the unknowns lie; (places, 3 or 4, nx, ny).
-
-    Derivatives are those of the interpolating polynomial, lengths in units of the finger's x side.
-    """
-    s = problems.amplitude
-    along_x = grid.x.derivative @ s
-    along_y = s @ grid.y.derivative.T / problems.aspect
-    laplacian = grid.x.derivative @ along_x + along_y @ grid.y.derivative.T / problems.aspect
-    fields = [s, along_x**2 + along_y**2, laplacian, *([along_x] if slope else [])]
-    inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))
-    return np.ascontiguousarray(np.stack([values[inner] for values in fields], axis=1))

@@ -8,26 +8,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from squeezefilm.film.scene import FUKUI_KANEKO_LEAST_D, Scene
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import (
+    ITERATION_SHARE,
+    error_text,
+    estimate,
+    largest_change,
+)
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, Problems, States, launch
+from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, States, launch
+from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.resolution import (
-    MOMENT_FACTOR,
-    MOMENTS,
     MOST_UNKNOWNS,
-    ROUND_OFF,
-    ROUNDED,
     finer_grid,
     first_grid,
     nodes_for_profile,
     start_grid,
 )
-from squeezefilm.reynolds.solution import Solution, error_text, left_out_text
+from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import state_refused, stiffness_of
 
-# Share of the tolerance that Newton's iteration may leave; the grids get the rest.
-ITERATION_SHARE = 0.2
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
 # Launches under way at a time: the host judges one while the device is at the other.
@@ -147,7 +150,7 @@ def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
     filled: dict[object, int] = {}
     for progress in sorted(waiting, key=lambda progress: -iteration_flops(progress.grids[-1])):
         needs = progress.needs
-        terms = (needs.bearing, needs.flow_terms, needs.polytropic)
+        terms = needs.terms
         size = 8 * sum(grid.count for grid in progress.grids)
         if terms not in current or filled[terms] + size > LAUNCH_BYTES:
             current[terms], filled[terms] = defaultdict(list), 0
@@ -163,38 +166,9 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     grids = group[0].grids
     left = ITERATION_SHARE * tolerance
     shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * 2
-    on_grids = zip(grids, shares[-len(grids) :], strict=True)
-    problems = [problems_of(scenes, grid, tolerance=share) for grid, share in on_grids]
+    problems = problems_on(scenes, dict(zip(grids, shares[-len(grids) :], strict=True)))
     known = [progress.overpressure for progress in group if progress.overpressure is not None]
     return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
-
-
-def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
-    """Scenes of one finger shape and like terms, in the dimensionless form of a batch."""
-    amplitude, place = _amplitudes(scenes, grid)
-    return Problems(
-        epsilon=np.array([scene.epsilon for scene in scenes]),
-        sigma=np.array([scene.sigma for scene in scenes]),
-        bearing=np.array([scene.bearing_number for scene in scenes]),
-        inverse_exponent=np.array([1 / scene.gas.polytropic_exponent for scene in scenes]),
-        flow=np.array([scene.flow_coefficients for scene in scenes]),
-        aspect=scenes[0].aspect,
-        amplitude=amplitude,
-        place=place,
-        tolerance=tolerance,
-    )
-
-
-def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """The profile on all nodes at each place of the finger, and each scene's place."""
-    x, y = grid.positions
-    profiles: list[np.ndarray] = []
-    known: dict[object, int] = {}
-    for scene in scenes:
-        if scene.place not in known:
-            known[scene.place] = len(profiles)
-            profiles.append(scene.amplitude(x, y))
-    return np.stack(profiles), np.array([known[scene.place] for scene in scenes])
 
 
 def _judge(
@@ -202,20 +176,26 @@ def _judge(
 ) -> list[Solution | None]:
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
-    floor = ROUND_OFF * states.largest
-    epsilon = np.array([progress.scene.epsilon for progress in group])
-    error = np.full(len(group), np.inf)
+    change = None
     if len(grids) > 1 and grids[-1].finer_than(grids[-2]):
-        change = _change(stages[-2], grids[-2], states, grids[-1])
-        # A mass error w moves the pressure by about n w/H.
-        exponent = np.array([progress.scene.gas.polytropic_exponent for progress in group])
-        error = MOMENT_FACTOR * change + exponent * states.residual / (1 - epsilon) + floor
-    # What rounding leaves, of grids and of the iteration, is no reason for a finer grid.
-    allowed = tolerance * np.abs(states.mean) + ROUNDED * floor / (1 - epsilon)
+        change = largest_change(stages[-2].mean_in_time, grids[-2], states.mean_in_time, grids[-1])
+    narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
+    # A mass error w moves the pressure by about n w/H.
+    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
+    found = estimate(
+        change=change,
+        left=stiffness * states.residual / narrowest,
+        largest=states.largest,
+        narrowest=narrowest,
+        mean=states.mean,
+        tolerance=tolerance,
+    )
     finer = finer_grid(grids[-1], room=room)
     return [
         _judge_scene(progress, stages, position, finer=finer, error=float(e), allowed=float(a))
-        for position, (progress, e, a) in enumerate(zip(group, error, allowed, strict=True))
+        for position, (progress, e, a) in enumerate(
+            zip(group, found.error, found.allowed, strict=True)
+        )
     ]
 
 
@@ -236,14 +216,15 @@ def _judge_scene(
         progress.work += (krylov + newton) * iteration_flops(its_grid)
 
     def finished(
-        *, status: str, grid: Grid = grid, force: float = np.nan, error: float = np.nan
+        *, status: str, grid: Grid = grid, mean: float = np.nan, error: float = np.nan
     ) -> Solution:
-        return Solution(
-            force_n=force * scene.force_scale_n,
-            force_error_n=error * scene.force_scale_n,
+        return solution_of(
+            scene,
+            mean=mean,
+            error=error,
+            left_out=progress.needs.halves_left_out + progress.needs.terms_left_out,
             status=status,
             method="periodic",
-            left_out=left_out_text(progress.needs.halves_left_out + progress.needs.terms_left_out),
             nx=grid.x.full_points,
             ny=grid.y.full_points,
             nt=grid.nt,
@@ -257,14 +238,12 @@ def _judge_scene(
         if each.status[position] != 0:
             reason = f"{STATUS[each.status[position]]} ({_size(its_grid)})"
             return finished(status=reason, grid=its_grid)
-    thinnest = scene.inverse_knudsen * float(states.thinnest[position])
-    if scene.gas.rarefaction == "fukui-kaneko" and thinnest < FUKUI_KANEKO_LEAST_D:
-        return finished(
-            status=f"gas too rarefied: D falls to {thinnest:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
-        )
+    thinnest = float(states.thinnest[position])
+    if refused := state_refused(scene, progress.needs.terms, thinnest=thinnest):
+        return finished(status=refused)
     force = float(states.mean[position])
     if error <= allowed:
-        return finished(status="ok", force=force, error=error)
+        return finished(status="ok", mean=force, error=error)
     if finer is None:
         reason = error_text(error, allowed=allowed, force=force)
         return finished(
@@ -278,18 +257,6 @@ def iteration_flops(grid: Grid) -> float:
     """Floating-point operations of one Krylov iteration's products."""
     nx, ny, nt = grid.shape
     return 2.0 * nx * ny * nt * (3 * nx + 3 * ny + 2 * nt)
-
-
-def _change(before: States, coarse: Grid, after: States, fine: Grid) -> np.ndarray:
-    """Largest change, from grid to grid, of the mean pressure's lowest cosine moments, per scene.
-
-    The first of the moments is the force.
-    """
-    on_coarse = before.overpressure @ np.full(coarse.nt, 1 / coarse.nt)
-    on_fine = after.overpressure @ np.full(fine.nt, 1 / fine.nt)
-    carried = coarse.x.interpolation_to(fine.x) @ on_coarse @ coarse.y.interpolation_to(fine.y).T
-    moments = fine.x.moments(MOMENTS) @ (on_fine - carried) @ fine.y.moments(MOMENTS).T
-    return np.abs(moments).max(axis=(1, 2))
 
 
 def _size(grid: Grid) -> str:

@@ -18,19 +18,9 @@ MOST_TIME = 192
 # Unknowns beyond which a scene takes minutes.
 MOST_UNKNOWNS = 5_000_000
 LEAST_TIME = 8
-# The force can agree between two grids by chance. The lowest moments of the mean pressure hardly
-# ever all do: twice their largest change covered the finer grid's true error in 99.8 % of 414
-# pairs of grids, drawn over ε 0.01–0.95 and σ 0.1–3e5.
-MOMENTS = 3
-MOMENT_FACTOR = 2.0
 # Share of the tolerance that the first grid is to leave: with all of it, twice the change to the
 # second grid would be above the tolerance, and a third grid be needed.
 FIRST_SHARE = 1 / 3
-# Round-off: error of the mean overpressure relative to the largest overpressure.
-ROUND_OFF = 1e-14
-# How many times that, over the narrowest gap, an error may be whatever the force: what the
-# difference of two grids and an iteration stopped by rounding leave.
-ROUNDED = 4
 # The start grid's points per direction, as a share of the first grid's.
 START_SHARE = 0.6
 # Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,

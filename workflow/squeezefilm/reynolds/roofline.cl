@@ -1,5 +1,5 @@
 /* The device's limits and the solver's parts, each repeated, to set one beside the other.
- * Compiled after linear_algebra.cl and film_over_period.cl. */
+ * Compiled after linear_algebra.cl and grid_over_period.cl. */
 
 /* Twelve independent chains of double4 multiply-adds: 2 · 4 · 12 flop a turn and work-item. They
  * are written out, for a compiler may keep an array in memory. */
@@ -30,10 +30,10 @@ __kernel void stream_triad(const int count4, const int turns, field4 a, field4 b
 }
 
 /* The solver's products, `turns` times, on each group's own two fields. */
-__kernel void panel_products(const int which, const int turns, const int nx, const int ny,
-                             const int nt, matrix matrices, field workspace)
+__kernel void panel_products(const int which, const int turns, __global const Row *row,
+                             matrix values, field workspace)
 {
-    const Grid g = make_grid(nx, ny, nt, matrices);
+    const Grid g = make_grid(row, values);
     field in = workspace + get_group_id(0) * (size_t)(2 * g.count), out = in + g.count;
     for (int turn = 0; turn < turns; turn++) {
         if (which == 0)

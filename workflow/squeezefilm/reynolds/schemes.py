@@ -14,7 +14,7 @@ import numpy as np
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import Problems
+from squeezefilm.reynolds.problems import Problems
 
 LEAST_STEPS = 8
 # Cost of solving for a stage in units of evaluating one, measured on 16 × 16 nodes.
@@ -129,16 +129,15 @@ def steps_for_stability(*, problems: Problems, grid: Grid, scheme: str) -> np.nd
     """Least number of steps per period with which a scheme is stable, shape (scenes,).
 
     The largest eigenvalue of the collocated Laplacian, times the largest H²P ≤ (1 + ε |s|)², over
-    σ must lie within the scheme's limit on the real axis; 1 for implicit schemes. The bearing term
-    adds the largest of its own, as the limit holds in about all directions to the left.
+    σ must lie within the scheme's limit on the real axis; 1 for implicit schemes. Terms add the
+    largest of their own, as the limit holds in about all directions to the left.
     """
     limit = SCHEMES[scheme].real_limit
     steepest = -grid.x.modes[0].min() - grid.y.modes[0].min() / problems.aspect**2
-    widest = 1 + problems.epsilon * np.abs(problems.amplitude).max(axis=(1, 2))
-    rate = steepest * widest**2
-    if np.any(problems.bearing):
-        turning = np.abs(np.linalg.eigvals(grid.x.first_derivative)).max()
-        rate = rate + problems.bearing * turning
+    highest = np.abs(problems.amplitude).max(axis=(1, 2))[problems.places]
+    rate = steepest * (1 + problems.epsilon * highest) ** 2
+    for term in problems.terms:
+        rate = rate + term.explicit_rate(problems.numbers, grid)
     return np.maximum(1.0, np.ceil(2 * pi * rate / problems.sigma / limit))
 
 

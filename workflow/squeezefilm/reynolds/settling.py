@@ -12,9 +12,10 @@ from math import pi
 import numpy as np
 
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import ROUND_OFF, estimate, largest_change
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import Problems
-from squeezefilm.reynolds.resolution import MOMENT_FACTOR, MOMENTS, ROUND_OFF, finer_grid
+from squeezefilm.reynolds.problems import Problems
+from squeezefilm.reynolds.resolution import finer_grid
 from squeezefilm.reynolds.schemes import SCHEMES, Choice, choose, steps_for_stability
 from squeezefilm.reynolds.transient import STATUS, march
 
@@ -70,7 +71,7 @@ def settle(
     starts from there, improved by Anderson's mixing with the periods before (J. ACM 12, 1965; as in
     Walker and Ni, SIAM J. Numer. Anal. 49, 2011). The same number is the estimate of what is left.
     """
-    scenes = len(problems.epsilon)
+    scenes = len(problems)
     values_x, vectors_x, inverse_x = grid.x.modes
     values_y, vectors_y, inverse_y = grid.y.modes
     rate = np.add.outer(values_x, values_y / problems.aspect**2)
@@ -85,7 +86,7 @@ def settle(
     active = np.arange(scenes)
     while active.size and periods.max() < MOST_PERIODS:
         run = march(
-            problems=_some(problems, active),
+            problems=problems.some(active),
             grid=grid,
             periods=1,
             steps_per_period=steps_per_period[active],
@@ -136,19 +137,6 @@ def _mixed(history: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
     steepest = np.max(-step / (1 + starts[-1]))
     share = 0.9 / steepest if steepest > 0.9 else 1.0
     return (starts[-1] + share * step).reshape(history[-1][0].shape)
-
-
-def _some(problems: Problems, which: np.ndarray) -> Problems:
-    """Some of a batch's scenes."""
-    return replace(
-        problems,
-        epsilon=problems.epsilon[which],
-        sigma=problems.sigma[which],
-        bearing=problems.bearing[which],
-        inverse_exponent=problems.inverse_exponent[which],
-        flow=problems.flow[which],
-        amplitude=problems.amplitude[which],
-    )
 
 
 @dataclass(frozen=True)
@@ -234,7 +222,7 @@ def transient_force(
             which = np.array(group)
             steps = steps_of_all[which]
             settled = settle(
-                problems=_some(problems, which),
+                problems=problems.some(which),
                 grid=grid,
                 steps_per_period=steps,
                 scheme=name,
@@ -301,17 +289,18 @@ def _judge(
         return _settled(one, grid, steps, status=reason)
     mean, overpressure = float(settled.mean[position]), settled.overpressure[position]
     pressure = settled.mean_overpressure[position]
-    floor = ROUND_OFF * float(np.abs(overpressure).max())
-    error = float(settled.left[position]) + floor
-    if one.mean_overpressure is None:
-        error = np.inf
-    else:
-        change = pressure - _carried(one.mean_overpressure, before, grid)
-        moments = grid.x.moments(MOMENTS) @ change @ grid.y.moments(MOMENTS).T
-        error += MOMENT_FACTOR * float(np.abs(moments).max())
+    known = one.mean_overpressure
+    found = estimate(
+        change=None if known is None else largest_change(known, before, pressure, grid),
+        left=settled.left[position],
+        largest=np.abs(overpressure).max(),
+        narrowest=1.0,
+        mean=mean,
+        tolerance=tolerance,
+    )
     one.overpressure, one.mean_overpressure = overpressure, pressure
-    if error <= tolerance * abs(mean) + floor:
-        return _settled(one, grid, steps, mean=mean, error=error)
+    if found.holds:
+        return _settled(one, grid, steps, mean=mean, error=float(found.error))
     return None
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds import galerkin, limits, marching
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.galerkin import solve_in_modes, wants_modes
@@ -20,7 +21,8 @@ from squeezefilm.reynolds.marching import solve_marching
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.refinement import solve_periodic
 from squeezefilm.reynolds.resolution import nodes_for_profile, unseen_profile
-from squeezefilm.reynolds.solution import Solution, left_out_text, refusal
+from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import terms_of
 
 # The methods from cheap to dear; the limits know their own error before anything is solved.
 LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
@@ -132,7 +134,7 @@ def solve(
 
     def failed(error: Exception) -> Solution:
         report(1)
-        return refusal(unexpected(error), method=method)
+        return Solution(status=unexpected(error), method=method)
 
     return each_on_its_own(attempt, scenes, failed=failed)
 
@@ -179,7 +181,7 @@ def _solve(
     ways = ways_of(scenes, needs, tolerance=tolerance, method=method)
     for index, way in enumerate(ways):
         if way.refused:
-            solutions[index] = refusal(way.refused, method=way.method)
+            solutions[index] = Solution(status=way.refused, method=way.method)
         elif way.limit is not None:
             limit = way.limit
             solutions[index] = _limit_solution(scenes[index], needs[index], limit, tolerance)
@@ -268,9 +270,9 @@ def _applies(name: str, scene: Scene, needs: Needs) -> bool:
     """Whether the limit was derived for this scene's finger and terms at all."""
     if wants_modes(scene):
         return False
-    if needs.bearing or needs.polytropic or needs.flow_terms > 2 or scene.epsilon == 0:
+    if scene.epsilon == 0 or not all(term.knows_limit(name) for term in needs.terms):
         return False
-    return name != "closed-form" or (needs.uniform and needs.flow_terms == 1)
+    return name != "closed-form" or needs.uniform
 
 
 def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
@@ -341,23 +343,34 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
         sigma=sigma,
         amplitude=np.stack([places[scene.place] for scene in scenes]),
         aspect=aspect,
-        slip=np.array([sum(scene.flow_coefficients[1:]) for scene in scenes]),
+        **_numbers_of_terms(scenes),
     )
+
+
+def _numbers_of_terms(scenes: Sequence[Scene]) -> dict[str, np.ndarray]:
+    """What the terms of some scenes say to a limit; 0 for a scene without the term."""
+    each = [
+        {
+            name: value
+            for term in terms_of(scene)
+            for name, value in term.limit_numbers(scene).items()
+        }
+        for scene in scenes
+    ]
+    names = dict.fromkeys(name for numbers in each for name in numbers)
+    return {name: np.array([numbers.get(name, 0.0) for numbers in each]) for name in names}
 
 
 def _limit_solution(scene: Scene, needs: Needs, result: LimitResult, tolerance: float) -> Solution:
     finite = isfinite(result.error)
-    return Solution(
-        force_n=result.mean * scene.force_scale_n if finite else np.nan,
-        force_error_n=result.error * scene.force_scale_n if finite else np.nan,
+    return solution_of(
+        scene,
+        mean=result.mean if finite else np.nan,
+        error=result.error if finite else np.nan,
+        left_out=(result.left_out, *needs.terms_left_out),
         status=result.status(tolerance),
         method=result.method,
-        left_out=left_out_text((result.left_out, *needs.terms_left_out)),
         nx=result.nx,
         ny=result.ny,
-        nt=0,
-        newton_steps=0,
-        krylov_iterations=0,
-        residual=0.0,
         work=result.flops,
     )

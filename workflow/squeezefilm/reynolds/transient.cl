@@ -40,24 +40,22 @@ static double excursion_at(double epsilon, int period, double phase, double ramp
     return epsilon * share * share * sin(2.0 * M_PI * phase);
 }
 
-enum { MARCHED = 0, STALLED = 1, NOT_PHYSICAL = 2 };
-
 /* table:   Butcher's a (stages, stages), b, c.
- * numbers: per scene epsilon, sigma, bearing, steps per period, tolerance of a stage.
- * profile: per scene amplitude, |grad|², Laplacian and (BEARING) x-slope, each (nx, ny).
+ * rows:    per scene sizes, numbers, steps per period, tolerance of a stage and where its parts lie
+ *          in values; the sizes are those of all scenes. Row, Period and Ending: transient.py.
  * state:   per scene y (nx, ny) at T = 2π first_period on entry, `periods` later on exit. There
  *          the gap is at rest and y = P − 1.
  * mean_overpressure: per scene (nx, ny), over the last period.
- * results: per scene and period mean, smallest and largest mean overpressure of the film.
- * counts:  per scene status, Newton steps, Krylov iterations. */
-__kernel void march_films(const int scenes, const int nx, const int ny, const int periods,
-                          const int first_period, const double ramp, const int stages,
-                          matrix table, matrix matrices, matrix numbers, matrix profile,
-                          field state, field mean_overpressure, field results,
-                          __global int *counts, field workspace, const ulong workspace_size,
+ * results: per scene and period, what is said of it.
+ * endings: per scene how its march ended, at what cost. */
+__kernel void march_films(const int scenes, const int periods, const int first_period,
+                          const double ramp, const int stages, matrix table,
+                          __global const Row *rows, matrix values, field state,
+                          field mean_overpressure, __global Period *results,
+                          __global Ending *endings, field workspace, const ulong workspace_size,
                           __global int *queue, __local double *scratch)
 {
-    const Grid g = make_grid(nx, ny, matrices);
+    const Grid g = make_grid(rows, values);
     matrix b = table + stages * stages, nodes = b + stages;
     __local int taken;
     field space = workspace + get_group_id(0) * workspace_size;
@@ -82,20 +80,19 @@ __kernel void march_films(const int scenes, const int nx, const int ny, const in
         SYNC;
         if (scene >= scenes)
             break;
-        matrix number = numbers + scene * 5;
-        film.epsilon = number[0];
-        film.sigma = number[1];
-        film.bearing = number[2];
-        const int steps = (int)number[3];
+        __global const Row *given = rows + scene;
+        film.row = given;
+        film.values = values;
+        film.epsilon = given->epsilon;
+        film.sigma = given->sigma;
+        const int steps = given->steps;
         const double h = 2.0 * M_PI / steps;
-        matrix4 s = (matrix4)(profile + (ulong)scene * PROFILE_FIELDS * g.count);
-        film.amplitude = s;
-        film.gradient_squared = s + g.count4;
-        film.laplacian = s + 2 * g.count4;
-        film.slope_x = s + (PROFILE_FIELDS - 1) * g.count4;
+        film.amplitude = (matrix4)ARRAY(&film, amplitude);
+        film.gradient_squared = (matrix4)ARRAY(&film, gradient_squared);
+        film.laplacian = (matrix4)ARRAY(&film, laplacian);
         field y = state + (ulong)scene * g.count;
         field4 mean = (field4)(mean_overpressure + (ulong)scene * g.count);
-        field result = results + (ulong)scene * periods * 3;
+        __global Period *result = results + (ulong)scene * periods;
 
         int status = MARCHED, newton = 0, krylov = 0, period = 0;
         for (; period < periods && status == MARCHED; period++) {
@@ -125,7 +122,7 @@ __kernel void march_films(const int scenes, const int nx, const int ny, const in
                     FOR_EACH(k, g.count)
                     stage[k] = known[k] + (c != 0.0 ? c * own[k - g.count] : 0.0);
                     SYNC;
-                    if (!solve_stage(&g, &film, c, stage, known, own, number[4], basis, small,
+                    if (!solve_stage(&g, &film, c, stage, known, own, given->tolerance, basis, small,
                                      &newton, &krylov, scratch) &&
                         status == MARCHED)
                         status = STALLED;
@@ -164,18 +161,17 @@ __kernel void march_films(const int scenes, const int nx, const int ny, const in
                 status = NOT_PHYSICAL;
             const double force = dot_product((matrix4)g.area, mean, g.count4, scratch);
             if (get_local_id(0) == 0) {
-                result[3 * period] = status == MARCHED ? force : NAN;
-                result[3 * period + 1] = lowest;
-                result[3 * period + 2] = highest;
+                result[period].mean = status == MARCHED ? force : NAN;
+                result[period].lowest = lowest;
+                result[period].highest = highest;
             }
             SYNC;
         }
         if (get_local_id(0) == 0) {
-            for (int k = 3 * period; k < 3 * periods; k++)
-                result[k] = NAN;
-            counts[3 * scene] = status;
-            counts[3 * scene + 1] = newton;
-            counts[3 * scene + 2] = krylov;
+            for (int k = period; k < periods; k++)
+                result[k] = (Period){.mean = NAN, .lowest = NAN, .highest = NAN};
+            endings[scene] = (Ending){
+                .status = status, .newton_steps = newton, .krylov_iterations = krylov};
         }
         SYNC;
     }

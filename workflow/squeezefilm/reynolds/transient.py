@@ -14,13 +14,22 @@ import numpy as np
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device, aligned, kernel
-from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import Problems, profile_fields
+from squeezefilm.reynolds.grid import Grid, instant_matrices
+from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of
+from squeezefilm.reynolds.problems import Problems, profile_fields
 from squeezefilm.reynolds.schemes import SCHEMES, Scheme, steps_for_stability
+from squeezefilm.reynolds.terms import Terms
 
-EXPLICIT_SOURCES = ("linear_algebra.cl", "film_at_instant.cl", "transient.cl")
-IMPLICIT_SOURCES = ("linear_algebra.cl", "film_at_instant.cl", "krylov.cl", "transient.cl")
-STATUS = ("ok", "a step's equations did not converge", "the pressure left the physical range")
+# How a march ends: the kernel's names, and what is said of it.
+ENDINGS = {
+    "MARCHED": "ok",
+    "STALLED": "a step's equations did not converge",
+    "NOT_PHYSICAL": "the pressure left the physical range",
+}
+STATUS = tuple(ENDINGS.values())
+# What the kernel says of a period and of a scene's march.
+PERIOD = np.dtype([(name, np.float64) for name in ("mean", "lowest", "highest")])
+ENDING = np.dtype([(name, np.int64) for name in ("status", "newton_steps", "krylov_iterations")])
 MOST_NEWTON = 12
 MOST_KRYLOV = 30
 
@@ -123,13 +132,13 @@ def march(
 
     if scheme not in SCHEMES:
         raise InputError(f"scheme {scheme!r}: unknown; allowed are {', '.join(SCHEMES)}")
-    if problems.flow.shape[1] > 1 or np.any(problems.inverse_exponent != 1):
-        raise InputError("march: marching in time is for isothermal films without slip only")
+    unknown = [term.label for term in problems.terms if not term.AT_INSTANT]
+    if unknown:
+        raise InputError(f"march: marching in time does not know {', '.join(unknown)}")
     if grid.nx % 4 or grid.ny % 4:
         raise InputError(f"march: {grid.nx} × {grid.ny} unknowns; both must be multiples of 4")
     method = SCHEMES[scheme]
-    scenes = len(problems.epsilon)
-    moving = bool(np.any(problems.bearing))
+    scenes = len(problems)
     steps = np.broadcast_to(np.asarray(steps_per_period, dtype=float), (scenes,))
     stable = steps_for_stability(problems=problems, grid=grid, scheme=scheme)
     if not allow_unstable and np.any(steps < stable):
@@ -138,15 +147,6 @@ def march(
             f"march: {steps[few]:.0f} steps per period with {scheme} are too few at "
             f"sigma = {problems.sigma[few]:g}; {stable[few]:.0f} are sure to be stable"
         )
-    numbers = np.column_stack(
-        [
-            problems.epsilon,
-            problems.sigma,
-            problems.bearing,
-            steps,
-            _stage_tolerance(problems, steps),
-        ]
-    )
     count = grid.nx * grid.ny
     size = (9 + method.stages) * count
     if method.implicit:
@@ -156,33 +156,49 @@ def march(
     shape = (scenes, grid.nx, grid.ny)
     state, mean = (aligned(scenes * count).reshape(shape) for _ in range(2))
     state[:] = 0.0 if overpressure is None else overpressure
-    results = np.empty((scenes, periods, 3))
-    counts = np.empty((scenes, 3), dtype=np.int32)
-
+    results = np.empty((scenes, periods), dtype=PERIOD)
+    endings = np.empty(scenes, dtype=ENDING)
+    pile = Pile()
+    rows = rows_of(
+        {
+            "nx": grid.nx,
+            "ny": grid.ny,
+            "steps": steps.astype(int),
+            **pile.add(instant_matrices(grid, aspect=problems.aspect, terms=problems.terms)),
+            **pile.add_each(profile_fields(problems, grid), problems.places),
+        },
+        problems.numbers,
+        tolerance=_stage_tolerance(problems, steps),
+    )
     march_films = kernel(
         device,
         "march_films",
-        sources=IMPLICIT_SOURCES if method.implicit else EXPLICIT_SOURCES,
-        defines=_defines(method, moving),
+        sources=_sources(method, problems.terms),
+        header="\n".join(
+            [
+                c_struct("Row", rows.dtype),
+                c_struct("Period", PERIOD),
+                c_struct("Ending", ENDING),
+                c_enum(ENDINGS),
+                c_terms(problems.terms),
+            ]
+        ),
+        defines=_defines(method),
     )
-    returned: tuple[np.ndarray, ...] = state, mean, results, counts
+    returned: tuple[np.ndarray, ...] = state, mean, results, endings
     shared = [device.shared(values) for values in returned]
-    matrices = _matrices(grid, aspect=problems.aspect, bearing=moving, implicit=method.implicit)
     done = march_films(
         device.queue,
         (groups * device.work_items,),
         (device.work_items,),
         scenes,
-        grid.nx,
-        grid.ny,
         periods,
         first_period,
         ramp_periods,
         method.stages,
         device.sent(method.table),
-        device.sent(matrices),
-        device.sent(numbers),
-        device.sent(profile_fields(problems, grid, slope=moving)[problems.places]),
+        device.sent(rows),
+        device.sent(pile.values),
         *shared,
         device.room(size * groups),
         size,
@@ -192,42 +208,26 @@ def march(
     for values, buffer in zip(returned, shared, strict=True):
         device.fetch(values, buffer, after=done)
     return March(
-        mean_by_period=results[..., 0],
-        lowest_by_period=results[..., 1],
-        highest_by_period=results[..., 2],
+        **{f"{name}_by_period": results[name] for name in PERIOD.names or ()},
         overpressure=state,
         mean_overpressure=mean,
         scheme=scheme,
         steps_per_period=steps.astype(int),
-        newton_steps=counts[:, 1],
-        krylov_iterations=counts[:, 2],
-        status=counts[:, 0],
+        **{name: endings[name] for name in ENDING.names or ()},
     )
 
 
-def _defines(scheme: Scheme, moving: bool) -> tuple[str, ...]:
-    """The terms that the batch needs; the others are not compiled."""
-    defines = ["PROFILE_FIELDS=4", "BEARING"] if moving else ["PROFILE_FIELDS=3"]
-    if scheme.implicit:
-        defines += ["IMPLICIT", f"NEWTON={MOST_NEWTON}", f"KRYLOV={MOST_KRYLOV}"]
-    return tuple(defines)
+def _sources(scheme: Scheme, terms: Terms) -> tuple[str, ...]:
+    own = [term.AT_INSTANT for term in terms]
+    krylov = ["krylov.cl"] if scheme.implicit else []
+    grid = ["linear_algebra.cl", "grid_at_instant.cl"]
+    return (*grid, *own, "film_at_instant.cl", *krylov, "transient.cl")
 
 
-def _matrices(grid: Grid, *, aspect: float, bearing: bool, implicit: bool) -> np.ndarray:
-    """The batch's matrices in one array, in the order in which make_grid reads them."""
-    values_x, vectors_x, inverse_x = grid.x.modes
-    values_y, vectors_y, inverse_y = grid.y.modes
-    parts = [
-        grid.x.second_derivative,
-        grid.y.second_derivative.T / aspect**2,
-        np.outer(grid.x.weights, grid.y.weights),
-    ]
-    if bearing:
-        parts.append(grid.x.first_derivative)
-    if implicit:
-        eigenvalues = np.add.outer(values_x, values_y / aspect**2)
-        parts += [vectors_x, inverse_x, vectors_y.T, inverse_y.T, eigenvalues]
-    return np.concatenate([np.ascontiguousarray(part).ravel() for part in parts])
+def _defines(scheme: Scheme) -> tuple[str, ...]:
+    if not scheme.implicit:
+        return ()
+    return ("IMPLICIT", f"NEWTON={MOST_NEWTON}", f"KRYLOV={MOST_KRYLOV}")
 
 
 def _stage_tolerance(problems: Problems, steps: np.ndarray) -> np.ndarray:

@@ -12,7 +12,6 @@ import argparse
 from squeezefilm.io import job
 from squeezefilm.io.tables import ScenePoint, write_json
 from squeezefilm.reynolds.device import choose_device, describe
-from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import load_config
@@ -33,7 +32,7 @@ def run(options: argparse.Namespace) -> None:
     scene = scene_of(at_rest, config, check=False)
     with node_cache.one_build_at_a_time():
         device = choose_device(config["solver"]["device"])
-        warm(device, needs_of(scene))
+        warm(device, scene)
     facts = describe(device)
     job.note(device=dict(facts))
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment

@@ -38,7 +38,6 @@ from squeezefilm.io.tables import (
 from squeezefilm.io.typed_units import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, choose_device, describe
-from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import warm
 from squeezefilm.reynolds.regime import regime_notes
 from squeezefilm.runs import node_cache
@@ -151,7 +150,7 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
     with node_cache.one_build_at_a_time():
         device = choose_device(config["solver"]["device"], option=options.device)
         job.note(device=describe(device))
-        warm(device, needs_of(_scenes(pieces[0], config, path=options.scenes)[0]))
+        warm(device, _scenes(pieces[0], config, path=options.scenes)[0])
     failures: list[str] = []
     seconds = 0.0
     with (

@@ -1,0 +1,91 @@
+/* The grid over one period and the products with its matrices. `Row` is what the host says of a scene
+ * on a grid: its sizes, its numbers, and where its parts lie in the array `values` (layout.py). */
+
+typedef __global double2 *pair;
+typedef __global const double2 *pairs;
+
+/* Sizes and the matrices that all scenes of a batch share. */
+typedef struct {
+    int nx, ny, nt, rows, count, nt4, row4, count4;
+    matrix laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
+    matrix eigenvalues, eigenvalues_y, weights;
+    pairs harmonics;
+    matrix fourier, fourier_transposed, time_derivative;
+    matrix4 sine, cosine;
+} Grid;
+
+/* One scene: its numbers and profile, and the fields of the state that is being improved. What terms
+ * have of their own they find through the scene's row: numbers as film->row->NAME, and arrays by
+ * ARRAY. */
+typedef struct {
+    __global const Row *row;
+    matrix values;
+    double epsilon, sigma, diffusivity;
+    matrix amplitude, gradient_squared, laplacian;
+    field4 gap_power[FLOW_TERMS], potential[FLOW_TERMS], response[FLOW_TERMS];
+    field4 p;
+    field work_a, work_b, work_c;
+} Film;
+
+#define ARRAY(film, name) ((film)->values + (film)->row->name)
+
+static Grid make_grid(__global const Row *row, matrix values)
+{
+    Grid g;
+    g.nx = row->nx; g.ny = row->ny; g.nt = row->nt;
+    g.rows = g.nx * g.ny; g.count = g.rows * g.nt;
+    g.nt4 = g.nt / 4; g.row4 = g.ny * g.nt / 4; g.count4 = g.count / 4;
+    g.laplace_x = values + row->laplace_x;
+    g.modes_x = values + row->modes_x;
+    g.to_modes_x = values + row->to_modes_x;
+    g.laplace_y = values + row->laplace_y;
+    g.modes_y = values + row->modes_y;
+    g.to_modes_y = values + row->to_modes_y;
+    g.fourier = values + row->fourier;
+    g.fourier_transposed = values + row->fourier_transposed;
+    g.time_derivative = values + row->time_derivative;
+    g.eigenvalues = values + row->eigenvalues;
+    g.eigenvalues_y = values + row->eigenvalues_y;
+    g.weights = values + row->weights;
+    g.harmonics = (pairs)(values + row->harmonics);
+    g.sine = (matrix4)(values + row->sine);
+    g.cosine = (matrix4)(values + row->cosine);
+    return g;
+}
+
+static void along_x(const Grid *g, matrix a, field in, field out, int add)
+{
+    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, g->row4, 1, add);
+}
+
+static void along_y(const Grid *g, matrix a, field in, field out, int add)
+{
+    multiply(a, g->ny, g->ny, (matrix4)in, (field4)out, g->nt4, g->nx, add);
+}
+
+/* out[row][:] = in[row][:] times `transposed` (nt, nt). */
+static void along_t(const Grid *g, matrix transposed, field in, field out, int add)
+{
+    multiply(in, g->rows, g->nt, (matrix4)transposed, (field4)out, g->nt4, 1, add);
+}
+
+/* modal = (to_modes_x ⊗ to_modes_y ⊗ fourier) values; `values` is overwritten. */
+static void to_modal(const Grid *g, field values, field modal)
+{
+    along_t(g, g->fourier_transposed, values, modal, 0);
+    along_x(g, g->to_modes_x, modal, values, 0);
+    along_y(g, g->to_modes_y, values, modal, 0);
+}
+
+/* values = (modes_x ⊗ modes_y ⊗ fourier') modal, by way of `work`. */
+static void from_modal(const Grid *g, field modal, field work, field values)
+{
+    along_x(g, g->modes_x, modal, values, 0);
+    along_y(g, g->modes_y, values, work, 0);
+    along_t(g, g->fourier, work, values, 0);
+}
+
+static double4 gap_at(const Grid *g, const Film *film, int row, int t)
+{
+    return 1.0 + film->epsilon * film->amplitude[row] * g->sine[t];
+}

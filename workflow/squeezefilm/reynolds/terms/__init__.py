@@ -1,0 +1,60 @@
+"""The terms that the film equation may have beside squeezing, one module each.
+
+Here alone are they listed, in the order in which they are spoken of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms.bearing import Bearing
+from squeezefilm.reynolds.terms.polytropic import Polytropic
+from squeezefilm.reynolds.terms.rarefaction import Rarefaction
+from squeezefilm.reynolds.terms.term import HOOKS, LEAST_SHARE, LeftOut, Numbers, Term
+
+__all__ = ["HOOKS", "LEAST_SHARE", "TERMS", "LeftOut", "Term", "Terms"]
+
+TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic)
+Terms = tuple[Term, ...]
+
+
+def terms_of(scene: Scene) -> Terms:
+    """The terms that a scene has."""
+    return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
+
+
+def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
+    """What is said of the terms that are not among some."""
+    present = {type(term) for term in terms}
+    return tuple(kind.ABSENT for kind in TERMS if kind not in present)
+
+
+def numbers_of(scene: Scene, terms: Terms) -> Numbers:
+    """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P."""
+    numbers: dict[str, float | tuple[float, ...]] = {
+        "epsilon": scene.epsilon,
+        "sigma": scene.sigma,
+        "flow": (1.0,),
+    }
+    for term in terms:
+        numbers.update(term.numbers(scene))
+    return numbers
+
+
+def stiffness_of(scene: Scene, terms: Terms) -> float:
+    """Relative change of pressure with that of density, at ambient pressure."""
+    factor = 1.0
+    for term in terms:
+        factor *= term.stiffness(scene)
+    return factor
+
+
+def state_refused(scene: Scene, terms: Terms, *, thinnest: float) -> str:
+    """Why a state found lies outside the range of a term; empty if it does not."""
+    return first_reason(term.refused_state(scene, thinnest=thinnest) for term in terms)
+
+
+def first_reason(reasons: Iterable[str]) -> str:
+    """The first that is not empty; empty if all are."""
+    return next(filter(None, reasons), "")

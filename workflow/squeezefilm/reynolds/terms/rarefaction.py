@@ -1,0 +1,112 @@
+"""Rarefaction: slip at the walls, or Fukui and Kaneko's flow factor, in powers of Kn.
+
+The mass flux becomes Σ c_k H^(3−k) ρ^(1−k) ∇P; the mean free path's 1/ρ is in the powers of ρ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.limits import limit_axis, limit_points, small_amplitude
+from squeezefilm.reynolds.terms.term import LEAST_SHARE, LeftOut, Numbers, Term
+
+# Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
+# inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
+# J. Tribology 112 (1990), 78–83, the branch for D ≥ 5.
+FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
+FUKUI_KANEKO_LEAST_D = 5.0
+# First-order slip is meant for Knudsen numbers up to here (Burgdorfer 1959 for small ones).
+SLIP_MOST_KNUDSEN = 0.1
+GRID_TOLERANCE = 1e-2
+
+
+def flow_coefficients(scene: Scene) -> tuple[float, ...]:
+    """Coefficients c_k of the mass flux Σ c_k H^(3−k) ρ^(1−k) ∇P, the first being 1.
+
+    Slip of first order adds 6 Kn H² (Burgdorfer 1959).
+    """
+    if scene.gas.rarefaction == "slip":
+        return (1.0, 6 * scene.knudsen)
+    if scene.gas.rarefaction == "fukui-kaneko":
+        return tuple(c / scene.inverse_knudsen**k for k, c in enumerate(FUKUI_KANEKO))
+    return (1.0,)
+
+
+@dataclass(frozen=True)
+class Rarefaction(Term):
+    """``label`` is the gas' ``rarefaction``, ``slip`` or ``fukui-kaneko``."""
+
+    NAME = "rarefaction"
+    ABSENT = LeftOut("rarefaction", "gas.rarefaction is none")
+
+    @classmethod
+    def of(cls, scene: Scene) -> Rarefaction | None:
+        return cls(scene.gas.rarefaction) if scene.gas.rarefaction != "none" else None
+
+    @classmethod
+    def note(cls, scene: Scene) -> str:
+        if scene.gas.rarefaction == "slip" and scene.knudsen > SLIP_MOST_KNUDSEN:
+            return (
+                f"slip of first order is meant for Kn up to {SLIP_MOST_KNUDSEN:g}, fukui-kaneko "
+                f"for up to 0.17 (Kn {scene.knudsen:.2g})"
+            )
+        return _slip_left_out(scene) if scene.gas.rarefaction == "none" else ""
+
+    def numbers(self, scene: Scene) -> Numbers:
+        return {"flow": flow_coefficients(scene)}
+
+    def knows_limit(self, name: str) -> bool:
+        return self.label == "slip" and name != "closed-form"
+
+    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+        return {"slip": sum(flow_coefficients(scene)[1:])}
+
+    def refused_in_modes(self, scene: Scene) -> str:
+        return ""
+
+    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
+        least = scene.inverse_knudsen * thinnest
+        if self.label != "fukui-kaneko" or not least < FUKUI_KANEKO_LEAST_D:
+            return ""
+        return f"gas too rarefied: D falls to {least:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
+
+
+def slip_share(scene: Scene) -> float:
+    """What slip would change of the mean force, relative, to second order in ε; NaN of no force.
+
+    Within a quarter of the solver's own difference up to ε = 0.4 and within a factor of 2.3 up to
+    0.8 (sinc and piston, σ 2–2331). An ellipse is taken as the square inside it, any gap as flat,
+    the finger as at rest.
+    """
+    side = np.sqrt(0.5) if scene.finger.shape == "ellipse" else 1.0
+    nodes = [
+        0.5
+        + side * (limit_axis(limit_points(tolerance=GRID_TOLERANCE, sigma=sigma)).all_nodes - 0.5)
+        for sigma in (scene.sigma, scene.sigma * scene.aspect**2)
+    ]
+    amplitude = scene.amplitude(*np.meshgrid(*nodes, indexing="ij"))
+    with np.errstate(all="ignore"):
+        viscous, slipping = small_amplitude(
+            epsilon=np.full(2, 0.1),
+            sigma=np.full(2, scene.sigma),
+            amplitude=np.stack([amplitude, amplitude]),
+            aspect=scene.aspect,
+            slip=np.array([0.0, 6 * scene.knudsen]),
+        ).mean
+        return float(slipping / viscous - 1)
+
+
+def _slip_left_out(scene: Scene) -> str:
+    share = slip_share(scene)
+    if not abs(share) >= LEAST_SHARE:  # of no force at all it is not a number
+        return ""
+    change = "takes" if share < 0 else "adds"
+    more = " or more" if scene.knudsen > SLIP_MOST_KNUDSEN else ""
+    return (
+        f"slip, left out, {change} about {abs(share):.1%}{more} of the force "
+        f"(Kn {scene.knudsen:.2g})"
+    )

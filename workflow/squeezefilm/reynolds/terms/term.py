@@ -1,0 +1,121 @@
+"""What a term of the film equation says of itself; methods and explanations ask no one else.
+
+What an instance does not say is that of a term which changes nothing there, and a method that a
+term says nothing about does not know it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+
+if TYPE_CHECKING:  # for types alone: both ask the terms
+    from squeezefilm.reynolds.grid import Grid
+    from squeezefilm.reynolds.pad_modes import PadModes
+
+# Where kernels add what terms have to say, as f(g, film, mass, work, out): to the residual of
+# film_over_period.cl and its response to a change of the mass, and to the rate and its response of
+# film_at_instant.cl.
+HOOKS = ("residual", "response", "rate", "rate_response")
+
+# Of a force, from which on a note says what is left out.
+LEAST_SHARE = 0.005
+
+Numbers = Mapping[str, float | tuple[float, ...]]
+Arrays = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One thing that a scene does not need, and why not."""
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term as a scene has it; scenes of equal terms may share a kernel.
+
+    Attributes:
+        label: what ``explain`` calls it.
+        ABSENT: what is said of a scene that does not have it.
+        BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
+        OVER_PERIOD, AT_INSTANT: OpenCL source of its lines for the periodic state and the march.
+        HOOKS: those of HOOKS that these sources fill, by functions ``HOOK_NAME``.
+    """
+
+    label: str
+
+    NAME: ClassVar[str]
+    ABSENT: ClassVar[LeftOut]
+    BREAKS: ClassVar[str] = ""
+    OVER_PERIOD: ClassVar[str] = ""
+    AT_INSTANT: ClassVar[str] = ""
+    HOOKS: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def of(cls, scene: Scene) -> Term | None:
+        """The term as the scene has it, if it does."""
+        raise NotImplementedError
+
+    @classmethod
+    def note(cls, scene: Scene) -> str:
+        """How much of the force it would change where it is left out, or where it is stretched."""
+        return ""
+
+    def numbers(self, scene: Scene) -> Numbers:
+        """Its numbers of a scene, which kernels find under these names."""
+        return {}
+
+    def stiffness(self, scene: Scene) -> float:
+        """Factor of the relative change of pressure with that of density."""
+        return 1.0
+
+    def knows_limit(self, name: str) -> bool:
+        """Whether a limit (solver.py) was derived with it."""
+        return False
+
+    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+        """Arguments of the limits that know it (limits.py)."""
+        return {}
+
+    def matrices(self, grid: Grid) -> Arrays:
+        """What its lines need of a grid, beside the matrices that all have."""
+        return {}
+
+    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
+        """What its lines need of profiles s on all nodes, each shape (places, full nx + 2, …)."""
+        return {}
+
+    def operators(self, numbers: np.ndarray, grid: Grid) -> Arrays:
+        """What the periodic state needs for each scene by itself, each shape (scenes, …).
+
+        A name that the grid has too takes the place of that one's.
+        """
+        return {}
+
+    def explicit_rate(self, numbers: np.ndarray, grid: Grid) -> np.ndarray | float:
+        """What it adds to σ times the largest rate that explicit steps must follow."""
+        return 0.0
+
+    def in_modes(self, scene: Scene, modes: PadModes, mass: np.ndarray) -> np.ndarray | float:
+        """What it adds to the balance of every mode (galerkin.py); linear in the mass Hρ."""
+        return 0.0
+
+    def refused_in_modes(self, scene: Scene) -> str:
+        """Why the modes of a pad cannot solve a scene that has it; empty where they can."""
+        return f"{self.label} is not known under this finger"
+
+    def refused_by_march(self, scene: Scene) -> str:
+        """Why a scene that has it cannot be marched; empty where it can."""
+        return f"march does not know {self.label}"
+
+    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
+        """Why a state found lies outside its range, given the smallest ρ H; else empty."""
+        return ""
