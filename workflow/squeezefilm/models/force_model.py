@@ -230,8 +230,10 @@ class ExpressionModel:
         """
         theta = self._checked(theta)
         (value,) = self._value.run(self._inputs(theta, factors))
-        value = np.where(np.isfinite(value), value, np.nan)
-        return np.broadcast_to(value, (*theta.shape[:-1], len(factors))).copy()
+        force_n = np.empty((*theta.shape[:-1], len(factors)))
+        force_n[...] = value
+        force_n[~np.isfinite(force_n)] = np.nan
+        return force_n
 
     def gradient(self, theta: ArrayLike, factors: Factors) -> Array:
         """Derivatives of eta with respect to theta, shape (n, p).
