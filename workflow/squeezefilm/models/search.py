@@ -74,7 +74,11 @@ def _children(
     parents = np.swapaxes(x[winners.reshape(pairs, 2)], 0, 1)
     crossed = random.random(pairs) < 0.9
     random.random(pairs)  # pymoo's draw for an exchange that always happens
-    chances = {"eta": np.full((pairs, 1), 15.0), "prob_var": 0.5, "prob_bin": np.full((pairs, 1), 0.5)}
+    chances = {
+        "eta": np.full((pairs, 1), 15.0),
+        "prob_var": 0.5,
+        "prob_bin": np.full((pairs, 1), 0.5),
+    }
     offspring = cross_sbx(parents, lower, upper, **chances, random_state=random)
     children = np.where(crossed[:, None], offspring, parents).reshape(x.shape)
     each = np.full(count, min(0.5, 1 / x.shape[1]))
