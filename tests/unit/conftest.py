@@ -201,21 +201,19 @@ def _write_design(path: Path, points: list[tuple[Any, ...]]) -> None:
 
 
 def _write_validations(root: Path, config: Path) -> None:
-    for fit, plan in (
-        ("screen", "screen"),
-        ("two_factor_design", "screen"),
-        ("two_factor_design", "error_map"),
-        ("four_factor_design", "four_factor"),
-        ("four_factor_design_distinct", "four_factor"),
-        ("four_factor_design_distinct", "four_factor_control"),
+    for fit, plans in (
+        ("screen", ["screen"]),
+        ("two_factor_design", ["screen", "error_map"]),
+        ("four_factor_design", ["four_factor"]),
+        ("four_factor_design_distinct", ["four_factor", "four_factor_control"]),
     ):
-        stem = root / "validation" / f"{fit}_on_{plan}"
+        stems = [f"{root}/validation/{fit}_on_{plan}" for plan in plans]
         arguments = [
             "validate",
             f"{root}/fits/{fit}.json",
-            f"{root}/simulations/{plan}/forces.csv",
+            *(f"{root}/simulations/{plan}/forces.csv" for plan in plans),
             f"--config={config}",
-            f"--output={stem}.csv",
-            f"--summary={stem}.json",
+            *("--output", *(f"{stem}.csv" for stem in stems)),
+            *("--summary", *(f"{stem}.json" for stem in stems)),
         ]
         assert cli.main(arguments) == 0

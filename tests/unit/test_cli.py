@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from pathlib import Path
 
@@ -192,3 +193,12 @@ def test_doctor_fails_without_a_device_and_says_how_to_mend_it(
     text = refused(capsys, "doctor", "--folder", tmp_path, status=1)
     assert "pip install" in text
     assert "SQUEEZEFILM_DEVICE" in text
+
+
+def test_modules_are_not_searched_for_garbage(repository, tmp_path) -> None:
+    # It would take a quarter of a small command's time.
+    config, scenes = repository / "config" / "paper.yaml", tmp_path / "scenes.csv"
+    gc.unfreeze()
+    assert main(["plan", "screen", f"--config={config}", f"--output={scenes}"]) == 0
+    assert gc.isenabled()
+    assert gc.get_freeze_count() > 10_000

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.validation import relative_errors, summarise
 
@@ -45,3 +46,23 @@ def test_bad_forces_are_refused(model, simulation, message) -> None:
 def test_a_band_must_be_positive() -> None:
     with pytest.raises(InputError, match="band"):
         summarise(model_n=[1.0], simulation_n=[1.0], band=0.0)
+
+
+def test_several_sets_are_judged_at_once_as_each_alone(study, tmp_path) -> None:
+    plans = ("screen", "error_map")
+    fit = f"{study.root}/fits/two_factor_design.json"
+    for plan in plans:
+        forces = f"{study.root}/simulations/{plan}/forces.csv"
+        files = [f"--output={tmp_path}/{plan}.csv", f"--summary={tmp_path}/{plan}.json"]
+        assert main(["validate", fit, forces, f"--config={study.config}", *files]) == 0
+        for name in (f"{plan}.csv", f"{plan}.json"):
+            together = study.root / "validation" / f"two_factor_design_on_{name}"
+            assert (tmp_path / name).read_bytes() == together.read_bytes()
+
+
+def test_a_set_without_its_file_is_refused(study, tmp_path, capsys) -> None:
+    forces = [f"{study.root}/simulations/{plan}/forces.csv" for plan in ("screen", "error_map")]
+    options = [f"--config={study.config}", f"--output={tmp_path}/a.csv", f"--summary={tmp_path}/a"]
+    assert main(["validate", f"{study.root}/fits/screen.json", *forces, *options]) == 2
+    assert "--output: 1 files for 2 sets" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -7,10 +7,12 @@ the module ``a_b`` there. Packages above the library add theirs by entry points.
 from __future__ import annotations
 
 import argparse
+import gc
 import importlib
 import importlib.metadata
 import sys
 from collections.abc import Sequence
+from types import ModuleType
 
 from squeezefilm import __version__
 from squeezefilm.io import job
@@ -55,7 +57,7 @@ def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | No
             name, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter
         )
         if name == chosen:
-            module = importlib.import_module(place)
+            module = _imported(place)
             subparser.description = module.__doc__
             module.add_arguments(subparser)
             subparser.set_defaults(run=module.run)
@@ -76,6 +78,20 @@ def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | No
     except KeyboardInterrupt:
         print("squeezefilm: interrupted", file=sys.stderr)
         return 130
+
+
+def _imported(place: str) -> ModuleType:
+    """A command's module; what comes with it is never searched for garbage.
+
+    No module is garbage before the process ends, and looking for it takes a quarter of the time of
+    a small command.
+    """
+    gc.disable()
+    try:
+        return importlib.import_module(place)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def _complain(error: Exception, *, status: int) -> int:

@@ -233,7 +233,7 @@ def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Obje
         with np.errstate(over="ignore", invalid="ignore"):
             residual = model.evaluate(np.sinh(u), factors) - force_n
             squares = np.sum(residual**2, axis=-1) / scale
-        return np.where(np.isfinite(squares), np.minimum(squares, UNDEFINED), UNDEFINED)
+        return np.fmin(squares, UNDEFINED)  # which takes the number where squares are none
 
     return sum_of_squares
 

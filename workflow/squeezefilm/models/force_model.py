@@ -97,11 +97,14 @@ class Factors:
         if np.any(named["h0_m"] <= 0):
             raise InputError("h0_m: a gap is zero or negative; gaps must be positive")
         try:
-            together = np.broadcast_arrays(*named.values())
+            shape = np.broadcast_shapes(*{column.shape for column in named.values()})
         except ValueError:
             lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
             raise InputError(f"factors of different lengths ({lengths}); give one length") from None
-        named = dict(zip(named, together, strict=True))
+        named = {
+            name: column if column.shape == shape else np.broadcast_to(column, shape)
+            for name, column in named.items()
+        }
         if "x_m" in named:
             named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
             named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
@@ -228,8 +231,10 @@ class ExpressionModel:
         """
         theta = self._checked(theta)
         (value,) = self._value.run(self._inputs(theta, factors))
-        value = np.where(np.isfinite(value), value, np.nan)
-        return np.broadcast_to(value, (*theta.shape[:-1], len(factors))).copy()
+        force_n = np.empty((*theta.shape[:-1], len(factors)))
+        force_n[...] = value
+        force_n[~np.isfinite(force_n)] = np.nan
+        return force_n
 
     def gradient(self, theta: ArrayLike, factors: Factors) -> Array:
         """Derivatives of eta with respect to theta, shape (n, p).

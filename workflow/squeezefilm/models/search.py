@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,35 +35,57 @@ def genetic_search(
 ) -> Found:
     """A rough minimum of objective over a box by a genetic algorithm.
 
-    objective takes a population of shape (m, d) and returns m values, all finite. The best of
-    `first` candidates drawn evenly over the box are the first population: in a wide box the good
+    objective takes a population of shape (m, d), m even, and returns m values, all finite. The best
+    of `first` candidates drawn evenly over the box are the first population: in a wide box the good
     region is so small that a population alone would rarely hit it.
+
+    It is pymoo's GA (Deb's: tournaments of two, simulated binary crossover, polynomial mutation,
+    and the best of parents and children survive), number by number, without an object for every
+    candidate, which would take most of the time.
     """
-    # Imported here: loading it takes longer than most commands that never search.
-    from pymoo.algorithms.soo.nonconvex.ga import GA
-    from pymoo.core.problem import Problem
-    from pymoo.core.termination import NoTermination
-
-    class Search(Problem):
-        def _evaluate(self, x: Array, out: dict[str, Array], *args: Any, **kwargs: Any) -> None:
-            out["F"] = objective(x)[:, None]
-
     drawn = np.random.default_rng(seed).uniform(lower, upper, (first, len(lower)))
-    best = np.argsort(objective(drawn), kind="stable")[:population]
-    algorithm = GA(pop_size=population, sampling=drawn[best], eliminate_duplicates=False)
-    algorithm.setup(
-        Search(n_var=len(lower), n_obj=1, xl=lower, xu=upper),
-        termination=NoTermination(),
-        seed=seed,
-        verbose=False,
+    # In parts that stay in the processor's cache: three times as fast as all at once.
+    values = np.concatenate([objective(part) for part in np.array_split(drawn, -(-first // 500))])
+    best = np.argsort(values, kind="stable")[:population]
+    x, values = drawn[best], values[best]
+    random = np.random.default_rng(seed)
+    for _ in range(generations - 1):
+        children = _children(x, values, lower, upper, random)
+        x, values = np.concatenate([x, children]), np.append(values, objective(children))
+        best = np.argsort(values, kind="stable")[:population]
+        x, values = x[best], values[best]
+    return Found(x=x[0], value=float(values[0]), evaluations=first + population * (generations - 1))
+
+
+def _children(
+    x: Array, values: Array, lower: Array, upper: Array, random: np.random.Generator
+) -> Array:
+    """As many children as there are parents, shape (m, d), by pymoo's operators as it sets them."""
+    # Imported here: loading them takes longer than most commands that never search.
+    from pymoo.operators.crossover.sbx import cross_sbx
+    from pymoo.operators.mutation.pm import mut_pm
+
+    count, pairs = len(x), len(x) // 2
+    rivals = np.concatenate([random.permutation(count) for _ in range(2)]).reshape(-1, 2)
+    first, second = values[rivals].T
+    winners = np.where(first < second, *rivals.T)
+    for tie in np.flatnonzero(first == second):
+        winners[tie] = random.choice(rivals[tie])
+    parents = np.swapaxes(x[winners.reshape(pairs, 2)], 0, 1)
+    crossed = random.random(pairs) < 0.9
+    random.random(pairs)  # pymoo's draw for an exchange that always happens
+    chances = {
+        "eta": np.full((pairs, 1), 15.0),
+        "prob_var": 0.5,
+        "prob_bin": np.full((pairs, 1), 0.5),
+    }
+    offspring = cross_sbx(parents, lower, upper, **chances, random_state=random)
+    children = np.where(crossed[:, None], offspring, parents).reshape(x.shape)
+    each = np.full(count, min(0.5, 1 / x.shape[1]))
+    mutants = mut_pm(
+        children, lower, upper, np.full(count, 20.0), each, at_least_once=False, random_state=random
     )
-    for _ in range(generations):
-        algorithm.next()
-    return Found(
-        x=np.asarray(algorithm.opt[0].X, dtype=float),
-        value=float(algorithm.opt[0].F[0]),
-        evaluations=first + int(algorithm.evaluator.n_eval),
-    )
+    return np.where(random.random(count)[:, None] <= 0.9, mutants, children)
 
 
 def nelder_mead(objective: Objective, start: Array, *, restarts: int = 50) -> Found:

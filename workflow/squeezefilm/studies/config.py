@@ -131,7 +131,9 @@ def parse_config(text: str, *, path: Path) -> Config:
 def _validate(values: dict[str, Any], *, path: Path) -> None:
     from jsonschema import Draft202012Validator  # slow to import, and only needed here
 
-    schema = yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8"))
+    # By libyaml, where PyYAML has it: in Python alone it takes as long as all else here.
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    schema = yaml.load(SCHEMA_PATH.read_text(encoding="utf-8"), Loader=loader)
     errors = sorted(Draft202012Validator(schema).iter_errors(values), key=lambda e: list(e.path))
     if errors:
         raise InputError("\n".join(f"{path}: {_message(error)}" for error in errors))

@@ -1,14 +1,18 @@
-"""Judge a fitted model on simulated forces: errors point by point, and their summary.
+"""Judge a fitted model on sets of simulated forces: errors point by point, and their summary.
 
   squeezefilm validate FIT.json FORCES.csv --config C.yaml \\
       --output ERRORS.csv --summary ERRORS.json
 
-A model that uses the physics limit needs the forces' LIMITS.csv as --limits.
+Several sets are given one after the other, each with its files in the same order. A model that uses
+the physics limit needs the LIMITS.csv of each set as --limits.
 """
 
 from __future__ import annotations
 
 import argparse
+from typing import Any
+
+import pandas as pd
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import (
@@ -19,7 +23,7 @@ from squeezefilm.io.tables import (
     write_table,
 )
 from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.validation import relative_errors, summarise
 from squeezefilm.studies.config import load_config
 
@@ -28,41 +32,57 @@ SECTIONS = ("validation",)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
-    parser.add_argument("forces", metavar="FORCES.csv", help="simulated forces")
-    parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
+    parser.add_argument("forces", nargs="+", metavar="FORCES.csv", help="simulated forces")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
-    parser.add_argument("--output", required=True, metavar="ERRORS.csv", help="error of each point")
-    parser.add_argument(
-        "--summary", required=True, metavar="ERRORS.json", help="all points' errors"
-    )
+    for option, metavar, what in (
+        ("--limits", "LIMITS.csv", "physics limits of the same scenes"),
+        ("--output", "ERRORS.csv", "error of each point"),
+        ("--summary", "ERRORS.json", "all points' errors"),
+    ):
+        needed = option != "--limits"
+        parser.add_argument(option, nargs="+", required=needed, metavar=metavar, help=what)
 
 
 def run(options: argparse.Namespace) -> None:
-    settings = load_config(options.config).only(SECTIONS)["validation"]
-    fit, forces = read_fit(options.fit), read_ok_forces(options.forces)
+    band = load_config(options.config).only(SECTIONS)["validation"]["relative_error_band"]
+    fit, sets = read_fit(options.fit), options.forces
+    limits = options.limits or [None] * len(sets)
+    for option, files in (
+        ("--limits", limits),
+        ("--output", options.output),
+        ("--summary", options.summary),
+    ):
+        if len(files) != len(sets):
+            raise InputError(f"{option}: {len(files)} files for {len(sets)} sets; give one each")
+    for forces, limit, output, summary in zip(
+        sets, limits, options.output, options.summary, strict=True
+    ):
+        points = read_ok_forces(forces)
+        try:
+            table, about = _judged(fit, points, limits=limit, band=band)
+        except InputError as error:
+            raise InputError(f"{options.fit} on {forces}: {error}") from None
+        write_table(table, output)
+        write_json(about, summary)
+
+
+def _judged(
+    fit: FittedModel, forces: pd.DataFrame, *, limits: str | None, band: float
+) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """The errors on one set of forces: a table of its points, and their summary."""
     model = fit.force_model
-    try:
-        factors = factors_of(forces, limits=options.limits)
-        check_columns(model, factors)
-        predicted = model.evaluate(fit.theta, factors)
-        errors = relative_errors(model_n=predicted, simulation_n=forces["force_n"])
-        summary = summarise(
-            model_n=predicted,
-            simulation_n=forces["force_n"],
-            band=settings["relative_error_band"],
-        ).to_dict()
-    except InputError as error:
-        raise InputError(f"{options.fit} on {options.forces}: {error}") from None
+    factors = factors_of(forces, limits=limits)
+    check_columns(model, factors)
+    predicted = model.evaluate(fit.theta, factors)
+    given = {"model_n": predicted, "simulation_n": forces["force_n"]}
+    errors = relative_errors(**given)
+    summary = summarise(**given, band=band).to_dict()
     worst = forces.iloc[summary.pop("worst_index")]
     table = forces[list(SCENE_COLUMNS)].assign(
         force_n=forces["force_n"], model_n=predicted, relative_error=errors
     )
-    write_table(table, options.output)
-    write_json(
-        {
-            **summary,
-            "worst_point_id": worst["point_id"],
-            **{f"worst_{name}": float(worst[name]) for name in FACTOR_COLUMNS},
-        },
-        options.summary,
-    )
+    return table, {
+        **summary,
+        "worst_point_id": worst["point_id"],
+        **{f"worst_{name}": float(worst[name]) for name in FACTOR_COLUMNS},
+    }
