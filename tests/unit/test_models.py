@@ -13,6 +13,7 @@ from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.models.fit import fit_model
+from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import TWO_FACTOR, Factors, get_model, library, make_model
 from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import check_models, model_named
@@ -210,6 +211,24 @@ def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path) -> No
     assert fit["cross_validation"]["folds"] == 5
     assert fit["cross_validation"]["global_error"] >= fit["residual"]["global_error"]
     assert len(fit["source"]["forces_sha256"]) == 64
+
+
+def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(
+    study, repository, tmp_path, capsys
+) -> None:
+    forces, summary = study.root / "simulations/screen/forces.csv", tmp_path / "summary.json"
+    summary.write_text(json.dumps({"largest_force_error_share": 0.016}))
+    words = ["fit", str(forces), "--model=polynomial_3", f"--output={tmp_path}/fit.json"]
+    scanned = [*words, f"--config={repository}/config/vibrometer.yaml"]
+    assert cli.main(scanned) == 2
+    assert "its profile is measured; give --scan SUMMARY.json" in capsys.readouterr().err
+    assert cli.main([*scanned, f"--scan={summary}"]) == 0
+    fit = read_fit(tmp_path / "fit.json")
+    assert fit.scan_error == 0.016
+    assert cli.main(["predict", fit.place, "--h0=6um", "--hv=1.5um"]) == 0
+    assert "1.6" in capsys.readouterr().out
+    assert cli.main([*words, f"--config={study.config}", f"--scan={summary}"]) == 2
+    assert "is not measured" in capsys.readouterr().err
 
 
 def test_the_seeds_of_a_fit_are_those_of_its_factors(study, tmp_path) -> None:

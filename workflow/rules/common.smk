@@ -107,6 +107,11 @@ def room(kind, name):
     return ".".join(path.relative_to(LIBRARY).with_suffix("").parts)
 
 
+# What a scan leaves open is part of a fit's error.
+SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
+WITH_SCAN = "--scan {input.scan} " if SCAN else ""
+
+
 def chunk_files(plan, suffix):
     """The files of the chunks in which a plan is simulated; their number is known from the start."""
     chunks = CHUNKS.get(plan, 1)

@@ -130,6 +130,11 @@ class FittedModel:
         return replace(self, trust=self.trust.with_control(control))
 
     @property
+    def scan_error(self) -> float:
+        """Largest share of a force that the scan of the study's profile leaves open."""
+        return self.trust.scan_error if self.trust is not None else 0.0
+
+    @property
     def error_n(self) -> float:
         """The force's error to expect, in newtons: root mean square at points left out of the fit.
 

@@ -4,7 +4,9 @@
 
 The model is one of the library's or of the study's own (its section `models`). A model that uses
 the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv; with
-what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone.
+what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone. Where the study's
+profile is measured, --scan is the summary that `squeezefilm profile` wrote: what the scan leaves
+open is part of the fit's error.
 
 A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows the
 finger's position with its `four_factor` seeds.
@@ -35,12 +37,13 @@ from squeezefilm.io.parallel import spread
 from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
 from squeezefilm.models.cross_validation import left_out_predictions
 from squeezefilm.models.fit import Fit, fit_by_differential_evolution, fit_model
+from squeezefilm.models.fitted import number
 from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
 from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import model_named
 from squeezefilm.models.trust import Trust, Unseen
 from squeezefilm.models.validation import error_sizes
-from squeezefilm.studies.config import load_config
+from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import directions_of
 
 SECTIONS = ("fit", "models", "actuator", "finger")
@@ -53,6 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", required=True, metavar="NAME", help="such as two-factor")
     parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
     parser.add_argument("--limit-table", metavar="TABLE.json", help="to put into FIT.json")
+    parser.add_argument("--scan", metavar="SUMMARY.json", help="of a measured profile")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="FIT.json", help="the best run")
     parser.add_argument("--processes", type=int, default=1, help="to spread the runs over")
@@ -68,6 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     model = model_named(options.model, config["models"], place=options.config)
+    scan_error = scan_error_of(config, options.scan)
     forces = read_ok_forces(options.forces)
     factors = factors_of(forces, limits=options.limits)
     force_n = forces["force_n"].to_numpy()
@@ -81,7 +86,12 @@ def run(options: argparse.Namespace) -> None:
         runs = _runs(model, factors, force_n, processes=options.processes, **settings)
         best = min(runs, key=lambda run: run.sum_of_squares)
         about = describe(
-            model, factors, force_n, best, force_error_n=forces["force_error_n"].to_numpy()
+            model,
+            factors,
+            force_n,
+            best,
+            force_error_n=forces["force_error_n"].to_numpy(),
+            scan_error=scan_error,
         )
     except InputError as error:
         if not options.keep_going:
@@ -133,6 +143,28 @@ def _runs(
     return spread(one, ways, processes=processes)
 
 
+def scan_error_of(config: Config, summary: str | None) -> float:
+    """The largest share of a force that the scan of the study's profile leaves open, 0 without one.
+
+    Args:
+        summary: the file that `squeezefilm profile` wrote.
+
+    Raises:
+        InputError: for a study with a scan and no summary, a summary and no scan, or a file that
+            is none.
+    """
+    if config["actuator"]["profile"]["kind"] == "measured":
+        if summary is None:
+            raise InputError(
+                f"{config.path}: its profile is measured; give --scan SUMMARY.json, which "
+                "`squeezefilm profile` writes: what the scan leaves open is part of the fit's error"
+            )
+        return number(read_json(summary), "largest_force_error_share", summary)
+    if summary is not None:
+        raise InputError(f"--scan {summary}: the profile of {config.path} is not measured")
+    return 0.0
+
+
 def describe(
     model: ExpressionModel,
     factors: Factors,
@@ -140,10 +172,12 @@ def describe(
     fit: Fit,
     *,
     force_error_n: np.ndarray,
+    scan_error: float,
     control: Unseen | None = None,
 ) -> dict[str, Any]:
     """What a file must tell of a fit, so that the model can be used from the file alone.
 
+    scan_error: share of a force that the scan of a measured profile leaves open.
     control: simulations that were not fitted, to judge the fit by, besides points left out.
     """
     # A model that knows no position was fitted at some all the same.
@@ -152,7 +186,7 @@ def describe(
     unseen = None
     if left_out is not None:
         unseen = Unseen.of(factors, model_n=left_out, force_n=force_n, force_error_n=force_error_n)
-    trust = Trust.of(factors, unseen)
+    trust = Trust.of(factors, unseen, scan_error=scan_error)
     return {
         "about": model.about,
         "expression": model.expression,

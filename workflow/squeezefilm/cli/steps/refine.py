@@ -11,7 +11,8 @@ ROUNDS.csv has a row for each round, FORCES.csv every simulation (a point_id tel
 round), LIMITS.csv the physics limits of the same scenes, FIT.json the fitted model with the range
 of each parameter, WHERE.csv the model's error over the space, and VERDICT.json how it ended. With
 --keep-going a model that needs the physics limits where they do not hold is left out before
-anything is simulated: the two JSON files say why, and the tables are empty.
+anything is simulated: the two JSON files say why, and the tables are empty. --scan is what
+`squeezefilm profile` says of a measured profile: part of the fit's error.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.cli.steps.fit import describe
+from squeezefilm.cli.steps.fit import describe, scan_error_of
 from squeezefilm.cli.steps.limits import with_limits
 from squeezefilm.designs.closed_loop import Goal, Outcome, Pool, Round, run_loop
 from squeezefilm.designs.experiments import ROUND_COLUMNS, WHERE_COLUMNS, check_columns
@@ -68,6 +69,7 @@ CLOSE = 0.3
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="of the library or the study")
     parser.add_argument("--space", default="four-factor", help="two-factor or four-factor")
+    parser.add_argument("--scan", metavar="SUMMARY.json", help="of a measured profile")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--rounds", required=True, metavar="ROUNDS.csv", help="what was estimated")
     parser.add_argument("--forces", required=True, metavar="FORCES.csv", help="what was simulated")
@@ -90,6 +92,7 @@ def run(options: argparse.Namespace) -> None:
     if name not in SPACES:
         raise InputError(f"--space {options.space!r} is unknown; known are {', '.join(SPACES)}")
     model = model_named(options.model, config["models"], place=options.config)
+    scan_error = scan_error_of(config, options.scan)
     ground = _Ground.of(config, centred=name == "two_factor")
     try:
         check_columns(model, ground.pool.factors)
@@ -126,7 +129,8 @@ def run(options: argparse.Namespace) -> None:
     write_table(forces, options.forces)
     write_table(ground.limits(outcome.simulated, labels), options.limits)
     write_table(where, options.where)
-    write_json(_fit_values(model, ground, outcome, settings["seed"]), options.fit)
+    fit = _fit_values(model, ground, outcome, seed=settings["seed"], scan_error=scan_error)
+    write_json(fit, options.fit)
     write_json(
         {
             "model": model.name,
@@ -292,7 +296,7 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, ground: _Ground) -> 
 
 
 def _fit_values(
-    model: ExpressionModel, ground: _Ground, outcome: Outcome, seed: int
+    model: ExpressionModel, ground: _Ground, outcome: Outcome, *, seed: int, scan_error: float
 ) -> dict[str, Any]:
     """The last fit as its file tells it, with the range of each parameter."""
     last = outcome.rounds[-1]
@@ -324,7 +328,13 @@ def _fit_values(
     return {
         **fit.to_dict(),
         **describe(
-            model, factors, force, fit, force_error_n=error, control=_verified(model, ground, last)
+            model,
+            factors,
+            force,
+            fit,
+            force_error_n=error,
+            scan_error=scan_error,
+            control=_verified(model, ground, last),
         ),
         "directions": directions_of(ground.config).to_dict(),
         "parameter_ranges": ranges,

@@ -5,8 +5,9 @@
 One row for each gap and position; without --h0, six gaps over the range that the model was fitted
 on. `hv_error_m` is the model's error in force (see `squeezefilm predict --help`) over the slope of
 force against amplitude, and `within_percent` is by how much the force there may be off, as
-`predict` says it. Where both are empty the point is not to be trusted, and `note` says why, or that
-no amplitude below contact gives the force.
+`predict` says it; both contain what the scan of a measured profile leaves open, `scan_percent`.
+Where both are empty the point is not to be trusted, and `note` says why, or that no amplitude below
+contact gives the force.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from squeezefilm.cli.use.predict import (
     add_control_option,
     expected_error,
     read_judged_fit,
+    scan_percent,
     within_percent,
 )
 from squeezefilm.io.errors import InputError
@@ -74,7 +76,7 @@ def working_point(
         "phi_deg": float(point.phi_deg[0]),
     }
     unknown = dict.fromkeys(("hv_m", "hv_error_m", "within_percent"), np.nan)
-    row: dict[str, object] = {"force_n": force_n, **unknown, "note": ""}
+    row: dict[str, object] = {"force_n": force_n, **unknown, **scan_percent(fit), "note": ""}
     if model.column_names:
         fit.complete(point)  # says what is missing, if anything
     try:
@@ -90,6 +92,7 @@ def working_point(
     below, _, above = model.evaluate(fit.theta, fit.complete(near))
     slope = (above - below) / (2 * STEP * hv_m) if hv_m else np.nan
     verdict = fit.judge(near.take([1]), [force_n])
+    error_n = error_n + fit.scan_error * abs(force_n)
     error_m = error_n / abs(slope) if slope and verdict.trusted[0] else np.nan
     within = within_percent(verdict, np.array([force_n]))[0]
     known = {"hv_m": hv_m, "hv_error_m": error_m, "within_percent": within}
