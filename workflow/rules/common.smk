@@ -72,6 +72,8 @@ except InputError as error:
     refuse(error)
 STUDY = CONFIG["study"]
 SCAN = scan_path(CONFIG)
+# Claims, tables and figures of the paper mean nothing in a study of another actuator.
+PAPER = CONFIG["paper"]
 
 
 pathvars:

@@ -10,7 +10,7 @@ NUMERICS = [
     "stability",
     "cost",
     "conditioning",
-    "paper_signature",
+    *(["paper_signature"] if PAPER else []),
     "left_out",
 ]
 

@@ -9,7 +9,7 @@ the range is compared. In space, where a place on the page is none in the axes, 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,6 @@ import numpy as np
 
 from reporting.check.quantities import Quantity, guarded
 from reporting.check.tolerances import SAME, AtMost, Close
-from reporting.figures import FIGURES
 from squeezefilm.io.errors import InputError
 
 DRAWINGS = "drawings"
@@ -161,9 +160,9 @@ def _masked(text: str) -> str:
     return _NUMBER.sub("#", text)
 
 
-def drawing_quantities(results: Path) -> Iterator[Quantity]:
+def drawing_quantities(results: Path, figures: Sequence[str]) -> Iterator[Quantity]:
     """The structure of every figure's two files."""
-    for name in FIGURES:
+    for name in figures:
         folder = results / "figures"
         yield from guarded(DRAWINGS, name, partial(_svg, folder, name))
         yield from guarded(DRAWINGS, name, partial(_png, folder, name))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -19,7 +19,6 @@ from reporting.check.tolerances import (
     Closeness,
     Tolerance,
 )
-from reporting.figures import FIGURES
 from squeezefilm.io.sources import read_columns
 
 DATA, TABLES = "figure data", "tables"
@@ -48,9 +47,11 @@ PLACES = ("epsilon", "h0_um", "hv_um", "phi_r_mm", "phi_deg")
 SLIDING_FITS = ("optimal design, the paper's form", "optimal design, distinct scenes")
 
 
-def figure_quantities(results: Path, closeness: Closeness) -> Iterator[Quantity]:
+def figure_quantities(
+    results: Path, closeness: Closeness, figures: Sequence[str]
+) -> Iterator[Quantity]:
     """Every figure's table but its note, which names the device."""
-    for name in FIGURES:
+    for name in figures:
         path = results / "figures" / f"{name}.csv"
         yield from guarded(DATA, name, partial(_figure, name, path, closeness))
 

@@ -17,21 +17,23 @@ from reporting.check.results import (
     validation_quantities,
 )
 from reporting.check.tolerances import Closeness
+from reporting.figures import FIGURES, OWN
 from squeezefilm.studies.config import Config
 
 
 def study_quantities(results: Path, config: Config) -> list[Quantity]:
     """What the results in a folder are checked by; config has the sections that decide them."""
     closeness = Closeness(solver=float(config["solver"]["tolerance"]))
+    figures = FIGURES if config["paper"] else OWN
     return [
         *setting_quantities(config),
-        *figure_quantities(results, closeness),
-        *table_quantities(results, closeness),
-        *claim_quantities(results, closeness),
+        *figure_quantities(results, closeness, figures),
+        *(table_quantities(results, closeness) if config["paper"] else ()),
+        *(claim_quantities(results, closeness) if config["paper"] else ()),
         *simulation_quantities(results, closeness),
         *fit_quantities(results, config, closeness),
         *design_quantities(results, config, closeness),
         *validation_quantities(results, closeness),
-        *drawing_quantities(results),
+        *drawing_quantities(results, figures),
         *numerics_quantities(results),
     ]

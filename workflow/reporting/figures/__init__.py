@@ -20,6 +20,8 @@ from squeezefilm.io.errors import InputError
 
 ENTRY_POINTS = "squeezefilm.figures"
 
+# Those of any study, the others are the paper's.
+OWN = ("error_map", "overview")
 FIGURES = (
     "fig05",
     "fig06",

@@ -142,14 +142,20 @@ class Trust:
 
         Control points that were fitted are no evidence and are left out.
         """
-        from scipy.spatial.distance import cdist  # slow to import
-
-        nearest = cdist(self._places(control.factors), self._places(self.fitted)).min(axis=1)
-        trust = Trust.of(self.fitted, control.take(nearest > SLACK), scan_error=self.scan_error)
+        new = control.take(~self.was_fitted(control.factors))
+        trust = Trust.of(self.fitted, new, scan_error=self.scan_error)
         if len(trust.unseen.force_n) >= LEAST_POINTS:
             return trust
         both = self.unseen.joined(trust.unseen)
         return Trust.of(self.fitted, both, scan_error=self.scan_error)
+
+    def was_fitted(self, factors: Factors) -> NDArray[np.bool_]:
+        """Which points are among the fitted ones, shape (n,)."""
+        from scipy.spatial.distance import cdist  # slow to import
+
+        nearest = cdist(self._places(factors), self._places(self.fitted)).min(axis=1)
+        found: NDArray[np.bool_] = nearest <= SLACK
+        return found
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
