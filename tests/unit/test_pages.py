@@ -101,7 +101,7 @@ def test_the_summary_of_another_actuator_does_not_speak_of_the_paper_s(study, su
     assert "It re-makes" not in own
     assert "claims" not in own
     assert "paper" not in own
-    assert "at h0 = 15 µm, inertia, left out, adds about 10% of the force" in own
+    assert "At h0 = 15 µm: inertia, left out, adds about 10% of the force" in own
     assert "leave up to 1.6 % of a force open" in own
 
 

@@ -160,11 +160,11 @@ def _model(fit: str, plan: str, fit_path: Path, path: Path) -> dict[str, str]:
 
 
 def _left_out(notes: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    said = [f"at {gap}, {'; '.join(each)}" for gap, each in notes.items() if each]
+    said = [f"At {gap}: {'; '.join(each)}." for gap, each in notes.items() if each]
     if said:
         yield (
             "*The equation.* What it leaves out is in none of these errors. Estimated at the "
-            f"largest amplitude of the screen: {'. '.join(said)}.\n"
+            f"largest amplitude of the screen. {' '.join(said)}\n"
         )
 
 
