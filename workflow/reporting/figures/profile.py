@@ -48,7 +48,7 @@ def draw(data: pd.DataFrame) -> Figure:
         color=style.ORANGE,
         alpha=0.4,
         linewidth=0,
-        label="its range over all angles, ± 2 standard errors" if angles else "± 2 standard errors",
+        label="range ± 2 st. errors" if angles else "± 2 standard errors",
     )
     amplitude.plot(
         profile["r_mm"],
