@@ -13,6 +13,7 @@ from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.models.fit import fit_model
+from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import TWO_FACTOR, Factors, get_model, library, make_model
 from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import check_models, model_named
@@ -224,6 +225,24 @@ def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path) -> No
     assert len(fit["source"]["forces_sha256"]) == 64
 
 
+def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(
+    study, repository, tmp_path, capsys
+) -> None:
+    forces, summary = study.root / "simulations/screen/forces.csv", tmp_path / "summary.json"
+    summary.write_text(json.dumps({"largest_force_error_share": 0.016}))
+    words = ["fit", str(forces), "--model=polynomial_3", f"--output={tmp_path}/fit.json"]
+    scanned = [*words, f"--config={repository}/config/vibrometer.yaml"]
+    assert cli.main(scanned) == 2
+    assert "its profile is measured; give --scan SUMMARY.json" in capsys.readouterr().err
+    assert cli.main([*scanned, f"--scan={summary}"]) == 0
+    fit = read_fit(tmp_path / "fit.json")
+    assert fit.scan_error == 0.016
+    assert cli.main(["predict", fit.place, "--h0=6um", "--hv=1.5um"]) == 0
+    assert "1.6" in capsys.readouterr().out
+    assert cli.main([*words, f"--config={study.config}", f"--scan={summary}"]) == 2
+    assert "is not measured" in capsys.readouterr().err
+
+
 def test_the_seeds_of_a_fit_are_those_of_its_factors(study, tmp_path) -> None:
     """However many parameters it has: both have two."""
     own_models = {"gap": "t0*(hv/h0)**(2 + t1)", "place": "t0*sinc(t1*r)*(hv/h0)**2"}
@@ -245,6 +264,7 @@ def test_the_seeds_of_a_fit_are_those_of_its_factors(study, tmp_path) -> None:
 def test_models_are_compared_at_points_they_were_not_fitted_to(
     study, tables, tmp_path, capsys
 ) -> None:
+    """Those of the control points that were fitted, here of the least amplitude, judge nothing."""
     names = ("polynomial_3", "limit", "polynomial_5")
     config = tmp_path / "study.yaml"
     text = study.config.read_text(encoding="utf-8")
@@ -254,7 +274,11 @@ def test_models_are_compared_at_points_they_were_not_fitted_to(
     for name in names:
         fitted(study, tables, tmp_path, name, "--keep-going")
     paths = [str(tmp_path / f"{name}.json") for name in names]
-    forces, limits = tables
+    forces, limits = (tmp_path / name for name in ("control.csv", "control_limits.csv"))
+    for source, target in zip(tables, (forces, limits), strict=True):
+        table = pd.read_csv(source, dtype={"point_id": str})
+        table.loc[table["hv_m"] > table["hv_m"].min(), "hv_m"] *= 0.999
+        table.to_csv(target, index=False)
     output = [f"--{kind}={tmp_path / kind}.csv" for kind in ("output", "errors", "report")]
     arguments = [
         "compare",
@@ -270,8 +294,9 @@ def test_models_are_compared_at_points_they_were_not_fitted_to(
     assert cli.main(arguments) == 0
     rows = pd.read_csv(tmp_path / "output.csv").set_index("model")
     assert rows.loc["limit", "control_error"] == pytest.approx(0.01)
+    assert rows.loc["limit", "control_points"] == 54
     assert "t3, t4 cannot be told apart" in rows.loc["polynomial_5", "note"]
-    assert len(pd.read_csv(tmp_path / "errors.csv")) == 2 * 60
+    assert len(pd.read_csv(tmp_path / "errors.csv")) == 2 * 54
     text = capsys.readouterr().out
     assert text.index("| polynomial_3 |") < text.index("| limit |") < text.index("Not judged")
     picture = tmp_path / "errors.png"

@@ -60,6 +60,7 @@ def summary(study, tmp_path: Path) -> str:
         validations={
             (fit, plan): study.root / f"validation/{fit}_on_{plan}.json" for fit, plan in pairs
         },
+        notes={"h0 = 5 µm": ["inertia, left out"], "h0 = 10 µm": []},
         claims=tmp_path / "claims.csv",
         device=study.root / "simulations/device.json",
     )
@@ -77,6 +78,31 @@ def test_the_summary_says_what_how_accurate_and_where_it_differs(summary: str) -
     assert "| global error of the fit on the screen | 3 | 0.53" in differing
     assert "differs because our" not in differing
     assert "agrees" not in differing.split("\n|", 1)[1]
+
+
+def test_the_summary_of_another_actuator_does_not_speak_of_the_paper_s(study, summary: str) -> None:
+    """Its claims, and that the study re-makes it; what is left out and the scan are said."""
+    fit = json.loads((study.root / "fits/screen.json").read_text())
+    path = study.root / "fits/scanned.json"
+    path.write_text(json.dumps(fit | {"trust": fit["trust"] | {"scan_error": 0.016}}))
+    settings = dict(load_config(study.config).sections)
+    settings["actuator"] = settings["actuator"] | {"profile": {"kind": "measured"}}
+    own = to_markdown(
+        study="plate",
+        settings=settings,
+        forces={"screen": study.root / "simulations/screen/forces.csv"},
+        fits={"screen": path},
+        validations={("screen", "screen"): study.root / "validation/screen_on_screen.json"},
+        notes={"h0 = 15 µm": ["inertia, left out, adds about 10% of the force"]},
+        claims=None,
+        device=study.root / "simulations/device.json",
+    )
+    assert "It re-makes" in summary
+    assert "It re-makes" not in own
+    assert "claims" not in own
+    assert "paper" not in own
+    assert "At h0 = 15 µm: inertia, left out, adds about 10% of the force" in own
+    assert "leave up to 1.6 % of a force open" in own
 
 
 def test_the_runs_that_made_what_stands_are_told(tmp_path: Path) -> None:

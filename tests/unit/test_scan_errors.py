@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import yaml
+from scipy.stats import binom
 
 from squeezefilm.cli import main as cli
 from squeezefilm.film.scene import Scene
@@ -78,20 +80,24 @@ def on(scene: Scene, shape: Profile) -> Scene:
     return replace(scene, actuator=replace(scene.actuator, profile=shape))
 
 
-@pytest.mark.parametrize("strays", [0, 3])
-def test_ninety_five_percent_of_the_intervals_hold_the_force(scene: Scene, strays: int) -> None:
-    """200 scans of three modes: one maximum, four equal ones, and crests all along lines."""
+def test_ninety_five_percent_of_the_intervals_hold_the_force(scene: Scene) -> None:
+    """200 scans of three modes: one maximum, four equal ones, and crests all along lines.
+
+    Half of them have strays. If each interval holds the force at 95 %, fewer than asked here do so
+    in one of forty such tests.
+    """
     device = choose_device()
     held = []
     for settings, draws in ((SINC, 34), (DIAMETERS, 33), (WAVE, 33)):
         shape = profile(settings)
         (true,) = solve([on(scene, shape)], tolerance=1e-4, device=device)
-        for seed in range(draws):
+        for strays, seed in product((0, 3), range(draws)):
             scan = smooth(scan_of(shape, noise=0.03, seed=seed, strays=strays))
             errors = scan_errors([on(scene, scan.profile)], scan, device=device)
             difference = float(errors.force_n[0]) - true.force_n
             held.append(abs(difference) <= errors.total_n[0] + 1e-3 * true.force_n)
-    assert np.mean(held) >= 0.93  # of 200 in all, 95 % ± 3 % at two standard deviations
+    assert len(held) == 200
+    assert sum(held) >= binom.ppf(0.025, 200, 0.95)
 
 
 def test_strays_are_not_fitted(scene: Scene) -> None:

@@ -105,7 +105,7 @@ def fitted(config: Config, kind: str) -> tuple[str, np.ndarray, Trust, float]:
         table = pd.concat([*corners, table], ignore_index=True)
         control = random_plan(points=60, seed=6, **space)
     factors, force, error = simulated(config, table)
-    theta = local_fit(get_model(model), factors, force, START[model])
+    theta = local_fit(get_model(model), factors, force, start=START[model])
     unseen = Unseen.of(
         factors,
         model_n=left_out_predictions(
@@ -156,6 +156,7 @@ def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:
     if node is None:
         pytest.skip("no node here")
     model, theta, trust, _ = paper_fit
+    trust = replace(trust, scan_error=0.01)
     ranges = {"h0_m": (4e-6, 11e-6), "hv_m": (0.1e-6, 2.2e-6)}
     table = random_plan(points=300, seed=3, **ranges, phi_r_m=(0, 2e-3), phi_deg=(0, 50))
     table.loc[:50, "phi_r_m"] = 0.0
@@ -194,7 +195,7 @@ def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:
 
 
 def test_a_fit_is_read_with_its_evidence(paper_fit) -> None:
-    _, _, trust, _ = paper_fit
+    trust = replace(paper_fit[2], scan_error=0.01)
     again = Trust.from_dict(json.loads(json.dumps(trust.to_dict())), place="test")
     assert again.to_dict() == trust.to_dict()
 
@@ -226,6 +227,19 @@ def test_a_few_unseen_simulations_are_not_enough(count: int, trusted: bool) -> N
     factors, unseen = evidence(count)
     verdict = Trust.of(factors, unseen).judge(Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3])
     assert verdict.trusted.tolist() == [trusted]
+
+
+def test_what_the_scan_leaves_open_is_in_the_band() -> None:
+    """No simulation shows it, neither a point left out nor a control point."""
+    factors, unseen = evidence(100)
+    at, force = Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3]
+    (without,), (within,) = (
+        Trust.of(factors, unseen, scan_error=share).with_control(unseen).judge(at, force).error_n
+        for share in (0.0, 0.05)
+    )
+    assert within == pytest.approx(without + 0.05 * 0.3)
+    (reason,) = Trust.of(factors, unseen, scan_error=0.2).judge(at, force).reasons
+    assert "20 % of it by the scan" in reason
 
 
 def test_the_error_of_the_simulations_is_in_the_band() -> None:

@@ -44,7 +44,7 @@ def limit_table(repository) -> dict:
     return limit_table_of(config).to_dict()
 
 
-def evidence(reach_m: float = 2.9e-3) -> Trust:
+def evidence(reach_m: float = 2.9e-3, scan_error: float = 0.0) -> Trust:
     """Of a fit to the corners of the ranges that is off by a thousandth at 100 other points."""
     corners = [RANGES["h0_m"], RANGES["hv_m"], [0.0, reach_m], [0.0, 45.0]]
     names = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
@@ -53,7 +53,7 @@ def evidence(reach_m: float = 2.9e-3) -> Trust:
     unseen = Factors.of(**{n: rng.uniform(min(v), max(v), 100) for n, v in fitted.items()})
     force = 5 * unseen.epsilon**2
     judged = Unseen.of(unseen, model_n=1.001 * force, force_n=force, force_error_n=1e-6 * force)
-    return Trust.of(Factors.of(**fitted), judged)
+    return Trust.of(Factors.of(**fitted), judged, scan_error=scan_error)
 
 
 @pytest.fixture
@@ -111,6 +111,28 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path) 
     expected = model.evaluate(THETA[name], read_fit(path).complete(factors))
     np.testing.assert_allclose(table["force_n"], expected, rtol=1e-12)
     assert set(table["force_error_n"]) == {2e-3}
+
+
+def test_what_a_scan_leaves_open_is_part_of_every_error_and_named(
+    write_fit, tmp_path, capsys
+) -> None:
+    model, theta = get_model("two_factor"), THETA["two_factor"]
+    predicted, found = [], []
+    for scan_error in (0.0, 0.03):
+        path = write_fit(model, theta, trust=evidence(scan_error=scan_error).to_dict())
+        words = [str(path), "--h0=5um"]
+        predicted.append(table_of(["predict", *words, "--hv=1.5um"], tmp_path).iloc[0])
+        found.append(table_of(["working-point", *words, "--force=0.4N"], tmp_path).iloc[0])
+    for without, within in (predicted, found):
+        assert within["within_percent"] == pytest.approx(without["within_percent"] + 3)
+        assert within["scan_percent"] == pytest.approx(3)
+        assert "scan_percent" not in without
+    without, within = (row["force_error_n"] for row in predicted)
+    assert within == pytest.approx(without + 0.03 * predicted[0]["force_n"])
+    without, within = (row["hv_error_m"] for row in found)
+    assert within == pytest.approx(without * (2e-3 + 0.03 * 0.4) / 2e-3)
+    assert cli.main(["export", str(path), "--language=c"]) == 0
+    assert "its scan leaves 3 % of a force open" in capsys.readouterr().out
 
 
 def test_predict_takes_a_table_and_another_error(write_fit, tmp_path) -> None:

@@ -64,6 +64,8 @@ except InputError as error:
     refuse(error)
 CONFIG, SCAN = CHECKED.config, CHECKED.scan
 STUDY = CONFIG["study"]
+# Claims, tables and figures of the paper mean nothing in a study of another actuator.
+PAPER = CONFIG["paper"]
 
 
 pathvars:
@@ -96,6 +98,11 @@ def code(command, *modules, key=None):
         refuse(error)
     BASES.add(basis)
     return relative(basis)
+
+
+# What a scan leaves open is part of a fit's error.
+SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
+WITH_SCAN = "--scan {input.scan} " if SCAN else ""
 
 
 def chunk_files(plan, suffix):

@@ -16,7 +16,8 @@ CATEGORIES = {
 
 def found_figures():
     """What every figure says of itself, by its place: one for each space where it has several."""
-    for path in sorted(LIBRARY.glob("*/figures/[!_]*.py")):
+    packages = "*" if PAPER else "reporting"
+    for path in sorted(LIBRARY.glob(f"{packages}/figures/[!_]*.py")):
         figure = described(path)
         if "{space}" not in figure.place:
             yield figure.place, figure
@@ -184,7 +185,7 @@ rule figures:
     input:
         expand("<results>/{place}.{format}", place=OWN, format=["png", "svg"]),
     message:
-        "The paper's figures and ours are drawn"
+        "The study's figures are drawn"
 
 
 rule tables:

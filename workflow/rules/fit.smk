@@ -14,6 +14,7 @@ rule fit:
         code=code("fit"),
         config=ancient(CONFIG_FILE),
         forces="<results>/simulations/{fit}/forces.csv",
+        scan=SCAN_SUMMARY,
     output:
         fit="<results>/fits/{fit}.json",
         runs="<results>/fits/{fit}_runs.csv",
@@ -28,6 +29,6 @@ rule fit:
     message:
         "Fit the {params.model} model to {wildcards.fit}"
     shell:
-        "python -m squeezefilm fit {input.forces} --model {params.model} "
+        f"python -m squeezefilm fit {{input.forces}} {WITH_SCAN}--model {{params.model}} "
         "--config {input.config} --processes {threads} --output {output.fit} "
         "--runs {output.runs} >{log} 2>&1"

@@ -54,6 +54,7 @@ rule fit_candidate:
         forces=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/forces.csv",
         limits=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/limits.csv",
         limit_table="<results>/models/limit_table.json",
+        scan=SCAN_SUMMARY,
     output:
         "<results>/models/{space}/{model}.json",
     log:
@@ -65,7 +66,7 @@ rule fit_candidate:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
     shell:
         "python -m squeezefilm fit {input.forces} --limits {input.limits} "
-        "--limit-table {input.limit_table} "
+        f"--limit-table {{input.limit_table}} {WITH_SCAN}"
         "--model {wildcards.model} --seeds 1 --keep-going --config {input.config} "
         "--output {output} >{log} 2>&1"
 

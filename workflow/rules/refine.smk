@@ -71,6 +71,7 @@ rule refine_model:
         code=code("refine"),
         config=ancient(CONFIG_FILE),
         kernels="<results>/simulations/device.json",
+        scan=SCAN_SUMMARY,
     output:
         rounds="<results>/refine/{space}/{model}/rounds.csv",
         forces="<results>/refine/{space}/{model}/forces.csv",
@@ -91,6 +92,7 @@ rule refine_model:
         "Refine {wildcards.model} over the {wildcards.space} space"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm refine {wildcards.model} "
+        f"{WITH_SCAN}"
         "--space {wildcards.space} --config {input.config} --rounds {output.rounds} "
         "--forces {output.forces} --limits {output.limits} --fit {output.fit} "
         "--where {output.where} --keep-going --output {output.verdict} >{log} 2>&1"

@@ -22,7 +22,7 @@ rule summary:
         ),
         expand("<results>/simulations/{plan}/forces.csv", plan=SUMMARY_PLANS),
         expand("<results>/fits/{fit}.json", fit=FITS),
-        "<results>/claims.csv",
+        "<results>/claims.csv" if PAPER else [],
         "<results>/simulations/device.json",
         code=code("summary"),
         config=ancient(CONFIG_FILE),
@@ -49,16 +49,40 @@ rule pages:
     input:
         code=code("pages"),
         summary="<results>/summary.md",
+    output:
+        report(
+            "<results>/report/summary.html",
+            category="1 Summary and claims" if PAPER else "1 Summary",
+            labels={
+                "page": "1 Summary: what was simulated, how accurate"
+                + (", where it differs" if PAPER else "")
+            },
+            caption="../report/summary.rst",
+        ),
+    log:
+        "<logs>/report/pages.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    threads: 1
+    resources:
+        mem_mb=500,
+        runtime=5,
+    params:
+        paper=PAPER,
+    message:
+        "The summary as a page"
+    shell:
+        "python -m reporting pages {input.summary} --output {output} >{log} 2>&1"
+
+
+rule paper_pages:
+    input:
+        code=code("pages"),
         claims="<results>/claims.md",
         uncertainty="<results>/tables/uncertainty.md",
         tables=expand("<results>/tables/table{number}.md", number=TABLES),
     output:
-        summary=report(
-            "<results>/report/summary.html",
-            category="1 Summary and claims",
-            labels={"page": "1 Summary: what was simulated, how accurate, where it differs"},
-            caption="../report/summary.rst",
-        ),
         claims=report(
             "<results>/report/claims.html",
             category="1 Summary and claims",
@@ -81,12 +105,11 @@ rule pages:
             for number, table in TABLES.items()
         ],
     log:
-        "<logs>/report/pages.log",
+        "<logs>/report/paper_pages.log",
     localrule: True
     conda:
         "../../envs/tables.yaml"
     message:
-        "Pages of the report"
+        "Claims, uncertainty and tables as pages"
     shell:
-        "python -m reporting pages {input.summary} {input.claims} "
-        "{input.uncertainty} {input.tables} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.claims} {input.uncertainty} {input.tables} --output {output} >{log} 2>&1"

@@ -59,6 +59,8 @@ PLACED = ("two_factor_design", "extrapolation", "four_factor")
 def setting_quantities(config: Config) -> Iterator[Quantity]:
     """Every key that decides a result: the study must be the one that the reference is of."""
     for section in config:
+        if section == "paper":  # says what is made besides, and decides no number
+            continue
         yield Quantity(SETTINGS, section, "keys", dict(_leaves(section, config[section])), SAME)
 
 

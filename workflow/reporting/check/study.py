@@ -26,8 +26,8 @@ def study_quantities(results: Path, config: Config) -> list[Quantity]:
     return [
         *setting_quantities(config),
         *figure_quantities(results, closeness),
-        *table_quantities(results, closeness),
-        *claim_quantities(results, closeness),
+        *(table_quantities(results, closeness) if config["paper"] else ()),
+        *(claim_quantities(results, closeness) if config["paper"] else ()),
         *simulation_quantities(results, closeness),
         *fit_quantities(results, config, closeness),
         *design_quantities(results, config, closeness),

@@ -22,6 +22,7 @@ from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 
 SECTIONS = (
+    "paper",
     "gas",
     "actuator",
     "finger",

@@ -5,9 +5,10 @@
       --output TABLE.csv --report TABLE.md --errors ERRORS.csv
 
 The candidates of the study's section `comparison` must be among the fits; they are shown in its
-order. FORCES.csv has the control points, which no model was fitted to, LIMITS.csv their physics
-limits; a model is not judged where most of them lie outside the points it was fitted to. ERRORS.csv
-has the relative error of every model at every control point; a figure is drawn from it.
+order. FORCES.csv has the control points, LIMITS.csv their physics limits; those that a model was
+fitted to are left out. A model is not judged where most of them lie outside the points it was
+fitted to. ERRORS.csv has the relative error of every model at every control point; a figure is
+drawn from it.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reporting.pages.notes import percent
+from reporting.pages.notes import percent, scan_note
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table, write_markdown
 from squeezefilm.io.tables import read_json, read_ok_forces, write_table
@@ -72,8 +73,15 @@ def run(options: argparse.Namespace) -> None:
     candidates = load_config(options.config).only(SECTIONS)["comparison"][options.space]
     forces = read_ok_forces(options.forces)
     factors = factors_of(forces, limits=options.limits)
+    paths = _in_order(options.fits, candidates)
+    fits = [read_fit(path) for path in paths if "refused" not in read_json(path)]
+    fitted = [fit.trust.was_fitted(factors) for fit in fits if fit.trust is not None]
+    new = ~np.any([np.zeros(len(factors), bool), *fitted], axis=0)
+    if not new.any():
+        raise InputError(f"{options.forces}: every point was fitted, none is left to judge by")
+    forces, factors = forces[new].reset_index(drop=True), factors.take(new)
     rows, errors = [], []
-    for path in _in_order(options.fits, candidates):
+    for path in paths:
         row, error = _judged(path, factors, forces)
         rows.append(row)
         if error is not None:
@@ -84,7 +92,8 @@ def run(options: argparse.Namespace) -> None:
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(
         {"parameters": "Int64", "fit_points": "Int64", "control_points": "Int64"}
     )
-    text = _report(table, space=options.space, points=len(forces))
+    scan_error = max((fit.scan_error for fit in fits), default=0.0)
+    text = _report(table, space=options.space, points=len(forces), scan_error=scan_error)
     write_table(table, options.output)
     write_markdown(text, options.report)
     note = (
@@ -164,7 +173,7 @@ def _left_out(fit: FittedModel) -> float:
     return np.nan if fit.cross_validation is None else fit.cross_validation["global_error"]
 
 
-def _report(table: pd.DataFrame, *, space: str, points: int) -> str:
+def _report(table: pd.DataFrame, *, space: str, points: int, scan_error: float) -> str:
     """The table for people, the best on the control points first."""
     judged = table[table["control_error"].notna()].sort_values("control_error", kind="stable")
     shown = judged[list(HEADINGS)].copy()
@@ -175,6 +184,7 @@ def _report(table: pd.DataFrame, *, space: str, points: int) -> str:
         "Global error is |model − simulation|/|simulation|. Points are left out in turn, a fifth "
         "at a time, and predicted by the model fitted to the rest. No model was fitted to the "
         "control points.\n\n",
+        scan_note(scan_error),
         markdown_table(shown.rename(columns=HEADINGS)),
         "\nFormulas:\n\n",
         *(f"- {row.model}: `{row.expression}`\n" for row in judged.itertuples()),

@@ -18,6 +18,7 @@ from squeezefilm.io.errors import RunError
 from squeezefilm.studies.config import load_config
 
 SECTIONS = (
+    "paper",
     "gas",
     "actuator",
     "finger",

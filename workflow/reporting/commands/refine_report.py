@@ -5,8 +5,8 @@
 
 A MODEL_FOLDER holds what `squeezefilm refine` wrote: rounds.csv, forces.csv, limits.csv, where.csv,
 fit.json and verdict.json; a model that it left out is named, with the reason. FORCES.csv has
-simulations that no refinement used, LIMITS.csv their physics limits. FIGURE.csv is what the figure
-`refine` is drawn from.
+simulations, LIMITS.csv their physics limits; points that a refinement fitted are left out.
+FIGURE.csv is what the figure `refine` is drawn from.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from reporting.pages.notes import percent
+from reporting.pages.notes import percent, scan_note
 from squeezefilm.designs.continuous_design import sensitivity
 from squeezefilm.io.markdown import markdown_table, write_markdown
 from squeezefilm.io.sources import read_columns
@@ -88,6 +88,15 @@ def run(options: argparse.Namespace) -> None:
     rows, drawn, said = [], [], []
     folders = [Path(folder) for folder in options.folders]
     verdicts = [read_json(folder / "verdict.json") for folder in folders]
+    fits = [
+        read_fit(folder / "fit.json")
+        for folder, verdict in zip(folders, verdicts, strict=True)
+        if "refused" not in verdict
+    ]
+    fitted = [fit.trust.was_fitted(factors) for fit in fits if fit.trust is not None]
+    new = ~np.any([np.zeros(len(factors), bool), *fitted], axis=0)
+    unseen, factors = unseen[new], factors.take(new)
+    scan_error = max((fit.scan_error for fit in fits), default=0.0)
     for folder, verdict in zip(folders, verdicts, strict=True):
         if "refused" in verdict:
             left_out = {"model": verdict["model"], "verdict": "left out"}
@@ -104,7 +113,7 @@ def run(options: argparse.Namespace) -> None:
             f"{verdict['weak_spots_in_words']} (by {verdict['errors_mapped_by']}).\n"
         )
     table = pd.DataFrame(rows, columns=list(TABLE_COLUMNS))
-    text = _report(table, said, points=len(unseen))
+    text = _report(table, said, points=len(unseen), scan_error=scan_error)
     note = (
         f"Estimates from verification points that are never fitted, with 95 % limits; stars: the "
         f"truth on {len(unseen)} simulations that no refinement used. Errors over the root mean "
@@ -222,7 +231,7 @@ def _places(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _report(table: pd.DataFrame, said: list[str], *, points: int) -> str:
+def _report(table: pd.DataFrame, said: list[str], *, points: int, scan_error: float) -> str:
     table = table[table["verdict"] != "left out"]
     shown = pd.DataFrame(
         {
@@ -254,6 +263,7 @@ def _report(table: pd.DataFrame, said: list[str], *, points: int) -> str:
         "never fitted; *fitted to all* is the error on the unseen points of a fit that includes "
         "them. Simulations have no scatter: a 95 % limit is about where in the space one looks, "
         "not about noise.\n\n"
+        + scan_note(scan_error)
         + (markdown_table(shown) if len(shown) else "No model could be refined.\n")
         + "\n"
         + "".join(said)

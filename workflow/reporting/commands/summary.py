@@ -14,9 +14,12 @@ from pathlib import Path
 from reporting.pages.summary import to_markdown
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import write_markdown
-from squeezefilm.studies.config import load_config
+from squeezefilm.io.tables import ScenePoint
+from squeezefilm.reynolds.regime import regime_notes
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
+SECTIONS = ("paper", "gas", "actuator", "finger", "solver", "screen")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,18 +33,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     results: Path = options.results
+    config = load_config(options.config).only(SECTIONS)
     text = to_markdown(
         study=results.resolve().name,
-        settings=load_config(options.config).only(SECTIONS),
+        settings=config,
         forces={plan: results / "simulations" / plan / "forces.csv" for plan in options.forces},
         fits={fit: results / "fits" / f"{fit}.json" for fit in options.fits},
         validations={
             _pair(name): results / "validation" / f"{name}.json" for name in options.validations
         },
-        claims=results / "claims.csv",
+        notes=_notes(config),
+        claims=results / "claims.csv" if config["paper"] else None,
         device=results / "simulations" / "device.json",
     )
     write_markdown(text, options.output)
+
+
+def _notes(config: Config) -> dict[str, list[str]]:
+    """What the equation leaves out at the screen's smallest and largest gap, the finger centred."""
+    gaps, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
+    return {
+        f"h0 = {1e6 * gap:g} µm": regime_notes(
+            scene_of(ScenePoint("1", gap, amplitude, 0.0, 0.0), config)
+        )
+        for gap in (gaps["start"], gaps["stop"])
+    }
 
 
 def _pair(name: str) -> tuple[str, str]:

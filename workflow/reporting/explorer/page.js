@@ -45,7 +45,7 @@
         + `${fit.trust.least_points} are needed`;
     }
     if (!verdict.trusted) {
-      return `it may be off by ${Number.isFinite(verdict.within) ? share(verdict.within) : "any amount"}: the nearest `
+      return `it may be off by ${Number.isFinite(verdict.within) ? share(verdict.within) : "any amount"}${ofScan(fit)}: the nearest `
         + `simulation that the fit never saw is ${away(verdict)}`;
     }
     return "";
@@ -79,6 +79,12 @@
   function share(value) {
     const digit = 10 ** Math.floor(Math.log10(100 * value) - 1);
     return `${plain(Math.ceil((100 * value) / digit - 1e-9) * digit)} %`;
+  }
+
+  // The part of it that the scan of a measured profile leaves open.
+  function ofScan(fit) {
+    const { scan_error } = fit.trust;
+    return scan_error ? ` (${share(scan_error)} of it the vibrometer’s scan)` : "";
   }
 
   function away(verdict) {
@@ -186,8 +192,8 @@
     const trust = byId("trust");
     trust.classList.toggle("doubtful", reason !== "");
     trust.innerHTML = reason ? "<b>Not to be trusted:</b> " : "<b>Trusted:</b> ";
-    trust.append(reason || `within ${share(verdict.within)}, judged by ${evidence.get(fit).length} `
-      + "simulations that the fit never saw");
+    trust.append(reason || `within ${share(verdict.within)}${ofScan(fit)}, judged by `
+      + `${evidence.get(fit).length} simulations that the fit never saw`);
     byId("error").textContent = near ? percent(near.error_n / near.force_n) : "there is none";
     byId("nearest").textContent = near
       ? `${near.force_n.toPrecision(4)} N at ${where(near)}, ${away(verdict)}` : "–";

@@ -53,7 +53,8 @@ function judge(trust, unseen, point, force_n, most) {
     scaled = Math.min(scaled, each.over + trust.steepness[1] * away);
   }
   const size = Math.abs(force_n);
-  const error_n = Math.min(plain, scaled * square) + trust.simulation_error * size;
+  const error_n = Math.min(plain, scaled * square)
+    + (trust.simulation_error + trust.scan_error) * size;
   const trusted = enough && !outside.length && error_n <= most * size;
   return { error_n, within: error_n / size, nearest, distance: least, outside, enough, trusted };
 }

@@ -1,7 +1,7 @@
 """Cost against size: run time and memory by the size of the problem.
 
 Run time and memory against the number of scenes, points, instants and threads, with fitted
-exponents.
+exponents; films of the paper's actuator, whatever the study.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Error map: relative error over the whole space: not in the paper.
+"""Error map: relative error over the whole space.
 
 Relative error of the fit on the optimal design over a dense grid of control simulations; dots mark
 the design. A thick line would bound the region outside the band of allowed errors. The amplitude

@@ -70,7 +70,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     )
     force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
     captions = (
-        f"{force_n:.3f} N, good to {rounded_up(error_n / force_n)} of it",
+        f"{force_n:.3f} N, good to {rounded_up(error_n / force_n + fit.scan_error)} of it",
         f"{len(forces)} simulations, error {percent(fit.global_error)}",
         f"{len(design)} points instead of {len(forces)}",
         f"{points:.0f} more: at most {percent(abs(worst))} off",
@@ -87,6 +87,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         ignore_index=True,
     )
     estimate = rounded_up(float((forces["force_error_n"] / forces["force_n"]).max()))
+    scan = f", of the scan up to {percent(fit.scan_error)}" if fit.scan_error else ""
     seen = f"at {film['phase_deg'].nunique()} times of a period (red: surface up)"
     if film["overpressure_kpa"].notna().all():  # where there is a state to show (cross_section)
         seen = f"its pressure {seen} and their mean (thick)"
@@ -94,8 +95,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         f"From left to right: a film at h0 = {1e6 * simulated['h0_m']:g} µm, "
         f"hv = {1e6 * simulated['hv_m']:g} µm, "
         f"{seen}; the model fitted to the screen; the "
-        "D-optimal points among the screen's; the error of the model fitted to them alone. "
-        f"Estimated error of the simulations ≤ {estimate} of the force."
+        "D-optimal points beside the screen's; the error of the model fitted to them alone. "
+        f"Estimated error of the simulations ≤ {estimate} of the force{scan}."
     )
     return data.assign(note=note)
 

@@ -49,6 +49,7 @@ def draw(data: pd.DataFrame) -> Figure:
         axes.axhline(0, color="black", linewidth=0.6)
         axes.set_xlabel("distance from the centre $r$ (mm)")
         axes.set_xlim(0, 1.02 * float(profile["r_mm"].max()))
+    angles = not profile["lowest_um"].equals(profile["highest_um"])
     lowest, highest, error = (profile[name] for name in ("lowest_um", "highest_um", "error_um"))
     amplitude.fill_between(
         profile["r_mm"],
@@ -57,9 +58,14 @@ def draw(data: pd.DataFrame) -> Figure:
         color=style.ORANGE,
         alpha=0.4,
         linewidth=0,
-        label="± 2 standard errors",
+        label="range ± 2 st. errors" if angles else "± 2 standard errors",
     )
-    amplitude.plot(profile["r_mm"], highest, color="black", label="profile, over all angles")
+    amplitude.plot(
+        profile["r_mm"],
+        highest,
+        color="black",
+        label="profile, least and largest" if angles else "profile",
+    )
     amplitude.plot(profile["r_mm"], lowest, color="black")
     amplitude.set_ylabel("amplitude (µm)")
     amplitude.set_title("(a) measured and smoothed")

@@ -2,7 +2,7 @@
 
 A row for each film, a column for each check that the solver does not know of, and the verdict:
 solved, refused for a documented reason, or failed. Single precision is no check but a warning: what
-the same algorithm would lose in float32.
+the same algorithm would lose in float32. The films are the same for every study.
 """
 
 from __future__ import annotations

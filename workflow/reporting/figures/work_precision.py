@@ -3,7 +3,8 @@
 Relative error of the mean force over processor time, a panel for each film, a line for each method
 refined along its own path; to the lower left is better. The reference shares nothing with any
 method; no error can be seen below the grey band. Inside the orange band the error is larger than
-that of the fitted empirical model.
+that of the empirical model fitted to this study's screen. The films are those of the paper's
+actuator, whatever the study.
 """
 
 from __future__ import annotations

@@ -43,3 +43,13 @@ def rounded_up(value: float) -> str:
     exponent = math.floor(math.log10(value))
     digit = math.ceil(round(value / 10.0**exponent, 6))
     return one_digit(digit * 10.0**exponent)
+
+
+def scan_note(scan_error: float) -> str:
+    """What errors beside simulations do not show, where the profile was measured."""
+    if not scan_error:
+        return ""
+    return (
+        "The profile was measured, and models and simulations share it: what its scan leaves open, "
+        f"up to {percent(scan_error)} of a force, adds to every error here.\n\n"
+    )

@@ -1,4 +1,4 @@
-"""A study on one page: what was simulated, how accurate it is, where it differs from the paper."""
+"""A study on one page: what was simulated, how accurate it is; the paper's, where it differs."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from squeezefilm.models.fitted import number, read_fit
 PURPOSES = {
     "screen": "finger centred, gap and amplitude on a grid: the first fit",
     "two_factor_design": "the few points that teach most about the two-factor model",
-    "error_map": "control points between those of the screen",
-    "extrapolation": "the point of the wanted force, and where the models expect it",
+    "error_map": "control points on another grid over the screen's ranges",
+    "extrapolation": "a chosen point, and where the models expect the wanted force",
     "four_factor": "the two-factor design at every position of the finger",
     "four_factor_control": "random control points in all four factors",
     "four_factor_design": "the few points that teach most about the four-factor model",
@@ -38,13 +38,15 @@ def to_markdown(
     forces: Mapping[str, Path],
     fits: Mapping[str, Path],
     validations: Mapping[tuple[str, str], Path],
-    claims: Path,
+    notes: Mapping[str, Sequence[str]],
+    claims: Path | None,
     device: Path,
 ) -> str:
     """The page, from finished results.
 
     ``forces`` and ``fits`` are by plan, ``validations`` by fit and plan; ``settings`` has the
-    sections gas, actuator, finger and solver.
+    sections gas, actuator, finger and solver, ``notes`` what is left out at which gap, in words;
+    ``claims`` are those of the paper, in its studies.
 
     Raises:
         InputError: for a result that is missing or lacks what it must have.
@@ -53,10 +55,11 @@ def to_markdown(
     return "\n".join(
         [
             f"# Study “{study}” on one page\n",
-            INTRODUCTION,
+            *([INTRODUCTION] if claims else []),
             *_simulated(settings, tables),
             *_accuracy(settings, tables, fits, validations, read_json(device)),
-            *_differences(read_columns(claims, columns=("claim", "paper", "ours", "verdict"))),
+            *_left_out(notes),
+            *(_differences(claims) if claims else ()),
         ]
     )
 
@@ -70,14 +73,14 @@ def _simulated(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) 
         "two is squeezed and stretched; it follows the compressible Reynolds equation, and once "
         "it has settled its mean pressure is above that of the room: the finger is lifted. The "
         "result of a simulation is this mean lifting force F. Its factors are the mean gap h0, "
-        "the amplitude of vibration hv at the plate's centre, and where the finger is: radius φr "
+        "the amplitude of vibration hv at its maximum, and where the finger is: radius φr "
         f"and angle φφ. Made were {total} simulations, in these plans:\n"
     )
     yield markdown_table(pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]))
     yield (
-        "To the forces a short formula is fitted (the paper's empirical models with two and with "
-        "four factors), once to a full plan and once to the few points of a D-optimal design. "
-        "The question is how much worse the few points do.\n"
+        "To the forces a short formula is fitted (the empirical models of Winter, Markovic and "
+        "Perriard, 2014, with two and with four factors), once to a full plan and once to the "
+        "few points of a D-optimal design. The question is how much worse the few points do.\n"
     )
     yield "What the simulations take as given:\n"
     given = [
@@ -121,12 +124,14 @@ def _accuracy(
         "with other people's methods, and on stiff and extreme films.\n"
     )
     if settings["actuator"]["profile"]["kind"] == "measured":
+        share = max(read_fit(path).scan_error for path in fits.values())
         yield (
-            "*The scan.* The errors above and in the tables of forces are the solver's alone. The "
-            "profile was measured: what its noise, and motion out of phase that is left out, leave "
-            "open in the forces is larger as a rule, and is part of no model's error either; "
-            "the measured profile's figure and `profile/forces.csv` have it (`snakemake "
-            "profile`).\n"
+            "*The scan.* The profile was measured. Its noise, and motion out of phase that is left "
+            f"out, leave up to {percent(share)} of a force open: the measured profile's figure "
+            "and `profile/forces.csv` say where. The errors above and in the tables of forces are "
+            "the solver's alone, those below the models' beside simulations with the same profile: "
+            "the scan's part adds to both. `squeezefilm predict`, `working-point` and the explorer "
+            "contain it.\n"
         )
     yield (
         "*Models.* The global error is |model − simulation| over |simulation|, norms over all "
@@ -154,7 +159,17 @@ def _model(fit: str, plan: str, fit_path: Path, path: Path) -> dict[str, str]:
     }
 
 
-def _differences(claims: pd.DataFrame) -> Iterator[str]:
+def _left_out(notes: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    said = [f"At {gap}: {'; '.join(each)}." for gap, each in notes.items() if each]
+    if said:
+        yield (
+            "*The equation.* What it leaves out is in none of these errors. Estimated at the "
+            f"largest amplitude of the screen. {' '.join(said)}\n"
+        )
+
+
+def _differences(path: Path) -> Iterator[str]:
+    claims = read_columns(path, columns=("claim", "paper", "ours", "verdict"))
     differs = claims["verdict"].str.startswith("differs")
     yield "## Where it differs from the paper\n"
     yield (

@@ -23,10 +23,12 @@ def describe(
     fit: Fit,
     *,
     force_error_n: np.ndarray,
+    scan_error: float,
     control: Unseen | None = None,
 ) -> dict[str, Any]:
     """Formula, units, ranges and errors of a fit, and the evidence by which it is trusted.
 
+    scan_error: share of a force that the scan of a measured profile leaves open.
     control: simulations that were not fitted, to judge the fit by, besides points left out.
     """
     # A model that knows no position was fitted at some all the same.
@@ -35,7 +37,7 @@ def describe(
     unseen = None
     if left_out is not None:
         unseen = Unseen.of(factors, model_n=left_out, force_n=force_n, force_error_n=force_error_n)
-    trust = Trust.of(factors, unseen)
+    trust = Trust.of(factors, unseen, scan_error=scan_error)
     return {
         "about": model.about,
         "expression": model.expression,

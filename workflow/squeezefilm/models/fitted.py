@@ -133,6 +133,16 @@ class FittedModel:
         return replace(self, trust=self.trust.with_control(control))
 
     @property
+    def scan_error(self) -> float:
+        """Largest share of a force that the scan of the study's profile leaves open."""
+        return self.trust.scan_error if self.trust is not None else 0.0
+
+    @property
+    def scan_percent(self) -> dict[str, float]:
+        """A column of what the scan leaves open, in per cent of the force; none without a scan."""
+        return {"scan_percent": 100 * self.scan_error} if self.scan_error else {}
+
+    @property
     def error_n(self) -> float:
         """The force's error to expect, in newtons: root mean square at points left out of the fit.
 

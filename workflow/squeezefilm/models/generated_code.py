@@ -252,6 +252,10 @@ def _about(fit: FittedModel) -> list[str]:
         f"Parameters: {', '.join(model.parameter_names) or 'none'}",
         f"Fitted to {fit.points} points with a global error of {100 * fit.global_error:.3g} %.",
     ]
+    if fit.scan_error:
+        share = f"{100 * fit.scan_error:.2g} %"
+        text = f"The profile was measured: its scan leaves {share} of a force open, in addition."
+        lines.append(text)
     if re.fullmatch(r"[0-9a-f]{64}", digest):
         lines.append(f"Forces (SHA-256): {digest}")
     if fit.directions is not None and set(model.factor_names) & set(POSITION):

@@ -6,8 +6,9 @@ among them, more where they are few (a Lipschitz bound: G. Beliakov, Interpolati
 functions, J. Comput. Appl. Math. 196 (2006) 20-44, with the constant estimated from the data). So
 the error at a point is at most that at any unseen simulation and the steepness times the distance
 to it. This is done for the error in newtons and for the error over (hv/h0)², which a force follows;
-the lesser bound counts, and the simulations' own error is added. A point is trusted inside the
-ranges of the fitted points, also in hv/h0, where the bound is a small enough share of the force.
+the lesser bound counts, and the simulations' own error is added, and what the scan of a measured
+profile leaves open. A point is trusted inside the ranges of the fitted points, also in hv/h0, where
+the bound is a small enough share of the force.
 
 The explorer's trust.js computes the same from the numbers of `Trust.to_dict`.
 """
@@ -122,33 +123,45 @@ class Verdict:
 
 @dataclass(frozen=True, eq=False)
 class Trust:
-    """The evidence of a fit: the points it was fitted to, and simulations that it never saw."""
+    """The evidence of a fit: the points it was fitted to, and simulations that it never saw.
+
+    scan_error: the largest share of a force that the scan of a measured profile leaves open, 0
+    without a scan. No simulation shows it, as all have the same profile.
+    """
 
     fitted: Factors
     unseen: Unseen
+    scan_error: float = 0.0
 
     @classmethod
-    def of(cls, fitted: Factors, unseen: Unseen | None) -> Trust:
+    def of(cls, fitted: Factors, unseen: Unseen | None, *, scan_error: float = 0.0) -> Trust:
         """From the fitted points and the unseen ones, if any; those outside the ranges say nothing
         of the points inside and are left out, as is an even part of too many."""
         bare = cls(fitted, unseen or _nothing())
         inside = np.array([not each for each in bare.outside(bare.unseen.factors)], dtype=bool)
         chosen = np.flatnonzero(inside)
         stride = -(-len(chosen) // MOST_POINTS)
-        return cls(fitted, bare.unseen.take(chosen[:: max(1, stride)]))
+        return cls(fitted, bare.unseen.take(chosen[:: max(1, stride)]), scan_error)
 
     def with_control(self, control: Unseen) -> Trust:
         """Judged by control points, and by those left out in turn where these are too few.
 
         Control points that were fitted are no evidence and are left out.
         """
-        from scipy.spatial.distance import cdist  # slow to import
-
-        nearest = cdist(self._places(control.factors), self._places(self.fitted)).min(axis=1)
-        trust = Trust.of(self.fitted, control.take(nearest > SLACK))
+        new = control.take(~self.was_fitted(control.factors))
+        trust = Trust.of(self.fitted, new, scan_error=self.scan_error)
         if len(trust.unseen.force_n) >= LEAST_POINTS:
             return trust
-        return Trust.of(self.fitted, self.unseen.joined(trust.unseen))
+        both = self.unseen.joined(trust.unseen)
+        return Trust.of(self.fitted, both, scan_error=self.scan_error)
+
+    def was_fitted(self, factors: Factors) -> NDArray[np.bool_]:
+        """Which points are among the fitted ones, shape (n,)."""
+        from scipy.spatial.distance import cdist  # slow to import
+
+        nearest = cdist(self._places(factors), self._places(self.fitted)).min(axis=1)
+        found: NDArray[np.bool_] = nearest <= SLACK
+        return found
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
@@ -194,7 +207,8 @@ class Trust:
         force = np.abs(np.asarray(force_n, dtype=float))
         count = len(self.unseen.force_n)
         distance, error = self._bounds(factors)
-        error = error + self.unseen.simulation_error * force
+        error = error + (self.unseen.simulation_error + self.scan_error) * force
+        scan = f"{100 * self.scan_error:.2g} % of it by the scan, " if self.scan_error else ""
         reasons = []
         for index, outside in enumerate(self.outside(factors)):
             reason = outside
@@ -205,7 +219,7 @@ class Trust:
                 )
             elif not outside and not error[index] <= most * force[index]:
                 reason = (
-                    f"may be off by {100 * error[index] / force[index]:.3g} %, the nearest "
+                    f"may be off by {100 * error[index] / force[index]:.3g} %, {scan}the nearest "
                     f"simulation that the fit never saw is {distance[index]:.2g} of its ranges away"
                 )
             if not np.isfinite(force[index]):
@@ -258,6 +272,7 @@ class Trust:
             "unseen": unseen
             | {"force_n": self.unseen.force_n.tolist(), "error_n": self.unseen.error_n.tolist()},
             "simulation_error": self.unseen.simulation_error,
+            "scan_error": self.scan_error,
             "ranges": {name: list(limits) for name, limits in self.ranges.items()},
             "widths": self.widths,
             "steepness": [each if np.isfinite(each) else None for each in self.steepness],
@@ -277,13 +292,15 @@ class Trust:
             force, error = (np.asarray(given[name], float) for name in ("force_n", "error_n"))
             points = Factors.of(**{name: given[name] for name in STORED}) if len(force) else None
             simulation_error = float(plain["simulation_error"])
+            scan_error = float(plain["scan_error"])
         except (KeyError, TypeError, ValueError, InputError):
             raise InputError(f"{place}: not the evidence of a fit, as `fit` writes it") from None
         if points is None:
-            return cls.of(fitted, None)
+            return cls.of(fitted, None, scan_error=scan_error)
         if not (force.shape == error.shape == (len(points),) and np.all(np.isfinite(error))):
             raise InputError(f"{place}: not the evidence of a fit, as `fit` writes it")
-        return cls.of(fitted, Unseen(points, force, error, simulation_error))
+        unseen = Unseen(points, force, error, simulation_error)
+        return cls.of(fitted, unseen, scan_error=scan_error)
 
 
 def _column(factors: Factors, name: str) -> Array:

@@ -33,7 +33,7 @@ def working_point(
         "phi_deg": float(point.phi_deg[0]),
     }
     unknown = dict.fromkeys(("hv_m", "hv_error_m", "within_percent"), np.nan)
-    row: dict[str, object] = {"force_n": force_n, **unknown, "note": ""}
+    row: dict[str, object] = {"force_n": force_n, **unknown, **fit.scan_percent, "note": ""}
     if model.column_names:
         fit.complete(point)  # says what is missing, if anything
     try:
@@ -50,6 +50,7 @@ def working_point(
     below, _, above = model.evaluate(fit.theta, fit.complete(near))
     slope = (above - below) / (2 * STEP * hv_m) if hv_m else np.nan
     verdict = fit.judge(near.take([1]), [force_n])
+    error_n = error_n + fit.scan_error * abs(force_n)
     error_m = error_n / abs(slope) if slope and verdict.trusted[0] else np.nan
     within = verdict.within_percent([force_n])[0]
     known = {"hv_m": hv_m, "hv_error_m": error_m, "within_percent": within}

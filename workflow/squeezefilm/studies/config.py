@@ -121,6 +121,7 @@ def parse_config(text: str, *, path: Path) -> Config:
         raise InputError(f"{path}: a configuration is a mapping of keys to values")
     _refuse_non_finite(values, path=path, place="")
     _validate(values, path=path)
+    values.setdefault("paper", False)
     for factor, levels in values["error_map"].items():
         ends = {end: values["screen"][factor][end] for end in ENDS}
         values["error_map"][factor] = ends | levels

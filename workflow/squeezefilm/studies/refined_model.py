@@ -110,9 +110,12 @@ def refined_model(
     simulated: SimulatedSpace,
     *,
     space: str,
+    scan_error: float,
     report: Callable[[Round], object] = lambda done: None,
 ) -> Refinement:
     """Run the loop by the study's section ``refine``; space is the name of what is simulated.
+
+    scan_error is the share of a force that the scan of a measured profile leaves open.
 
     Raises:
         InputError: where the section allows too few simulations to begin with.
@@ -148,7 +151,7 @@ def refined_model(
         forces=simulated.forces(outcome.simulated, labels),
         limits=simulated.limits(outcome.simulated, labels),
         where=where,
-        fit=_fit_values(model, simulated, outcome, settings["seed"]),
+        fit=_fit_values(model, simulated, outcome, seed=settings["seed"], scan_error=scan_error),
         verdict=verdict,
     )
 
@@ -241,7 +244,7 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
 
 
 def _fit_values(
-    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, seed: int
+    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, *, seed: int, scan_error: float
 ) -> dict[str, Any]:
     """The last fit as its file tells it, with the range of each parameter."""
     last = outcome.rounds[-1]
@@ -267,7 +270,13 @@ def _fit_values(
     return {
         **fit.to_dict(),
         **describe(
-            model, factors, force, fit, force_error_n=error, control=_verified(model, space, last)
+            model,
+            factors,
+            force,
+            fit,
+            force_error_n=error,
+            scan_error=scan_error,
+            control=_verified(model, space, last),
         ),
         "directions": directions_of(space.config).to_dict(),
         "parameter_ranges": [each.to_dict() for each in ranges],

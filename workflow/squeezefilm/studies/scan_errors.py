@@ -10,10 +10,13 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.scans import SmoothedScan
-from squeezefilm.io.errors import RunError
+from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.tables import read_json
+from squeezefilm.models.fitted import number
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.limits import fast_limit, limit_axis
+from squeezefilm.studies.config import Config
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 TOLERANCE = 1e-3
@@ -118,3 +121,25 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
         aspect=scene.aspect,
     ).mean
     return max(float(mean[1] / mean[0] - 1), 0.0) if mean[0] > 0 else math.inf
+
+
+def scan_error_of(config: Config, summary: str | None) -> float:
+    """The largest share of a force that the scan of the study's profile leaves open, 0 without one.
+
+    Args:
+        summary: the file that `squeezefilm profile` wrote.
+
+    Raises:
+        InputError: for a study with a scan and no summary, a summary and no scan, or a file that
+            is none.
+    """
+    if config["actuator"]["profile"]["kind"] == "measured":
+        if summary is None:
+            raise InputError(
+                f"{config.path}: its profile is measured; give --scan SUMMARY.json, which "
+                "`squeezefilm profile` writes: what the scan leaves open is part of the fit's error"
+            )
+        return number(read_json(summary), "largest_force_error_share", summary)
+    if summary is not None:
+        raise InputError(f"--scan {summary}: the profile of {config.path} is not measured")
+    return 0.0

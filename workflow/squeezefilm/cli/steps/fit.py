@@ -4,7 +4,9 @@
 
 The model is one of the library's or of the study's own (its section `models`). A model that uses
 the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv; with
-what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone.
+what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone. Where the study's
+profile is measured, --scan is the summary that `squeezefilm profile` wrote: what the scan leaves
+open is part of the fit's error.
 
 A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows the
 finger's position with its `four_factor` seeds.
@@ -35,6 +37,7 @@ from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import model_named
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.scan_errors import scan_error_of
 from squeezefilm.studies.study import directions_of
 
 SECTIONS = ("fit", "models", "actuator", "finger")
@@ -45,6 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", required=True, metavar="NAME", help="such as two-factor")
     parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
     parser.add_argument("--limit-table", metavar="TABLE.json", help="to put into FIT.json")
+    parser.add_argument("--scan", metavar="SUMMARY.json", help="of a measured profile")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="FIT.json", help="the best run")
     parser.add_argument("--processes", type=int, default=1, help="to spread the runs over")
@@ -60,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     model = model_named(options.model, config["models"], place=options.config)
+    scan_error = scan_error_of(config, options.scan)
     forces = read_ok_forces(options.forces)
     factors = factors_of(forces, limits=options.limits)
     force_n = forces["force_n"].to_numpy()
@@ -73,7 +78,12 @@ def run(options: argparse.Namespace) -> None:
         runs = fits_from_seeds(model, factors, force_n, settings, processes=options.processes)
         best = min(runs, key=lambda run: run.sum_of_squares)
         about = describe(
-            model, factors, force_n, best, force_error_n=forces["force_error_n"].to_numpy()
+            model,
+            factors,
+            force_n,
+            best,
+            force_error_n=forces["force_error_n"].to_numpy(),
+            scan_error=scan_error,
         )
     except InputError as error:
         if not options.keep_going:

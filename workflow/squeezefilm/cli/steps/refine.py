@@ -11,7 +11,8 @@ ROUNDS.csv has a row for each round, FORCES.csv every simulation (a point_id tel
 round), LIMITS.csv the physics limits of the same scenes, FIT.json the fitted model with the range
 of each parameter, WHERE.csv the model's error over the space, and VERDICT.json how it ended. With
 --keep-going a model that needs the physics limits where they do not hold is left out before
-anything is simulated: the two JSON files say why, and the tables are empty.
+anything is simulated: the two JSON files say why, and the tables are empty. --scan is what
+`squeezefilm profile` says of a measured profile: part of the fit's error.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from squeezefilm.models.experiments import check_columns
 from squeezefilm.models.library import SPACES, model_named
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.refined_model import SimulatedSpace, refined_model
+from squeezefilm.studies.scan_errors import scan_error_of
 
 SECTIONS = (
     "gas",
@@ -57,6 +59,7 @@ TABLES = {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="of the library or the study")
     parser.add_argument("--space", default="four-factor", help="two-factor or four-factor")
+    parser.add_argument("--scan", metavar="SUMMARY.json", help="of a measured profile")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--rounds", required=True, metavar="ROUNDS.csv", help="what was estimated")
     parser.add_argument("--forces", required=True, metavar="FORCES.csv", help="what was simulated")
@@ -79,6 +82,7 @@ def run(options: argparse.Namespace) -> None:
     if space not in SPACES:
         raise InputError(f"--space {options.space!r} is unknown; known are {', '.join(SPACES)}")
     model = model_named(options.model, config["models"], place=options.config)
+    scan_error = scan_error_of(config, options.scan)
     simulated = SimulatedSpace(config, centred=space == "two_factor")
     try:
         check_columns(model, simulated.pool.factors)
@@ -87,7 +91,7 @@ def run(options: argparse.Namespace) -> None:
             raise
         _leave_out(options, {"model": model.name, "space": space, "refused": str(error)})
         return
-    found = refined_model(model, simulated, space=space, report=_print_round)
+    found = refined_model(model, simulated, space=space, scan_error=scan_error, report=_print_round)
     print(f"{found.outcome.verdict}: {found.outcome.reason}")
     for name in TABLES:
         write_table(getattr(found, name), getattr(options, name))

@@ -74,7 +74,7 @@ def _judged(
     factors = factors_of(forces, limits=limits)
     check_columns(model, factors)
     predicted = model.evaluate(fit.theta, factors)
-    given = {"model_n": predicted, "simulation_n": forces["force_n"]}
+    given: dict[str, Any] = {"model_n": predicted, "simulation_n": forces["force_n"]}
     errors = relative_errors(**given)
     summary = summarise(**given, band=band).to_dict()
     worst = forces.iloc[summary.pop("worst_index")]

@@ -11,7 +11,7 @@ points that were left out of its fit (root mean square); --validation gives the 
 `squeezefilm validate` to take instead. `within_percent` is by how much the force may be off at that
 point, judged by simulations that the fit never saw: points left out in turn, or those that
 --control gives. Where both are empty the force is not to be trusted, and `note` says why.
-The noise of a measured profile is in no model's error: `squeezefilm profile` says it.
+Where the profile was measured, both contain what its scan leaves open, `scan_percent` of the force.
 """
 
 from __future__ import annotations
@@ -56,8 +56,13 @@ def run(options: argparse.Namespace) -> None:
     verdict = fit.judge(factors, force_n)
     table = points.assign(
         force_n=force_n,
-        force_error_n=np.where(verdict.trusted, expected_error(fit, options.validation), np.nan),
+        force_error_n=np.where(
+            verdict.trusted,
+            expected_error(fit, options.validation) + fit.scan_error * np.abs(force_n),
+            np.nan,
+        ),
         within_percent=verdict.within_percent(force_n),
+        **fit.scan_percent,
         note=verdict.reasons,
     )
     write_points(table, options.output)

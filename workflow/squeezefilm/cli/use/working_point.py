@@ -5,8 +5,9 @@
 One row for each gap and position; without --h0, six gaps over the range that the model was fitted
 on. `hv_error_m` is the model's error in force (see `squeezefilm predict --help`) over the slope of
 force against amplitude, and `within_percent` is by how much the force there may be off, as
-`predict` says it. Where both are empty the point is not to be trusted, and `note` says why, or that
-no amplitude below contact gives the force.
+`predict` says it; both contain what the scan of a measured profile leaves open, `scan_percent`.
+Where both are empty the point is not to be trusted, and `note` says why, or that no amplitude below
+contact gives the force.
 """
 
 from __future__ import annotations

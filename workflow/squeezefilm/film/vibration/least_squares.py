@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from squeezefilm.io.errors import InputError
 
 LARGEST_DEGREE = 24
 POINTS_PER_MODE = 3
+LARGEST_CONDITION = 1e8
 # Degrees above the best by cross-validation, so that the misfit is small beside the noise.
 DEGREES_MORE = 2
 
@@ -48,21 +50,17 @@ def best_fit(
     Raises:
         InputError: where the points determine no profile.
     """
-    degrees = [
-        degree
-        for degree in range(0, LARGEST_DEGREE + 1, 2 if axisymmetric else 1)
-        if POINTS_PER_MODE * len(orders_up_to(degree, axisymmetric=axisymmetric)) <= len(x)
-    ]
-    orders = orders_up_to(degrees[-1], axisymmetric=axisymmetric)
-    # The modes of a degree come before those of the next: one decomposition serves all.
-    orthogonal, triangle = np.linalg.qr(modes_at(orders, x=x, y=y))
+    degrees, orthogonal, triangle = _decomposed(x.tobytes(), y.tobytes(), axisymmetric)
     along = orthogonal.T @ measured
+    # More modes are never better determined: where the most are, one condition number will do.
+    sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
     scores: dict[int, float] = {}
     errors: dict[int, np.ndarray] = {}
     for degree in degrees:
         count = len(orders_up_to(degree, axisymmetric=axisymmetric))
         leverage = np.sum(orthogonal[:, :count] ** 2, axis=1)
-        if np.linalg.cond(triangle[:count, :count]) > 1e8 or leverage.max() > 1 - 1e-6:
+        determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
+        if not determined or leverage.max() > 1 - 1e-6:
             break
         residual = measured - orthogonal[:, :count] @ along[:count]
         errors[degree] = residual / (1 - leverage)
@@ -74,3 +72,23 @@ def best_fit(
     orders = orders_up_to(degree, axisymmetric=axisymmetric)
     root = np.linalg.inv(triangle[: len(orders), : len(orders)])
     return Fit(degree, orders, root @ along[: len(orders)], errors[degree], root, scores)
+
+
+@lru_cache(maxsize=2)
+def _decomposed(
+    x: bytes, y: bytes, axisymmetric: bool
+) -> tuple[tuple[int, ...], np.ndarray, np.ndarray]:
+    """Degrees that so many points allow, and the QR decomposition of their modes there.
+
+    The modes of a degree come before those of the next: one decomposition serves all. It is kept,
+    as the same points are fitted again.
+    """
+    places = {"x": np.frombuffer(x), "y": np.frombuffer(y)}
+    degrees = tuple(
+        degree
+        for degree in range(0, LARGEST_DEGREE + 1, 2 if axisymmetric else 1)
+        if POINTS_PER_MODE * len(orders_up_to(degree, axisymmetric=axisymmetric))
+        <= len(places["x"])
+    )
+    orders = orders_up_to(degrees[-1], axisymmetric=axisymmetric)
+    return degrees, *np.linalg.qr(modes_at(orders, **places))

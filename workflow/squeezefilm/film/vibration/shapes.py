@@ -12,6 +12,9 @@ import numpy as np
 
 from squeezefilm.formulas.expressions import Expression, parse
 
+MOST_KEPT = 1_000_000
+"""Values of modes, points times modes, that are kept to be used again: 8 MB."""
+
 
 class Profile(Protocol):
     """A normalised amplitude of vibration over the actuator's surface."""
@@ -119,11 +122,27 @@ class Modes:
     largest: float = 1.0
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        from squeezefilm.film.vibration.zernike import modes_at
-
         x, y = np.broadcast_arrays(x_m, y_m)
-        modes = modes_at(self.orders, x=x / self.surface_radius_m, y=y / self.surface_radius_m)
+        x, y = x / self.surface_radius_m, y / self.surface_radius_m
+        if x.size * len(self.orders) > MOST_KEPT:
+            modes = _modes_at(self.orders, x, y)
+        else:
+            modes = _modes_again(self.orders, x.shape, x.tobytes(), y.tobytes())
         return modes @ np.array(self.coefficients)
+
+
+def _modes_at(orders: tuple[tuple[int, int], ...], x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    from squeezefilm.film.vibration.zernike import modes_at  # SciPy's functions are slow to import
+
+    return modes_at(orders, x=x, y=y)
+
+
+@lru_cache(maxsize=16)
+def _modes_again(
+    orders: tuple[tuple[int, int], ...], shape: tuple[int, ...], x: bytes, y: bytes
+) -> np.ndarray:
+    """The modes at points given as bytes: profiles with other noise are asked at the same ones."""
+    return _modes_at(orders, *(np.frombuffer(each).reshape(shape) for each in (x, y)))
 
 
 def largest_magnitude(
