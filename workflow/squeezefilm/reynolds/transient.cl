@@ -33,26 +33,19 @@ static bool solve_stage(const Grid *g, Film *film, double c, field y, matrix z, 
 }
 #endif
 
-/* Surface excursion at T = 2π (period + phase): ε sin T, raised over the first `ramp` periods. */
-static double excursion_at(double epsilon, int period, double phase, double ramp)
-{
-    const double share = period + phase < ramp ? sin(M_PI_2 * (period + phase) / ramp) : 1.0;
-    return epsilon * share * share * sin(2.0 * M_PI * phase);
-}
-
 enum { MARCHED = 0, STALLED = 1, NOT_PHYSICAL = 2 };
 
 /* table:   Butcher's a (stages, stages), b, c.
  * numbers: per scene epsilon, sigma, bearing, steps per period, tolerance of a stage.
  * profile: per scene amplitude, |grad|², Laplacian and (BEARING) x-slope, each (nx, ny).
- * state:   per scene y (nx, ny) at T = 2π first_period on entry, `periods` later on exit. There
- *          the gap is at rest and y = P − 1.
+ * state:   per scene y (nx, ny) at a period's beginning on entry, `periods` later on exit. There the
+ *          gap is at rest and y = P − 1.
  * mean_overpressure: per scene (nx, ny), over the last period.
  * results: per scene and period mean, smallest and largest mean overpressure of the film.
  * counts:  per scene status, Newton steps, Krylov iterations. */
 __kernel void march_films(const int scenes, const int nx, const int ny, const int periods,
-                          const int first_period, const double ramp, const int stages,
-                          matrix table, matrix matrices, matrix numbers, matrix profile,
+                          const int stages, matrix table, matrix matrices, matrix numbers,
+                          matrix profile,
                           field state, field mean_overpressure, field results,
                           __global int *counts, field workspace, const ulong workspace_size,
                           __global int *queue, __local double *scratch)
@@ -106,8 +99,7 @@ __kernel void march_films(const int scenes, const int nx, const int ny, const in
                 for (int i = 0; i < stages; i++) {
                     if (phase != (step + nodes[i]) / steps) {
                         phase = (step + nodes[i]) / steps;
-                        set_gap(&g, &film,
-                                excursion_at(film.epsilon, first_period + period, phase, ramp));
+                        set_gap(&g, &film, film.epsilon * sin(2.0 * M_PI * phase));
                     }
                     matrix row = table + i * stages;
                     field own = rates + i * g.count;
