@@ -10,6 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from physics_facts import (
+    ASIDE_N,
+    CENTRED_N,
+    SINC_FAST,
+    SINC_SECOND_ORDER,
+    SPRING_AT_20,
+    slow_piston,
+)
 
 from numerics import chebyshev_march, finite_elements, freefem, method_of_lines, numpy_periodic
 from numerics.yardstick import FloatArray, graded_edges, march_to_periodic, periods_to_settle
@@ -32,14 +40,6 @@ def sinc_off_centre(x: FloatArray, y: FloatArray) -> FloatArray:
 
 def piston(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.ones_like(x)
-
-
-def spring_coefficient(sigma: float) -> float:
-    """Blech's linear stiffness S of the square piston (series over odd m, n)."""
-    odd = np.arange(1, 2000, 2)
-    m, n = np.meshgrid(odd, odd)
-    k = math.pi**2 * (m**2 + n**2)
-    return float(np.sum(64 / (math.pi**4 * m**2 * n**2) * sigma**2 / (k**2 + sigma**2)))
 
 
 def small_amplitude(force: Callable[[float], float], epsilon: float = 0.1) -> float:
@@ -124,22 +124,18 @@ def test_piston_force_at_small_amplitude_is_blechs() -> None:
     limit = small_amplitude(
         lambda e: numpy_periodic.periodic_force(epsilon=e, sigma=20, amplitude=piston).force
     )
-    assert limit == pytest.approx(5 / 4 * spring_coefficient(20), rel=2e-5)
+    assert limit == pytest.approx(5 / 4 * SPRING_AT_20, rel=2e-5)
 
 
 def test_piston_force_at_vanishing_squeeze_number() -> None:
     epsilon, sigma = 0.5, 1e-3
-    phase = np.linspace(0, 2 * math.pi, 64, endpoint=False)
-    rate = (epsilon * np.cos(phase)) ** 2 / (1 + epsilon * np.sin(phase)) ** 6
     force = numpy_periodic.periodic_force(
         epsilon=epsilon, sigma=sigma, amplitude=piston, nt=48, tolerance=1e-13
     ).force
-    assert force == pytest.approx(2.5 * sigma**2 * rate.mean() * 0.00170251052, rel=1e-5)
+    assert force == pytest.approx(slow_piston(epsilon, sigma), rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("sigma", "limit"), [(20, 0.2240822625), (583, 0.4521765445), (2331, 0.4544710516)]
-)
+@pytest.mark.parametrize(("sigma", "limit"), SINC_SECOND_ORDER.items())
 def test_sinc_force_at_small_amplitude(sigma: float, limit: float) -> None:
     found = small_amplitude(
         lambda e: (
@@ -152,7 +148,7 @@ def test_sinc_force_at_small_amplitude(sigma: float, limit: float) -> None:
     assert found == pytest.approx(limit, rel=1e-7)
 
 
-@pytest.mark.parametrize(("epsilon", "limit"), [(0.1, 0.0045767166), (0.44, 0.0951846761)])
+@pytest.mark.parametrize(("epsilon", "limit"), SINC_FAST.items())
 def test_sinc_force_tends_to_its_limit_as_one_over_root_sigma(epsilon: float, limit: float) -> None:
     missing = [
         limit
@@ -167,7 +163,7 @@ def test_sinc_force_tends_to_its_limit_as_one_over_root_sigma(epsilon: float, li
 
 @pytest.mark.parametrize(
     ("epsilon", "profile", "newtons"),
-    [(0.44, sinc, 0.9620420), (0.4, sinc_off_centre, 0.7075753)],
+    [(0.44, sinc, CENTRED_N), (0.4, sinc_off_centre, ASIDE_N)],
 )
 def test_periodic_force_converges_spectrally_to_the_known_force(
     epsilon: float, profile: Callable[[FloatArray, FloatArray], FloatArray], newtons: float
@@ -234,7 +230,7 @@ def chebyshev(epsilon: float = 0.4, points: int = 8, rtol: float = 1e-7) -> floa
     ids=["finite elements", "method of lines", "Chebyshev march"],
 )
 def test_marched_sinc_force_at_small_amplitude(force: Callable[[float], float], rel: float) -> None:
-    assert small_amplitude(force) == pytest.approx(0.2240822625, rel=rel)
+    assert small_amplitude(force) == pytest.approx(SINC_SECOND_ORDER[20], rel=rel)
 
 
 def test_crank_nicolson_is_of_second_order_in_time(converged: float) -> None:
@@ -330,7 +326,7 @@ def test_finite_elements_marched_from_rest_give_the_known_force() -> None:
         periods=periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-5),
         fold=CENTRED,
     )
-    assert found.force * NEWTON == pytest.approx(0.9620420, rel=2e-5)
+    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=2e-5)
 
 
 def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
@@ -345,7 +341,7 @@ def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
         anderson_depth=10,
         fold=CENTRED,
     )
-    assert found.force * NEWTON == pytest.approx(0.9620420, rel=2e-5)
+    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=2e-5)
     assert found.periods <= 20
 
 
@@ -353,7 +349,7 @@ def test_chebyshev_march_gives_the_known_force() -> None:
     found = chebyshev_march.periodic_force(
         epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, points=14, rtol=1e-6, fold=CENTRED
     )
-    assert found.force * NEWTON == pytest.approx(0.9620420, rel=3e-7)
+    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=3e-7)
 
 
 def test_method_of_lines_gives_the_known_force() -> None:
@@ -366,4 +362,4 @@ def test_method_of_lines_gives_the_known_force() -> None:
         periods=periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-4),
         fold=CENTRED,
     )
-    assert found.force * NEWTON == pytest.approx(0.9620420, rel=3e-4)
+    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=3e-4)
