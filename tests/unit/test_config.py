@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -61,6 +62,7 @@ def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(
     text = replaced("{start: 0.2e-6, stop: 2e-6,", "{start: 0.5e-6, stop: 6e-6,")(text)
     text = replaced("h0_m: 5e-6\n  hv_m: 2.2e-6", "h0_m: 20e-6\n  hv_m: 5e-6")(text)
     (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
+    shutil.copy(repository / "config" / "vibrometer.csv", tmp_path)
     config = load_config(tmp_path / "study.yaml")
     for kind in ("screen", "error_map", "four_factor_control", "model_control"):
         (table,) = make_plan(kind, config, design=None)

@@ -114,6 +114,7 @@ def test_sections_are_read_without_running_the_module() -> None:
 COMMANDS = commands_of(installed())
 LOADED_BY_EACH = """
 import os, sys
+import jsonschema, matplotlib.pyplot, pandas, pint, pyopencl, scipy.optimize, scipy.stats  # once
 from squeezefilm.runs.code import WORKFLOW  # loads nothing that a command does not
 ours = lambda: {n for n in sys.modules if n.partition(".")[0] in %r}
 for command in sys.argv[1:]:
