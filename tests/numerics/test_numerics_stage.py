@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -233,4 +232,4 @@ def test_every_method_comes_near_the_reference() -> None:
     claimed = settled[np.isfinite(settled["estimated_error"])]
     assert (claimed["relative_error"] <= claimed["estimated_error"]).all()
     assert (table["reference_uncertainty"] < 1e-9).all()
-    assert math.isfinite(table["cpu_seconds"].sum())
+    assert (table["cpu_seconds"] > 0).all()

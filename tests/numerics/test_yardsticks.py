@@ -7,6 +7,8 @@ import math
 import os
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -193,6 +195,7 @@ def test_impossible_tolerance_is_reported() -> None:
 # The marching peers, at sigma = 20 where a few periods settle the film
 
 SETTLED = periods_to_settle(sigma=20, tolerance=1e-9)
+SETTLED_AT_5UM = periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-4)
 SCENE = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
 
 
@@ -316,19 +319,6 @@ def test_finite_elements_agree_on_the_bearing_term() -> None:
 # The force of the paper's largest extrapolation, by three other methods
 
 
-def test_finite_elements_marched_from_rest_give_the_known_force() -> None:
-    found = finite_elements.periodic_force(
-        epsilon=0.44,
-        sigma=SQUEEZE_5UM,
-        amplitude=sinc,
-        cells=6,
-        steps=32,
-        periods=periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-5),
-        fold=CENTRED,
-    )
-    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=2e-5)
-
-
 def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
     found = finite_elements.periodic_force(
         epsilon=0.44,
@@ -345,21 +335,18 @@ def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
     assert found.periods <= 20
 
 
-def test_chebyshev_march_gives_the_known_force() -> None:
-    found = chebyshev_march.periodic_force(
-        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, points=14, rtol=1e-6, fold=CENTRED
+@pytest.mark.parametrize(
+    ("peer", "settings", "rel"),
+    [
+        (chebyshev_march, {"points": 14, "rtol": 1e-6}, 3e-7),
+        (method_of_lines, {"cells": 12, "rtol": 1e-5, "periods": SETTLED_AT_5UM}, 3e-4),
+    ],
+    ids=["Chebyshev march", "method of lines"],
+)
+def test_marching_gives_the_known_force(
+    peer: ModuleType, settings: dict[str, Any], rel: float
+) -> None:
+    found = peer.periodic_force(
+        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, fold=CENTRED, **settings
     )
-    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=3e-7)
-
-
-def test_method_of_lines_gives_the_known_force() -> None:
-    found = method_of_lines.periodic_force(
-        epsilon=0.44,
-        sigma=SQUEEZE_5UM,
-        amplitude=sinc,
-        cells=12,
-        rtol=1e-5,
-        periods=periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-4),
-        fold=CENTRED,
-    )
-    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=3e-4)
+    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=rel)

@@ -60,11 +60,6 @@ def test_the_four_factor_plan_has_13_positions_with_5_points(paper: Config) -> N
     assert not plan.drop(columns="point_id").duplicated().any()
 
 
-def test_the_control_grid_is_dense(paper: Config) -> None:
-    assert paper["error_map"]["h0_m"]["levels"] >= 40
-    assert paper["error_map"]["hv_m"]["levels"] >= 40
-
-
 def test_random_points_fill_their_box_and_repeat() -> None:
     box = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
     plan = random_plan(points=400, seed=1, **box)

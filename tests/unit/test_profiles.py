@@ -187,8 +187,8 @@ def test_noise_drawn_anew_spreads_as_the_standard_error_says(smooth: Smooth) -> 
     # Normalised profiles: the peak's own error is taken out of the standard error.
     spread = np.std([shape.amplitude(**place) for shape in drawn])
     assert spread == pytest.approx(smoothed.standard_error(**place)[0], rel=0.4)
-    again = smoothed.again(count=2, seed=1)
-    assert again == drawn[:2]
+    for again, first in zip(smoothed.again(count=2, seed=1), drawn, strict=False):
+        assert again.coefficients == pytest.approx(first.coefficients, rel=1e-9, abs=1e-12)
 
 
 def test_a_stray_point_is_named(smooth: Smooth) -> None:
@@ -331,7 +331,8 @@ def test_a_profile_of_any_kind_can_be_drawn(settings: dict[str, Any], repository
     for name in ("fig05", "fig06"):
         module = figure_module(name)
         with style.settings():
-            module.draw(data)
+            axes = module.draw(data).axes[0]
+        assert [*axes.lines, *axes.collections, *axes.images]
 
 
 def test_the_scan_is_drawn_with_its_residuals(smooth: Smooth) -> None:
