@@ -171,7 +171,7 @@ def test_the_stated_error_covers_the_true_one(smooth: Smooth, axisymmetric: bool
     x_m, y_m = polar_grid()
     exact = np.sinc(109.8 * np.hypot(x_m, y_m))
     held = []
-    for seed in range(8):
+    for seed in range(8 if axisymmetric else 3):  # a scan of the plane has 45 modes, a radius few
         text = scan_text(noise=0.02, missing=0.03, seed=seed)
         smoothed = smooth(text, axisymmetric=axisymmetric)
         assert smoothed.noise_m / smoothed.peak_m == pytest.approx(0.02, rel=0.15)

@@ -17,8 +17,8 @@ import pytest
 from squeezefilm.cli import main as cli
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.models.cross_validation import left_out_predictions
-from squeezefilm.models.fit import refit
 from squeezefilm.models.force_model import Factors, get_model
+from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.trust import LEAST_POINTS, MOST_RELATIVE_ERROR, Trust, Unseen
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
@@ -105,7 +105,7 @@ def fitted(config: Config, kind: str) -> tuple[str, np.ndarray, Trust, float]:
         table = pd.concat([*corners, table], ignore_index=True)
         control = random_plan(points=60, seed=6, **space)
     factors, force, error = simulated(config, table)
-    theta = refit(get_model(model), factors, force, start=START[model])
+    theta = local_fit(get_model(model), factors, force, START[model])
     unseen = Unseen.of(
         factors,
         model_n=left_out_predictions(
