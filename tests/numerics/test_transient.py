@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import e, pi, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from physics_facts import DAMPING_AT_20, SPRING_AT_20
 from squeezefilm.film.vibration.shapes import Profile
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds import transient
-from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import Problems
 from squeezefilm.reynolds.schemes import SCHEMES, choose, steps_for_stability
@@ -65,6 +66,29 @@ def settled_mean(problems: Problems, grid: Grid, scheme: str, steps: int) -> flo
     )
     assert list(settled.status) == [0] * len(problems.epsilon)
     return float(settled.mean[0])
+
+
+def marched(
+    points: int,
+    *,
+    periods: int,
+    steps: int | np.ndarray,
+    scheme: str = "rk4",
+    start: np.ndarray | None = None,
+    device: Device = DEVICE,
+    **film: Any,
+) -> March:
+    """Films on a quarter of a square grid, followed from rest or from a given state."""
+    grid = quarter_grid(points)
+    return march(
+        problems=problems_on(grid, **film),
+        grid=grid,
+        periods=periods,
+        steps_per_period=steps,
+        scheme=scheme,
+        device=device,
+        overpressure=start,
+    )
 
 
 def force_by_marching(
@@ -132,19 +156,10 @@ def test_settled_force_converges_with_the_scheme_s_order(name: str, order: int) 
 @pytest.mark.parametrize(("name", "order"), [("rk4", 4), ("tr-bdf2", 2), ("esdirk4", 4)])
 def test_start_up_converges_with_the_scheme_s_order(name: str, order: int) -> None:
     """The mean over the first period from rest, far from settled."""
-    grid = quarter_grid(8)
-    problems = problems_on(grid, epsilon=(0.4,), sigma=583.0, tolerance=1e-12)
 
     def first_mean(scheme: str, steps: int) -> float:
-        run = march(
-            problems=problems,
-            grid=grid,
-            periods=1,
-            steps_per_period=steps,
-            scheme=scheme,
-            device=DEVICE,
-        )
-        return float(run.mean_by_period[0, 0])
+        film = {"epsilon": (0.4,), "sigma": 583.0, "tolerance": 1e-12}
+        return float(marched(8, periods=1, steps=steps, scheme=scheme, **film).mean_by_period[0, 0])
 
     exact = first_mean("rk4", 1024)
     coarse, fine = (abs(first_mean(name, steps) - exact) for steps in (40, 80))
@@ -161,21 +176,14 @@ def unguarded(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_explicit_steps_are_stable_just_where_theory_says() -> None:
     """A disturbance of a film almost at rest grows or decays; the limit found by bisection."""
     grid = quarter_grid(16)
-    problems = problems_on(grid, epsilon=(1e-3,), sigma=100.0)
+    film: dict[str, Any] = {"epsilon": (1e-3,), "sigma": 100.0}
     disturbance = 1e-6 * np.random.default_rng(1).standard_normal((1, grid.nx, grid.ny))
 
     def stable(steps: int) -> bool:
-        run = march(
-            problems=problems,
-            grid=grid,
-            periods=10,
-            steps_per_period=steps,
-            scheme="rk4",
-            device=DEVICE,
-            overpressure=disturbance,
-        )
+        run = marched(16, periods=10, steps=steps, start=disturbance, **film)
         return bool(run.status[0] == 0 and np.abs(run.overpressure).max() < 1e-3)
 
+    problems = problems_on(grid, **film)
     theory = int(steps_for_stability(problems=problems, grid=grid, scheme="rk4")[0])
     unstable_below, stable_from = theory // 2, 2 * theory
     assert not stable(unstable_below)
@@ -191,15 +199,7 @@ def test_explicit_steps_are_stable_just_where_theory_says() -> None:
 
 @pytest.mark.usefixtures("unguarded")
 def test_unstable_steps_give_no_number() -> None:
-    grid = quarter_grid(16)
-    run = march(
-        problems=problems_on(grid, epsilon=(0.3,), sigma=20.0),
-        grid=grid,
-        periods=3,
-        steps_per_period=200,
-        scheme="rk4",
-        device=DEVICE,
-    )
+    run = marched(16, periods=3, steps=200, epsilon=(0.3,), sigma=20.0)
     assert run.status[0] == 2
     assert np.isnan(run.mean_by_period[0, -1])
 
@@ -245,16 +245,10 @@ def test_small_films_answer_linearly_with_blech_s_coefficients() -> None:
     """Force −ε (S sin T + D cos T) of a square piston at σ = 20, and its mean 5/4 ε² S."""
     spring, damping = SPRING_AT_20, DAMPING_AT_20
     epsilon = 1e-3
-    grid = quarter_grid(24)
-    problems = problems_on(grid, epsilon=(epsilon,), sigma=20.0, profile=PISTON)
-    run = march(
-        problems=problems,
-        grid=grid,
-        periods=5,
-        steps_per_period=256,
-        scheme="esdirk4",
-        device=DEVICE,
+    run = marched(
+        24, periods=5, steps=256, scheme="esdirk4", epsilon=(epsilon,), sigma=20.0, profile=PISTON
     )
+    grid = quarter_grid(24)
     at_period_s_end = grid.x.weights @ run.overpressure[0] @ grid.y.weights
     swing = (run.highest_by_period - run.lowest_by_period)[0, -1] / 2
     assert at_period_s_end / epsilon == pytest.approx(-damping, rel=2e-3)
@@ -267,16 +261,15 @@ def test_small_films_answer_linearly_with_blech_s_coefficients() -> None:
 
 @pytest.mark.parametrize("aspect", [1.0, 2.0])
 def test_films_settle_with_the_time_constant_of_the_slowest_mode(aspect: float) -> None:
-    grid = quarter_grid(16)
-    run = march(
-        problems=problems_on(
-            grid, epsilon=(0.02,), sigma=583.0, profile=PISTON, aspect=aspect, tolerance=1e-6
-        ),
-        grid=grid,
+    run = marched(
+        16,
         periods=45,
-        steps_per_period=160,
-        scheme="rk4",
-        device=DEVICE,
+        steps=160,
+        epsilon=(0.02,),
+        sigma=583.0,
+        profile=PISTON,
+        aspect=aspect,
+        tolerance=1e-6,
     )
     theory = 583.0 / (pi**2 * (1 + aspect**-2))
     assert run.settling_radians()[0] == pytest.approx(theory, rel=2e-3)
@@ -286,15 +279,7 @@ def test_films_settle_with_the_time_constant_of_the_slowest_mode(aspect: float) 
 def test_the_last_decade_of_the_rise_takes_ln_10_time_constants(
     sigma: float, periods: int, steps: int
 ) -> None:
-    grid = quarter_grid(16)
-    run = march(
-        problems=problems_on(grid, epsilon=(0.1,), sigma=sigma, profile=PISTON),
-        grid=grid,
-        periods=periods,
-        steps_per_period=steps,
-        scheme="rk4",
-        device=DEVICE,
-    )
+    run = marched(16, periods=periods, steps=steps, epsilon=(0.1,), sigma=sigma, profile=PISTON)
     scene = film(epsilon=0.1, sigma=sigma, profile=PISTON)
     exact = np.array([mean_overpressure(scene, points=16, instants=16, fold=True)])
     decade = run.rise_periods(exact, within=0.001) - run.rise_periods(exact, within=0.01)
@@ -317,19 +302,8 @@ def test_rise_of_a_pure_exponential() -> None:
 
 
 def test_a_march_goes_on_where_it_stopped() -> None:
-    grid = quarter_grid(16)
-    problems = problems_on(grid, epsilon=(0.3,), sigma=200.0)
-
     def run(periods: int, start: np.ndarray | None = None) -> March:
-        return march(
-            problems=problems,
-            grid=grid,
-            periods=periods,
-            steps_per_period=620,
-            scheme="rk4",
-            device=DEVICE,
-            overpressure=start,
-        )
+        return marched(16, periods=periods, steps=620, start=start, epsilon=(0.3,), sigma=200.0)
 
     whole, first = run(3), run(1)
     rest = run(2, first.overpressure)
@@ -342,19 +316,11 @@ def test_a_march_goes_on_where_it_stopped() -> None:
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_scene_does_not_depend_on_its_batch(scheme: str) -> None:
-    grid = quarter_grid(8)
-    epsilon = (0.1, 0.3, 0.5)
-    steps = np.array([150, 180, 210])
+    epsilon, steps = np.array([0.1, 0.3, 0.5]), np.array([150, 180, 210])
 
     def means(which: list[int]) -> np.ndarray:
-        return march(
-            problems=problems_on(grid, epsilon=tuple(epsilon[i] for i in which), sigma=100.0),
-            grid=grid,
-            periods=2,
-            steps_per_period=steps[which],
-            scheme=scheme,
-            device=DEVICE,
-        ).mean_by_period
+        films = {"epsilon": tuple(epsilon[which]), "sigma": 100.0}
+        return marched(8, periods=2, steps=steps[which], scheme=scheme, **films).mean_by_period
 
     together = means([0, 1, 2])
     for scene in range(3):
@@ -363,17 +329,10 @@ def test_a_scene_does_not_depend_on_its_batch(scheme: str) -> None:
 
 def test_work_groups_of_many_items_give_the_same_forces() -> None:
     """The code path of a graphics processor; implicit steps take too long to compile for a test."""
-    grid = quarter_grid(16)
+    films = {"epsilon": (0.1, 0.3), "sigma": 583.0, "periods": 2, "steps": 260}
     alone, shared = (
-        march(
-            problems=problems_on(grid, epsilon=(0.1, 0.3), sigma=583.0),
-            grid=grid,
-            periods=2,
-            steps_per_period=260,
-            scheme="rk4",
-            device=choose_device(work_items=work_items),
-        ).mean_by_period
-        for work_items in (1, 4)
+        marched(16, device=choose_device(work_items=items), **films).mean_by_period
+        for items in (1, 4)
     )
     assert shared == pytest.approx(alone, rel=1e-10)
 
