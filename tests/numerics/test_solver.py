@@ -21,14 +21,13 @@ from squeezefilm.reynolds.periodic import Batch, Launch, launch
 from squeezefilm.reynolds.refinement import problems_of
 from squeezefilm.reynolds.solution import Solution
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.studies.config import load_config
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import scene_of
 
 
 @pytest.fixture(scope="module")
-def paper_scenes() -> list[Scene]:
+def paper_scenes(paper: Config) -> list[Scene]:
     """Random operating points over the paper's four factors."""
-    config = load_config("config/paper.yaml")
     random = np.random.default_rng(20140503)
     return [
         scene_of(
@@ -39,7 +38,7 @@ def paper_scenes() -> list[Scene]:
                 phi_r_m=random.uniform(0, 2.9e-3) * (index % 4 > 0),
                 phi_deg=float(random.choice([0.0, 45.0, random.uniform(0, 45)])),
             ),
-            config,
+            paper,
         )
         for index in range(300)
     ]
@@ -54,9 +53,10 @@ def exact_n(paper_scenes: list[Scene]) -> np.ndarray:
 @pytest.mark.parametrize(
     ("hv_m", "phi_r_m", "force_n"), [(2.2e-6, 0.0, CENTRED_N), (2e-6, 2.9e-3, ASIDE_N)]
 )
-def test_known_forces_of_the_paper_s_actuator(hv_m: float, phi_r_m: float, force_n: float) -> None:
-    point = ScenePoint("1", 5e-6, hv_m, phi_r_m, 0.0)
-    (solution,) = solve([scene_of(point, load_config("config/paper.yaml"))], tolerance=1e-6)
+def test_known_forces_of_the_paper_s_actuator(
+    hv_m: float, phi_r_m: float, force_n: float, scene: Scene
+) -> None:
+    (solution,) = solve([replace(scene, hv_m=hv_m, phi_r_m=phi_r_m)], tolerance=1e-6)
     assert solution.force_n == pytest.approx(force_n, rel=1e-6)
 
 

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from numerics.cross_section import COLUMNS, cross_section
 from squeezefilm.film.scene import GapShape, Scene
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds.galerkin import pressure_at
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import scene_of
 
 
 @pytest.fixture(scope="module")
-def scene(repository: Path) -> Scene:
-    point = ScenePoint("one", 5e-6, 2e-6, 0.0, 0.0)
-    return scene_of(point, load_config(repository / "config/paper.yaml"))
+def scene(scene: Scene) -> Scene:
+    return replace(scene, hv_m=2e-6)
 
 
 def test_the_pressure_rises_while_the_surface_is_up_and_on_the_whole(scene: Scene) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.studies import plans
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import (
     centred_grid,
     finger_positions,
@@ -20,11 +19,6 @@ from squeezefilm.studies.plans import (
     random_plan,
     sweep_pieces,
 )
-
-
-@pytest.fixture(scope="module")
-def paper(repository: Path) -> Config:
-    return load_config(repository / "config" / "paper.yaml")
 
 
 def test_levels_are_even_and_read_well() -> None:

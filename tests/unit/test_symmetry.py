@@ -65,11 +65,6 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any] | None, tuple[float, float
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def quick(repository: Path) -> Config:
-    return load_config(repository / "config" / "quick.yaml")
-
-
 def study(quick: Config, finger: dict[str, Any], profile: dict[str, Any] | None = None) -> Config:
     sections = {**quick, "finger": quick["finger"] | finger}
     if profile:
@@ -118,8 +113,7 @@ def test_the_template_s_directions_stand_for_all_that_differ(quick: Config) -> N
     assert Space.of(rectangle, centred=False).box.upper[3] == 90
 
 
-def test_the_paper_s_positions_are_as_they_were(repository: Path) -> None:
-    paper = load_config(repository / "config" / "paper.yaml")
+def test_the_paper_s_positions_are_as_they_were(paper: Config) -> None:
     assert factor_ranges(paper)["phi_deg"] == (0, 45)
     angles, radii = [0, 15, 30, 45], paper["positions"]["phi_r_m"]
     assert finger_positions(paper) == [(0, 0), *((r, angle) for r in radii for angle in angles)]

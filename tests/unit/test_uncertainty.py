@@ -16,7 +16,7 @@ from paper.uncertainty import ASSUMPTIONS, compare, differences, to_markdown
 from squeezefilm.cli import main as cli
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import RunError
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import Config
 
 
 def film_like(scene: Scene) -> float:
@@ -27,13 +27,8 @@ def film_like(scene: Scene) -> float:
 
 
 @pytest.fixture(scope="module")
-def config(repository: Path) -> Config:
-    return load_config(repository / "config/paper.yaml")
-
-
-@pytest.fixture(scope="module")
-def tables(config: Config) -> tuple[pd.DataFrame, pd.DataFrame]:
-    return compare(config, force=film_like)
+def tables(paper: Config) -> tuple[pd.DataFrame, pd.DataFrame]:
+    return compare(paper, force=film_like)
 
 
 @pytest.fixture(scope="module")
@@ -42,15 +37,15 @@ def extrapolated(tables: tuple[pd.DataFrame, pd.DataFrame]) -> pd.DataFrame:
     return table[table["claim_id"] == "simulation_at_2.2"].set_index("assumption")
 
 
-def test_every_difference_is_a_claim_of_the_paper(config: Config) -> None:
+def test_every_difference_is_a_claim_of_the_paper(paper: Config) -> None:
     known = {claim.claim_id for claim in CLAIMS}
-    assert {each.claim_id for each in differences(config)} <= known
+    assert {each.claim_id for each in differences(paper)} <= known
 
 
 def test_every_assumption_is_tried_on_every_difference(
-    config: Config, tables: tuple[pd.DataFrame, pd.DataFrame]
+    paper: Config, tables: tuple[pd.DataFrame, pd.DataFrame]
 ) -> None:
-    assert len(tables[0]) == len(ASSUMPTIONS) * len(differences(config))
+    assert len(tables[0]) == len(ASSUMPTIONS) * len(differences(paper))
     assert tables[0]["because"].str.len().min() > 10
 
 
@@ -90,24 +85,24 @@ def test_curves_pass_through_our_force(tables: tuple[pd.DataFrame, pd.DataFrame]
     np.testing.assert_allclose(middle["force_n"], CENTRED_N, rtol=1e-5)
 
 
-def test_a_film_that_cannot_be_is_passed_over(config: Config) -> None:
+def test_a_film_that_cannot_be_is_passed_over(paper: Config) -> None:
     def refusing(scene: Scene) -> float:
         return math.nan if scene.hv_m > 2.3e-6 else film_like(scene)
 
-    table, _ = compare(config, force=refusing)
+    table, _ = compare(paper, force=refusing)
     needed = table.set_index(["claim_id", "assumption"])["needed"]
     assert needed["simulation_at_2.2", "ambient pressure"] == pytest.approx(104.27, rel=1e-3)
     assert table["force_low_n"].notna().all()
 
 
-def test_a_film_that_cannot_be_simulated_at_all_is_named(config: Config) -> None:
+def test_a_film_that_cannot_be_simulated_at_all_is_named(paper: Config) -> None:
     with pytest.raises(RunError, match="operating_point"):
-        compare(config, force=lambda scene: math.nan)
+        compare(paper, force=lambda scene: math.nan)
 
 
-def test_a_study_without_the_assumption_does_without_its_row(config: Config) -> None:
-    sections = config.sections | {"actuator": config["actuator"] | {"profile": {"kind": "piston"}}}
-    table, _ = compare(Config(path=config.path, sections=sections), force=film_like)
+def test_a_study_without_the_assumption_does_without_its_row(paper: Config) -> None:
+    sections = paper.sections | {"actuator": paper["actuator"] | {"profile": {"kind": "piston"}}}
+    table, _ = compare(Config(path=paper.path, sections=sections), force=film_like)
     assert "wave number of the profile" not in set(table["assumption"])
     assert len(table) == 2 * (len(ASSUMPTIONS) - 1)
 
