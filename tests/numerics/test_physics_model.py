@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
+from reference_forces import reference_table
 
 from squeezefilm.cli.steps import limits
 from squeezefilm.cli.steps.limits import with_limits
@@ -20,7 +19,6 @@ from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import factor_ranges, random_plan
 from squeezefilm.studies.study import scene_of
 
-REPOSITORY = Path(__file__).parents[2]
 FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)
 """Where the search for the paper's form (14) ends on the 65 points (see test_fit.py)."""
 
@@ -34,7 +32,7 @@ def factors_of(table: pd.DataFrame) -> Factors:
 
 
 def reference(name: str, paper: Config) -> tuple[Factors, np.ndarray]:
-    table = pd.read_csv(REPOSITORY / "tests" / "reference" / f"{name}_forces.csv")
+    table = reference_table(name)
     return factors_of(limits_of(table, paper)), table["force_n"].to_numpy()
 
 
@@ -50,7 +48,7 @@ def control(paper) -> tuple[Factors, np.ndarray]:
 
 def test_the_limits_error_is_that_of_the_better_limit(paper, monkeypatch) -> None:
     """Whichever limit is computed last."""
-    table = pd.read_csv(REPOSITORY / "tests" / "reference" / "four_factor_forces.csv").head(3)
+    table = reference_table("four_factor").head(3)
     wanted = limits_of(table, paper)
     monkeypatch.setattr(limits, "METHODS", dict(reversed(limits.METHODS.items())))
     found = limits_of(table, paper)
