@@ -7,6 +7,11 @@ from typing import Any
 
 import pytest
 
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.tables import ScenePoint
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.study import scene_of
+
 SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py")
 
 
@@ -14,6 +19,24 @@ SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py"
 def repository() -> Path:
     """The root of the checkout."""
     return Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def paper(repository: Path) -> Config:
+    """The paper's study."""
+    return load_config(repository / "config" / "paper.yaml")
+
+
+@pytest.fixture(scope="session")
+def quick(repository: Path) -> Config:
+    """The same in small."""
+    return load_config(repository / "config" / "quick.yaml")
+
+
+@pytest.fixture(scope="session")
+def scene(paper: Config) -> Scene:
+    """The paper's operating point beyond its screen."""
+    return scene_of(ScenePoint("1", 5e-6, 2.2e-6, 0.0, 0.0), paper)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -9,8 +9,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,9 +16,9 @@ from typing import Any
 
 import pytest
 
+from ..workflow.conftest import QUICK, copy_checkout, snakemake
+
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-QUICK = ("--configfile", "config/quick.yaml")
-PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")
 PAGES = ("explorer", "report")
 # What the report shows: the study without its numerics and most figures, which take their time.
 SHOWN = ("explorer", "pages", "fig08", "overview", "uncertainty")
@@ -42,19 +40,9 @@ def results(
     given = request.config.getoption("--results")
     if given:
         return Path(given).resolve()
-    folder = tmp_path_factory.mktemp("pages")
-    for name in PARTS:
-        copy = shutil.copytree if (repository / name).is_dir() else shutil.copy
-        copy(repository / name, folder / name)
+    folder = copy_checkout(repository, tmp_path_factory.mktemp("pages") / "checkout")
     for report in ([], ["--report", "results/quick/report.html"]):
-        done = subprocess.run(
-            [sys.executable, "-m", "snakemake", *SHOWN, *report, *QUICK],
-            cwd=folder,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            check=False,
-        )
+        done = snakemake(folder, *SHOWN, *report, *QUICK)
         assert done.returncode == 0, done.stdout[-6000:]
     return folder / "results/quick"
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from ..workflow.conftest import copy_checkout
+from ..workflow.conftest import copy_checkout, snakemake
 from .slurm import PARTITION, NoSlurm, Slurm, private_slurm
 
 PATIENCE = 600  # seconds until a test gives up waiting; the machine may be busy
@@ -148,14 +148,7 @@ def made_locally(
     folder = copy_checkout(repository, tmp_path_factory.mktemp("local") / "checkout")
     write_long_study(folder)
     for config, targets in ((QUICK, QUICK_TABLES), (LONG, (LONG_FORCES,))):
-        done = subprocess.run(
-            [sys.executable, "-m", "snakemake", *targets, "--configfile", config],
-            cwd=folder,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            check=False,
-        )
+        done = snakemake(folder, *targets, "--configfile", config)
         assert done.returncode == 0, done.stdout[-6000:]
     return lambda name: (folder / name).read_bytes()
 

@@ -68,22 +68,10 @@ class Kill:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kills", type=int, default=100)
-    parser.add_argument("--folder", type=Path, help="scratch folder, emptied first")
-    parser.add_argument(
-        "--output", type=Path, required=True, help="table of the kills, continued if begun"
-    )
-    parser.add_argument("--part", default="1/1", help="I/N: every N-th kill from the I-th on")
-    parser.add_argument("--join", type=Path, nargs="+", help="the parts' tables, to make one of")
+    parser.add_argument("--folder", type=Path, required=True, help="scratch folder, emptied first")
+    parser.add_argument("--output", type=Path, required=True, help="table of the kills")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    if options.join:
-        kills = sorted((k for table in options.join for k in read(table)), key=lambda k: k.number)
-        write(kills, options.output)
-        print(summary(kills))
-        return 0
-    if options.folder is None:
-        parser.error("--folder is needed to kill anything")
-    part, parts = (int(word) for word in options.part.split("/"))
     folder: Path = options.folder.resolve()
     shutil.rmtree(folder, ignore_errors=True)
     environment = {**os.environ, "PYTHONPATH": str(folder / "workflow")}
@@ -94,12 +82,9 @@ def main() -> int:
     wall_s = time.monotonic() - start
     wanted = digests(folder)
     print(f"undisturbed: {wall_s:.1f} s, {len(wanted)} files", flush=True)
-    kills = read(options.output)
-    done = {kill.number for kill in kills}
-    aims = enumerate(plan(options.kills, random.Random(options.seed)), start=1)
-    for number, (aim, moment_s) in list(aims)[part - 1 :: parts]:
-        if number in done:
-            continue
+    kills: list[Kill] = []
+    aims = plan(options.kills, random.Random(options.seed))
+    for number, (aim, moment_s) in enumerate(aims, start=1):
         if aim == "wall time":
             aim, moment_s = f"{moment_s:.0%} of the run", moment_s * wall_s
         kill = one_kill(
@@ -110,28 +95,6 @@ def main() -> int:
         print(kill, flush=True)
     print(summary(kills))
     return 0 if all(kill.resumed and kill.digests_equal and kill.traced for kill in kills) else 1
-
-
-def read(path: Path) -> list[Kill]:
-    """The kills of a table that was begun: those are not done again."""
-    if not path.exists():
-        return []
-    with path.open(newline="", encoding="utf-8") as handle:
-        return [
-            Kill(
-                number=int(row["number"]),
-                aim=row["aim"],
-                moment_s=float(row["moment_s"]),
-                ran=row["ran"],
-                killed=row["killed"],
-                resumed=row["resumed"] == "True",
-                digests_equal=row["digests_equal"] == "True",
-                traced=row["traced"] == "True",
-                remade_s=float(row["remade_s"]),
-                note=row["note"],
-            )
-            for row in csv.DictReader(handle)
-        ]
 
 
 def write(kills: list[Kill], path: Path) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from films import PISTON, SINC, film, mean_overpressure
+from physics_facts import SINC_CONVERGED, SINC_FAST, SINC_SECOND_ORDER, fast_piston
 
 from squeezefilm.film.vibration.shapes import Profile, Sinc
 from squeezefilm.reynolds import boundary_layer
@@ -84,14 +85,14 @@ def test_table_of_the_boundary_layer_is_smooth_between_its_rows() -> None:
 
 
 def test_fast_limit_of_the_sinc() -> None:
-    forces = limit(fast_limit, epsilon=[0.1, 0.44], sigma=[1e9, 1e9])
-    assert forces.mean == pytest.approx([0.0045767166, 0.0951846761], rel=1e-6)
+    forces = limit(fast_limit, epsilon=list(SINC_FAST), sigma=[1e9, 1e9])
+    assert forces.mean == pytest.approx(list(SINC_FAST.values()), rel=1e-6)
 
 
 @pytest.mark.parametrize("aspect", [1.0, 0.3])
 def test_fast_limit_of_a_piston_is_the_closed_form(aspect: float) -> None:
     epsilon, sigma = np.array([0.01, 0.5, 0.97]), np.full(3, 1e4)
-    expected = np.sqrt(1 + 1.5 * epsilon**2) / np.sqrt(1 - epsilon**2) - 1
+    expected = [fast_piston(each) for each in epsilon]
     forces = limit(fast_limit, epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
     assert forces.mean == pytest.approx(expected, rel=1e-11)
     closed = closed_form(epsilon=epsilon, sigma=sigma, aspect=aspect)
@@ -102,8 +103,8 @@ def test_fast_limit_of_a_piston_is_the_closed_form(aspect: float) -> None:
 @pytest.mark.parametrize(
     ("profile", "epsilon", "sigma", "converged", "relative_error"),
     [
-        (SINC, 0.44, 583.0, 0.0945747144, 1.7e-3),
-        (SINC, 0.44, 2331.0, 0.0949461577, 1.4e-4),
+        (SINC, 0.44, 583.0, SINC_CONVERGED[583.0], 1.7e-3),
+        (SINC, 0.44, 2331.0, SINC_CONVERGED[2331.0], 1.4e-4),
         (SINC, 0.44, 1e4, None, 9.7e-6),
         (PISTON, 0.4, 583.0, None, 1.34e-4),
         (PISTON, 0.4, 2331.0, None, 3.15e-5),
@@ -145,9 +146,9 @@ def test_order_of_the_limits_in_the_squeeze_number() -> None:
 
 
 def test_second_order_of_the_sinc() -> None:
-    sigma = [20.0, 583.0, 2331.0]
+    sigma = list(SINC_SECOND_ORDER)
     forces = limit(small_amplitude, epsilon=[0.01] * 3, sigma=sigma, points=47)
-    expected = np.array([0.2240822625, 0.4521765445, 0.4544710516])
+    expected = np.array(list(SINC_SECOND_ORDER.values()))
     assert forces.mean == pytest.approx(expected * 0.01**2, rel=1e-8)
 
 

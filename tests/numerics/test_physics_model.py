@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
+from reference_forces import reference_table
 
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.fit import fit_model
@@ -15,50 +14,44 @@ from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.validation import error_sizes
 from squeezefilm.reynolds import solve
 from squeezefilm.studies import physics_limits as limits
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.physics_limits import with_limits
 from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
 
-REPOSITORY = Path(__file__).parents[2]
 FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)
 """Where the search for the paper's form (14) ends on the 65 points (see test_fit.py)."""
 
 
-@pytest.fixture(scope="module")
-def config() -> Config:
-    return load_config(REPOSITORY / "config" / "paper.yaml")
-
-
-def limits_of(table: pd.DataFrame, config: Config) -> pd.DataFrame:
-    return with_limits(table, [scene_of(point, config) for point in scene_points(table)])
+def limits_of(table: pd.DataFrame, paper: Config) -> pd.DataFrame:
+    return with_limits(table, [scene_of(point, paper) for point in scene_points(table)])
 
 
 def factors_of(table: pd.DataFrame) -> Factors:
     return Factors.of(**{name: table[name] for name in (*FACTOR_COLUMNS, *COLUMNS.values())})
 
 
-def reference(name: str, config: Config) -> tuple[Factors, np.ndarray]:
-    table = pd.read_csv(REPOSITORY / "tests" / "reference" / f"{name}_forces.csv")
-    return factors_of(limits_of(table, config)), table["force_n"].to_numpy()
+def reference(name: str, paper: Config) -> tuple[Factors, np.ndarray]:
+    table = reference_table(name)
+    return factors_of(limits_of(table, paper)), table["force_n"].to_numpy()
 
 
 @pytest.fixture(scope="module")
-def control(config) -> tuple[Factors, np.ndarray]:
+def control(paper) -> tuple[Factors, np.ndarray]:
     """A thousand random points of the four-factor space, by the periodic state."""
-    ranges = box_of(config).ranges
-    table = limits_of(random_plan(points=1000, seed=11, **ranges), config)
-    scenes = [scene_of(point, config) for point in scene_points(table)]
+    ranges = box_of(paper).ranges
+    table = limits_of(random_plan(points=1000, seed=11, **ranges), paper)
+    scenes = [scene_of(point, paper) for point in scene_points(table)]
     solutions = solve(scenes, tolerance=1e-5, method="periodic")
     return factors_of(table), np.array([each.force_n for each in solutions])
 
 
-def test_the_limits_error_is_that_of_the_better_limit(config, monkeypatch) -> None:
+def test_the_limits_error_is_that_of_the_better_limit(paper, monkeypatch) -> None:
     """Whichever limit is computed last."""
-    table = pd.read_csv(REPOSITORY / "tests" / "reference" / "four_factor_forces.csv").head(3)
-    wanted = limits_of(table, config)
+    table = reference_table("four_factor").head(3)
+    wanted = limits_of(table, paper)
     monkeypatch.setattr(limits, "METHODS", dict(reversed(limits.METHODS.items())))
-    found = limits_of(table, config)
+    found = limits_of(table, paper)
     pd.testing.assert_frame_equal(found[list(wanted)], wanted)
 
 
@@ -68,8 +61,8 @@ def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
     return error_sizes(model_n=model_n, simulation_n=force)["global_error"]
 
 
-def test_on_the_screen_it_is_ten_times_better_than_the_fitted_formula(config) -> None:
-    screen = reference("screen", config)
+def test_on_the_screen_it_is_ten_times_better_than_the_fitted_formula(paper) -> None:
+    screen = reference("screen", paper)
     assert global_error("limit", (), screen) < 0.0006
     paper = local_fit(get_model("two_factor"), *screen, (7.6, 1.9, -1.0))
     assert global_error("two_factor", paper, screen) == pytest.approx(0.0053, abs=1e-4)
@@ -83,8 +76,8 @@ def test_on_a_thousand_points_it_is_ten_times_better_than_the_fitted_formula(con
     assert paper > 10 * physics
 
 
-def test_each_corrective_parameter_makes_it_better(config, control) -> None:
-    plan = reference("four_factor", config)
+def test_each_corrective_parameter_makes_it_better(paper, control) -> None:
+    plan = reference("four_factor", paper)
     errors = [
         global_error(name, fit_model(get_model(name), *plan).theta, control)
         for name in ("fast_limit", "limit", "limit_1", "limit_2")

@@ -9,18 +9,9 @@ from films import PISTON, SINC, film
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Profile
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.regime import regime_notes
 from squeezefilm.reynolds.terms.rarefaction import slip_share
-from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import scene_of
-
-
-@pytest.fixture(scope="module")
-def scene() -> Scene:
-    """The paper's operating point beyond its screen."""
-    return scene_of(ScenePoint("1", 5e-6, 2.2e-6, 0.0, 0.0), load_config("config/paper.yaml"))
 
 
 def test_inertia_is_named_before_slip_where_it_is_twice_as_large(scene: Scene) -> None:

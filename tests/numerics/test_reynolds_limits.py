@@ -5,42 +5,38 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from films import PISTON, SINC, film, mean_overpressure, periodic_state
+from physics_facts import (
+    CUT_OFF_SIGMA,
+    DAMPING_AT_CUT_OFF,
+    SINC_CONVERGED,
+    SINC_FAST,
+    SINC_SECOND_ORDER,
+    SPRING_AT_20,
+    SPRING_AT_CUT_OFF,
+    piston_response,
+    slow_piston,
+)
 
-MODES = np.arange(1, 400, 2)
 
-
-def linear_response(sigma: float, aspect: float = 1.0) -> tuple[float, float]:
-    """Spring and damping numbers S, D of a rectangular piston film (Blech 1983, double series)."""
-    m, n = np.meshgrid(MODES, MODES, indexing="ij")
-    wave = np.pi**2 * (m**2 + (n / aspect) ** 2)
-    share = 64 / (np.pi**4 * m**2 * n**2)
-    spring = np.sum(share * sigma**2 / (wave**2 + sigma**2))
-    damping = np.sum(share * sigma * wave / (wave**2 + sigma**2))
-    return float(spring), float(damping)
-
-
-@pytest.mark.parametrize(("sigma", "aspect"), [(2.0, 1.0), (21.6349, 1.0), (60.0, 0.4)])
-def test_small_motion_of_a_piston_follows_the_linear_series(sigma: float, aspect: float) -> None:
+def response(sigma: float, aspect: float = 1.0) -> tuple[float, float]:
+    """Spring and damping numbers S, D of a piston film, from its force at a small amplitude."""
     epsilon = 1e-5
     scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
     grid, states = periodic_state(scene, points=32, instants=8)
     force = np.einsum("xyt,x,y->t", states.overpressure[0], grid.x.weights, grid.y.weights)
     spring = -2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon
     damping = -2 * np.mean(force * np.cos(grid.t.nodes)) / epsilon
-    expected = linear_response(sigma, aspect)
-    # The truncated series is good to about 1e-5 itself.
-    assert (spring, damping) == pytest.approx(expected, rel=2e-5)
+    return float(spring), float(damping)
+
+
+@pytest.mark.parametrize(("sigma", "aspect"), [(2.0, 1.0), (60.0, 0.4)])
+def test_small_motion_of_a_piston_follows_the_linear_series(sigma: float, aspect: float) -> None:
+    assert response(sigma, aspect) == pytest.approx(piston_response(sigma, aspect), rel=2e-5)
 
 
 def test_spring_and_damping_are_equal_at_the_cut_off_squeeze_number() -> None:
-    epsilon = 1e-5
-    scene = film(epsilon=epsilon, sigma=21.6349, profile=PISTON)
-    grid, states = periodic_state(scene, points=32, instants=8)
-    force = np.einsum("xyt,x,y->t", states.overpressure[0], grid.x.weights, grid.y.weights)
-    spring = -2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon
-    damping = -2 * np.mean(force * np.cos(grid.t.nodes)) / epsilon
-    assert spring == pytest.approx(0.3658385, abs=2e-7)
-    assert damping == pytest.approx(0.3658385, abs=2e-7)
+    equal = SPRING_AT_CUT_OFF, DAMPING_AT_CUT_OFF
+    assert response(CUT_OFF_SIGMA) == pytest.approx(equal, abs=2e-7)
 
 
 @pytest.mark.parametrize(("epsilon", "sigma"), [(0.3, 1.0), (0.44, 2331.0), (0.8, 100.0)])
@@ -58,13 +54,11 @@ def test_mean_square_of_gap_times_pressure_weighted_by_gap_is_exact_everywhere(
 
 def test_mean_force_of_a_piston_grows_like_five_quarters_of_the_spring_number() -> None:
     """F = (5/4) ε² S(σ) + O(ε⁴): the relative difference falls with ε²."""
-    sigma = 20.0
-    spring = 0.3390888
     differences = [
         mean_overpressure(
-            film(epsilon=epsilon, sigma=sigma, profile=PISTON), points=24, instants=16, fold=True
+            film(epsilon=epsilon, sigma=20.0, profile=PISTON), points=24, instants=16, fold=True
         )
-        / (1.25 * epsilon**2 * spring)
+        / (1.25 * epsilon**2 * SPRING_AT_20)
         - 1
         for epsilon in (0.2, 0.1, 0.05)
     ]
@@ -72,10 +66,7 @@ def test_mean_force_of_a_piston_grows_like_five_quarters_of_the_spring_number() 
     assert orders == pytest.approx(2.0, abs=0.1)
 
 
-@pytest.mark.parametrize(
-    ("sigma", "second_order"),
-    [(20.0, 0.2240822625), (583.0, 0.4521765445), (2331.0, 0.4544710516)],
-)
+@pytest.mark.parametrize(("sigma", "second_order"), SINC_SECOND_ORDER.items())
 def test_mean_force_of_the_sinc_at_small_amplitude(sigma: float, second_order: float) -> None:
     """F/ε² extrapolated to ε = 0 is the second-order perturbation solution."""
     at = {
@@ -90,17 +81,12 @@ def test_mean_force_of_the_sinc_at_small_amplitude(sigma: float, second_order: f
 
 @pytest.mark.parametrize("epsilon", [0.1, 0.5])
 def test_slow_motion_of_a_piston_gives_the_incompressible_limit(epsilon: float) -> None:
-    """σ → 0: F = (5/2) σ² ⟨Ḣ²/H⁶⟩ · 0.00170251052, for any ε."""
-    sigma = 1e-3
-    phase = 2 * np.pi * np.arange(256) / 256
-    gap = 1 + epsilon * np.sin(phase)
-    expected = 2.5 * sigma**2 * np.mean((epsilon * np.cos(phase)) ** 2 / gap**6) * 0.00170251052
-    scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON)
+    scene = film(epsilon=epsilon, sigma=1e-3, profile=PISTON)
     force = mean_overpressure(scene, points=16, instants=32, fold=True)
-    assert force == pytest.approx(expected, rel=1e-5)
+    assert force == pytest.approx(slow_piston(epsilon, 1e-3), rel=1e-5)
 
 
-@pytest.mark.parametrize(("epsilon", "limit"), [(0.1, 0.0045767166), (0.44, 0.0951846761)])
+@pytest.mark.parametrize(("epsilon", "limit"), SINC_FAST.items())
 def test_fast_motion_approaches_the_limit_without_time_like_the_layer_width(
     epsilon: float, limit: float
 ) -> None:
@@ -118,7 +104,7 @@ def test_fast_motion_approaches_the_limit_without_time_like_the_layer_width(
     assert extrapolated == pytest.approx(limit, rel=3e-6)
 
 
-@pytest.mark.parametrize(("sigma", "force"), [(583.0, 0.0945747144), (2331.0, 0.0949461577)])
+@pytest.mark.parametrize(("sigma", "force"), SINC_CONVERGED.items())
 def test_converged_force_of_the_centred_sinc(sigma: float, force: float) -> None:
     scene = film(epsilon=0.44, sigma=sigma)
     assert mean_overpressure(scene, points=40, instants=20, fold=True) == pytest.approx(

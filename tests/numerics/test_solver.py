@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
+from physics_facts import ASIDE_N, CENTRED_N, slow_piston
 
-from squeezefilm.cli.main import main
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Sinc
-from squeezefilm.io.tables import ScenePoint, write_table
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, refinement, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.explain import explain
@@ -22,15 +20,13 @@ from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import Batch, Launch, launch
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.studies.config import load_config
-from squeezefilm.studies.plans import plan
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import scene_of
 
 
 @pytest.fixture(scope="module")
-def paper_scenes() -> list[Scene]:
+def paper_scenes(paper: Config) -> list[Scene]:
     """Random operating points over the paper's four factors."""
-    config = load_config("config/paper.yaml")
     random = np.random.default_rng(20140503)
     return [
         scene_of(
@@ -41,30 +37,38 @@ def paper_scenes() -> list[Scene]:
                 phi_r_m=random.uniform(0, 2.9e-3) * (index % 4 > 0),
                 phi_deg=float(random.choice([0.0, 45.0, random.uniform(0, 45)])),
             ),
-            config,
+            paper,
         )
         for index in range(300)
     ]
 
 
+@pytest.fixture(scope="module")
+def exact_n(paper_scenes: list[Scene]) -> np.ndarray:
+    """Their forces, far beyond the tolerances that are tried."""
+    return np.array([each.force_n for each in solve(paper_scenes, tolerance=1e-9)])
+
+
 @pytest.mark.parametrize(
-    ("hv_m", "phi_r_m", "force_n"), [(2.2e-6, 0.0, 0.9620420), (2e-6, 2.9e-3, 0.7075753)]
+    ("hv_m", "phi_r_m", "force_n"), [(2.2e-6, 0.0, CENTRED_N), (2e-6, 2.9e-3, ASIDE_N)]
 )
-def test_known_forces_of_the_paper_s_actuator(hv_m: float, phi_r_m: float, force_n: float) -> None:
-    point = ScenePoint("1", 5e-6, hv_m, phi_r_m, 0.0)
-    (solution,) = solve([scene_of(point, load_config("config/paper.yaml"))], tolerance=1e-6)
+def test_known_forces_of_the_paper_s_actuator(
+    hv_m: float, phi_r_m: float, force_n: float, scene: Scene
+) -> None:
+    (solution,) = solve([replace(scene, hv_m=hv_m, phi_r_m=phi_r_m)], tolerance=1e-6)
     assert solution.force_n == pytest.approx(force_n, rel=1e-6)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
-def test_errors_are_honest_on_random_scenes(paper_scenes: list[Scene], tolerance: float) -> None:
+def test_errors_are_honest_on_random_scenes(
+    paper_scenes: list[Scene], exact_n: np.ndarray, tolerance: float
+) -> None:
     """True error ≤ estimate in 99 %, and the estimate is within the tolerance or useful."""
-    exact = np.array([s.force_n for s in solve(paper_scenes, tolerance=1e-9)])
     solutions = solve(paper_scenes, tolerance=tolerance, method="periodic")
     assert {solution.status for solution in solutions} == {"ok"}
     force = np.array([solution.force_n for solution in solutions])
     estimate = np.array([solution.force_error_n for solution in solutions])
-    error = np.abs(force - exact)
+    error = np.abs(force - exact_n)
     assert np.mean(error <= estimate) >= 0.99
     assert np.all(estimate <= np.maximum(100 * error, tolerance * force * (1 + 1e-9)))
     assert np.all(error <= tolerance * force)
@@ -72,15 +76,14 @@ def test_errors_are_honest_on_random_scenes(paper_scenes: list[Scene], tolerance
 
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-3, 1e-4])
 def test_the_cheapest_method_that_is_taken_holds_the_tolerance(
-    paper_scenes: list[Scene], tolerance: float
+    paper_scenes: list[Scene], exact_n: np.ndarray, tolerance: float
 ) -> None:
-    exact = np.array([s.force_n for s in solve(paper_scenes, tolerance=1e-8)])
     solutions = solve(paper_scenes, tolerance=tolerance)
     force = np.array([solution.force_n for solution in solutions])
     estimate = np.array([solution.force_error_n for solution in solutions])
     assert {solution.status for solution in solutions} == {"ok"}
-    assert np.all(np.abs(force - exact) <= tolerance * force)
-    assert np.mean(np.abs(force - exact) <= estimate) >= 0.99
+    assert np.all(np.abs(force - exact_n) <= tolerance * force)
+    assert np.mean(np.abs(force - exact_n) <= estimate) >= 0.99
     if tolerance >= 1e-2:  # on a quarter the periodic state costs no more than the dearest limit
         periodic = [each.method == "periodic" for each in solutions]
         quarters = [len(needs_of(scene).halves_left_out) == 2 for scene in paper_scenes]
@@ -171,28 +174,11 @@ def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch: pytest.Monke
     assert statuses == ["unexpected error: MemoryError: no room"] * 3
 
 
-def test_a_table_keeps_its_good_rows_beside_a_finger_that_feels_nothing(tmp_path: Path) -> None:
-    text = Path("config/paper.yaml").read_text(encoding="utf-8")
-    spot = "{kind: formula, expression: 'exp(-((x - 0.008)**2 + y**2)/6e-8)'}"
-    config, scenes, forces = (tmp_path / name for name in ("c.yaml", "scenes.csv", "forces.csv"))
-    changed = text.replace("{kind: sinc, wave_number_per_m: 109.8}", spot)
-    changed = changed.replace("length_x_m: 0.01", "length_x_m: 0.002")
-    changed = changed.replace("length_y_m: 0.01", "length_y_m: 0.002")
-    config.write_text(changed, encoding="utf-8")
-    write_table(plan(h0_m=[5e-6, 5e-6], hv_m=[4e-7, 4e-7], phi_r_m=[0.0, 0.008]), scenes)
-    command = ["simulate", str(scenes), f"--config={config}", f"--output={forces}"]
-    assert main([*command, "--tolerance=1e-2"]) == 0
-    table = pd.read_csv(forces)
-    assert table["force_n"][0] == 0
-    assert table["force_n"][1] > 0
-
-
 def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order() -> None:
     """Where the periodic force would drown in rounding, the expansion is exact enough."""
     (solution,) = solve([film(epsilon=1e-5, sigma=1e-3, profile=PISTON)], tolerance=1e-6)
     assert (solution.status, solution.method) == ("ok", "small-amplitude")
-    # F = (5/4) ε² S(σ) with S = 0.00170251052 σ² for σ → 0 (T4 and T1 of Blech's series).
-    expected = 1.25 * 1e-10 * 0.00170251052 * 1e-6 * LENGTH_M**2 * PRESSURE_PA
+    expected = slow_piston(1e-5, 1e-3) * LENGTH_M**2 * PRESSURE_PA
     assert solution.force_n == pytest.approx(expected, rel=1e-5)
 
 
@@ -266,8 +252,12 @@ def test_symmetry_is_found_from_the_scene(scene: Scene, expected: tuple[bool, bo
     assert (needs.fold_x, needs.fold_y) == expected
 
 
-def test_work_groups_of_many_items_give_the_same_forces(paper_scenes: list[Scene]) -> None:
+def test_work_groups_of_many_items_give_the_same_forces(
+    paper_scenes: list[Scene], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The code path of a graphics processor, run on the processor at hand."""
+    # PoCL optimises such a kernel for a minute and more.
+    monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
     alone = solve(paper_scenes[:6], tolerance=1e-6)
     shared = solve(paper_scenes[:6], tolerance=1e-6, device=choose_device(work_items=4))
     assert [s.force_n for s in shared] == pytest.approx([s.force_n for s in alone], rel=1e-9)

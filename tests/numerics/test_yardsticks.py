@@ -7,12 +7,28 @@ import math
 import os
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
+from physics_facts import (
+    ASIDE_N,
+    CENTRED_N,
+    SINC_FAST,
+    SINC_SECOND_ORDER,
+    SPRING_AT_20,
+    slow_piston,
+)
 
 from numerics import chebyshev_march, finite_elements, freefem, method_of_lines, numpy_periodic
-from numerics.yardstick import FloatArray, graded_edges, march_to_periodic, periods_to_settle
+from numerics.yardstick import (
+    Amplitude,
+    FloatArray,
+    graded_edges,
+    march_to_periodic,
+    periods_to_settle,
+)
 from squeezefilm.io.errors import RunError
 
 CENTRED = (True, True)
@@ -34,12 +50,11 @@ def piston(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.ones_like(x)
 
 
-def spring_coefficient(sigma: float) -> float:
-    """Blech's linear stiffness S of the square piston (series over odd m, n)."""
-    odd = np.arange(1, 2000, 2)
-    m, n = np.meshgrid(odd, odd)
-    k = math.pi**2 * (m**2 + n**2)
-    return float(np.sum(64 / (math.pi**4 * m**2 * n**2) * sigma**2 / (k**2 + sigma**2)))
+def periodic(epsilon: float, sigma: float, amplitude: Amplitude = sinc, **more: Any) -> float:
+    """The force by the yardstick in NumPy."""
+    return numpy_periodic.periodic_force(
+        epsilon=epsilon, sigma=sigma, amplitude=amplitude, **more
+    ).force
 
 
 def small_amplitude(force: Callable[[float], float], epsilon: float = 0.1) -> float:
@@ -102,8 +117,7 @@ def test_transient_decays_at_the_rate_of_the_slowest_mode() -> None:
             periods=periods_to_settle(sigma=sigma, tolerance=tolerance),
             fold=CENTRED,
         ).force
-        settled = numpy_periodic.periodic_force(epsilon=0.1, sigma=sigma, amplitude=sinc).force
-        kept.append(abs(force / settled - 1))
+        kept.append(abs(force / periodic(0.1, sigma) - 1))
     assert kept[0] < 0.1
     assert kept[1] < 0.01
     assert 5 < kept[0] / kept[1] < 30
@@ -121,66 +135,40 @@ def test_piston_keeps_the_mean_of_h3_p2_everywhere(sigma: float) -> None:
 
 
 def test_piston_force_at_small_amplitude_is_blechs() -> None:
-    limit = small_amplitude(
-        lambda e: numpy_periodic.periodic_force(epsilon=e, sigma=20, amplitude=piston).force
-    )
-    assert limit == pytest.approx(5 / 4 * spring_coefficient(20), rel=2e-5)
+    limit = small_amplitude(lambda epsilon: periodic(epsilon, 20, piston))
+    assert limit == pytest.approx(5 / 4 * SPRING_AT_20, rel=2e-5)
 
 
 def test_piston_force_at_vanishing_squeeze_number() -> None:
     epsilon, sigma = 0.5, 1e-3
-    phase = np.linspace(0, 2 * math.pi, 64, endpoint=False)
-    rate = (epsilon * np.cos(phase)) ** 2 / (1 + epsilon * np.sin(phase)) ** 6
-    force = numpy_periodic.periodic_force(
-        epsilon=epsilon, sigma=sigma, amplitude=piston, nt=48, tolerance=1e-13
-    ).force
-    assert force == pytest.approx(2.5 * sigma**2 * rate.mean() * 0.00170251052, rel=1e-5)
+    force = periodic(epsilon, sigma, piston, nt=48, tolerance=1e-13)
+    assert force == pytest.approx(slow_piston(epsilon, sigma), rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("sigma", "limit"), [(20, 0.2240822625), (583, 0.4521765445), (2331, 0.4544710516)]
-)
+@pytest.mark.parametrize(("sigma", "limit"), SINC_SECOND_ORDER.items())
 def test_sinc_force_at_small_amplitude(sigma: float, limit: float) -> None:
     found = small_amplitude(
-        lambda e: (
-            numpy_periodic.periodic_force(
-                epsilon=e, sigma=sigma, amplitude=sinc, nx=28, ny=28, tolerance=1e-13
-            ).force
-        ),
-        epsilon=0.02,
+        lambda epsilon: periodic(epsilon, sigma, nx=28, ny=28, tolerance=1e-13), epsilon=0.02
     )
     assert found == pytest.approx(limit, rel=1e-7)
 
 
-@pytest.mark.parametrize(("epsilon", "limit"), [(0.1, 0.0045767166), (0.44, 0.0951846761)])
+@pytest.mark.parametrize(("epsilon", "limit"), SINC_FAST.items())
 def test_sinc_force_tends_to_its_limit_as_one_over_root_sigma(epsilon: float, limit: float) -> None:
-    missing = [
-        limit
-        - numpy_periodic.periodic_force(
-            epsilon=epsilon, sigma=sigma, amplitude=sinc, nx=36, ny=36
-        ).force
-        for sigma in (2500, 10_000)
-    ]
+    missing = [limit - periodic(epsilon, sigma, nx=36, ny=36) for sigma in (2500, 10_000)]
     assert missing[0] / missing[1] == pytest.approx(2, rel=0.06)
     assert 2 * missing[1] - missing[0] == pytest.approx(0, abs=2e-4 * limit)
 
 
 @pytest.mark.parametrize(
     ("epsilon", "profile", "newtons"),
-    [(0.44, sinc, 0.9620420), (0.4, sinc_off_centre, 0.7075753)],
+    [(0.44, sinc, CENTRED_N), (0.4, sinc_off_centre, ASIDE_N)],
 )
 def test_periodic_force_converges_spectrally_to_the_known_force(
     epsilon: float, profile: Callable[[FloatArray, FloatArray], FloatArray], newtons: float
 ) -> None:
     errors = [
-        abs(
-            numpy_periodic.periodic_force(
-                epsilon=epsilon, sigma=SQUEEZE_5UM, amplitude=profile, nx=n, ny=n, nt=nt
-            ).force
-            * NEWTON
-            / newtons
-            - 1
-        )
+        abs(periodic(epsilon, SQUEEZE_5UM, profile, nx=n, ny=n, nt=nt) * NEWTON / newtons - 1)
         for n, nt in ((12, 8), (20, 12), (28, 16))
     ]
     assert errors[1] < errors[0] / 20
@@ -189,52 +177,47 @@ def test_periodic_force_converges_spectrally_to_the_known_force(
 
 def test_impossible_tolerance_is_reported() -> None:
     with pytest.raises(RunError, match="no convergence"):
-        numpy_periodic.periodic_force(
-            epsilon=0.4, sigma=20, amplitude=sinc, nx=4, ny=4, nt=4, tolerance=1e-30
-        )
+        periodic(0.4, 20, nx=4, ny=4, nt=4, tolerance=1e-30)
 
 
 # The marching peers, at sigma = 20 where a few periods settle the film
 
 SETTLED = periods_to_settle(sigma=20, tolerance=1e-9)
-SCENE = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
+SETTLED_AT_5UM = periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-4)
+SCENE: dict[str, Any] = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
 
 
 @pytest.fixture(scope="module")
 def converged() -> float:
-    return numpy_periodic.periodic_force(**SCENE, nx=32, ny=32, nt=32, tolerance=1e-12).force
+    return periodic(**SCENE, nx=32, ny=32, nt=32, tolerance=1e-12)
 
 
-def elements(epsilon: float = 0.4, cells: int = 4, steps: int = 64) -> float:
-    scene = SCENE | {"epsilon": epsilon}
-    return finite_elements.periodic_force(
-        **scene, cells=cells, steps=steps, periods=SETTLED, fold=CENTRED
-    ).force
+def elements(**given: Any) -> float:
+    settings = SCENE | {"cells": 4, "steps": 64, "periods": SETTLED, "fold": CENTRED}
+    return finite_elements.periodic_force(**settings | given).force
 
 
-def volumes(epsilon: float = 0.4, cells: int = 8, rtol: float = 1e-7) -> float:
-    scene = SCENE | {"epsilon": epsilon}
-    return method_of_lines.periodic_force(
-        **scene, cells=cells, rtol=rtol, periods=SETTLED, fold=CENTRED
-    ).force
+def volumes(**given: Any) -> float:
+    settings = SCENE | {"cells": 8, "rtol": 1e-7, "periods": SETTLED, "fold": CENTRED}
+    return method_of_lines.periodic_force(**settings | given).force
 
 
-def chebyshev(epsilon: float = 0.4, points: int = 8, rtol: float = 1e-7) -> float:
-    scene = SCENE | {"epsilon": epsilon}
-    return chebyshev_march.periodic_force(**scene, points=points, rtol=rtol, fold=CENTRED).force
+def chebyshev(**given: Any) -> float:
+    settings = SCENE | {"points": 8, "rtol": 1e-7, "fold": CENTRED}
+    return chebyshev_march.periodic_force(**settings | given).force
 
 
 @pytest.mark.parametrize(
     ("force", "rel"),
     [
-        (lambda e: elements(e, steps=128), 3e-4),
-        (lambda e: volumes(e, cells=16), 3e-3),
-        (lambda e: chebyshev(e), 1e-5),
+        (lambda epsilon: elements(epsilon=epsilon, steps=128), 3e-4),
+        (lambda epsilon: volumes(epsilon=epsilon, cells=16), 3e-3),
+        (lambda epsilon: chebyshev(epsilon=epsilon), 1e-5),
     ],
     ids=["finite elements", "method of lines", "Chebyshev march"],
 )
 def test_marched_sinc_force_at_small_amplitude(force: Callable[[float], float], rel: float) -> None:
-    assert small_amplitude(force) == pytest.approx(0.2240822625, rel=rel)
+    assert small_amplitude(force) == pytest.approx(SINC_SECOND_ORDER[20], rel=rel)
 
 
 def test_crank_nicolson_is_of_second_order_in_time(converged: float) -> None:
@@ -261,16 +244,13 @@ def test_chebyshev_march_converges_spectrally(converged: float) -> None:
 
 @pytest.mark.parametrize("fold", [(False, True), (False, False)])
 def test_folding_changes_nothing(fold: tuple[bool, bool]) -> None:
-    scene = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
-    coarse = {
-        finite_elements: {"cells": 2, "steps": 8, "periods": 3},
-        method_of_lines: {"cells": 3, "rtol": 1e-9, "periods": 2},
-        chebyshev_march: {"points": 4, "rtol": 1e-8},
+    coarse: dict[Callable[..., float], dict[str, float]] = {
+        elements: {"cells": 2, "steps": 8, "periods": 3},
+        volumes: {"cells": 3, "rtol": 1e-9, "periods": 2},
+        chebyshev: {"points": 4, "rtol": 1e-8},
     }
     for peer, settings in coarse.items():
-        folded, whole = (
-            peer.periodic_force(**scene, **settings, fold=f).force for f in (CENTRED, fold)
-        )
+        folded, whole = (peer(**settings, fold=each) for each in (CENTRED, fold))
         assert whole == pytest.approx(folded, rel=1e-6), peer.__name__
 
 
@@ -278,12 +258,9 @@ def test_folding_changes_nothing(fold: tuple[bool, bool]) -> None:
 @pytest.mark.parametrize("fold", [CENTRED, (False, True), (False, False)])
 def test_freefem_gives_what_the_same_scheme_gives(fold: tuple[bool, bool]) -> None:
     """Triangles and another rule for the gap's powers: not the same, but nearer with each cell."""
-    settings = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc, "steps": 8, "periods": 3}
+    settings = [{"steps": 8, "periods": 3, "cells": cells, "fold": fold} for cells in (2, 4)]
     apart = [
-        freefem.periodic_force(**settings, cells=cells, fold=fold).force
-        / finite_elements.periodic_force(**settings, cells=cells, fold=fold).force
-        - 1
-        for cells in (2, 4)
+        freefem.periodic_force(**SCENE, **each).force / elements(**each) - 1 for each in settings
     ]
     assert abs(apart[0]) < 1e-2
     assert abs(apart[1]) < abs(apart[0]) / 8
@@ -295,42 +272,19 @@ def test_a_freefem_that_fails_says_so(tmp_path: Path, monkeypatch: pytest.Monkey
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
     with pytest.raises(RunError, match="FreeFEM stopped: no licence"):
-        freefem.periodic_force(epsilon=0.4, sigma=20.0, amplitude=sinc)
+        freefem.periodic_force(**SCENE)
 
 
 def test_finite_elements_agree_on_the_bearing_term() -> None:
-    scene = {"epsilon": 0.4, "sigma": 200.0, "amplitude": sinc, "bearing": 20.0}
-    exact = numpy_periodic.periodic_force(**scene, nx=32).force
-    coarse, fine = (
-        finite_elements.periodic_force(
-            **scene,
-            cells=6,
-            steps=steps,
-            periods=40,
-            tolerance=1e-7,
-            anderson_depth=10,
-            fold=(False, True),
-        ).force
-        for steps in (32, 64)
-    )
+    exact = periodic(0.4, 200.0, bearing=20.0, nx=32)
+    settings = {"sigma": 200.0, "bearing": 20.0, "cells": 6, "fold": (False, True)}
+    mixed = {"periods": 40, "tolerance": 1e-7, "anderson_depth": 10}
+    coarse, fine = (elements(**settings, **mixed, steps=steps) for steps in (32, 64))
     assert (4 * fine - coarse) / 3 == pytest.approx(exact, rel=1e-4)
-    assert exact < 0.98 * numpy_periodic.periodic_force(**scene | {"bearing": 0.0}).force
+    assert exact < 0.98 * periodic(0.4, 200.0)
 
 
 # The force of the paper's largest extrapolation, by three other methods
-
-
-def test_finite_elements_marched_from_rest_give_the_known_force() -> None:
-    found = finite_elements.periodic_force(
-        epsilon=0.44,
-        sigma=SQUEEZE_5UM,
-        amplitude=sinc,
-        cells=6,
-        steps=32,
-        periods=periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-5),
-        fold=CENTRED,
-    )
-    assert found.force * NEWTON == pytest.approx(0.9620420, rel=2e-5)
 
 
 def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
@@ -345,25 +299,22 @@ def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
         anderson_depth=10,
         fold=CENTRED,
     )
-    assert found.force * NEWTON == pytest.approx(0.9620420, rel=2e-5)
+    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=2e-5)
     assert found.periods <= 20
 
 
-def test_chebyshev_march_gives_the_known_force() -> None:
-    found = chebyshev_march.periodic_force(
-        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, points=14, rtol=1e-6, fold=CENTRED
+@pytest.mark.parametrize(
+    ("peer", "settings", "rel"),
+    [
+        (chebyshev_march, {"points": 10, "rtol": 1e-5}, 1e-5),
+        (method_of_lines, {"cells": 12, "rtol": 1e-5, "periods": SETTLED_AT_5UM}, 3e-4),
+    ],
+    ids=["Chebyshev march", "method of lines"],
+)
+def test_marching_gives_the_known_force(
+    peer: ModuleType, settings: dict[str, Any], rel: float
+) -> None:
+    found = peer.periodic_force(
+        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, fold=CENTRED, **settings
     )
-    assert found.force * NEWTON == pytest.approx(0.9620420, rel=3e-7)
-
-
-def test_method_of_lines_gives_the_known_force() -> None:
-    found = method_of_lines.periodic_force(
-        epsilon=0.44,
-        sigma=SQUEEZE_5UM,
-        amplitude=sinc,
-        cells=12,
-        rtol=1e-5,
-        periods=periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-4),
-        fold=CENTRED,
-    )
-    assert found.force * NEWTON == pytest.approx(0.9620420, rel=3e-4)
+    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=rel)

@@ -12,12 +12,7 @@ from squeezefilm.cli.use import simulate
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import chunks
 from squeezefilm.studies.chunks import chunk_counts, expected_seconds
-from squeezefilm.studies.config import Config, load_config
-
-
-@pytest.fixture
-def quick(repository: Path) -> Config:
-    return load_config(repository / "config" / "quick.yaml")
+from squeezefilm.studies.config import Config
 
 
 def with_jobs_of(config: Config, seconds: float) -> Config:

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from numerics.cross_section import COLUMNS, cross_section
 from squeezefilm.film.scene import GapShape, Scene
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds.galerkin import pressure_at
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import scene_of
 
 
 @pytest.fixture(scope="module")
-def scene(repository: Path) -> Scene:
-    point = ScenePoint("one", 5e-6, 2e-6, 0.0, 0.0)
-    return scene_of(point, load_config(repository / "config/paper.yaml"))
+def scene(scene: Scene) -> Scene:
+    return replace(scene, hv_m=2e-6)
 
 
 def test_the_pressure_rises_while_the_surface_is_up_and_on_the_whole(scene: Scene) -> None:
@@ -72,9 +67,9 @@ def test_the_pressure_carries_the_force_that_is_simulated(scene: Scene, pad: str
     if scene.finger.shape == "ellipse":
         radius, angle = np.sqrt(x) / 2, 2 * np.pi * y
         x, y = 0.5 + radius * np.cos(angle), 0.5 + radius * np.sin(angle)
-    pressure = pressure_at(scene, x=x, y=y, instants=24, tolerance=1e-5)
+    pressure = pressure_at(scene, x=x, y=y, instants=24, tolerance=1e-4)
     force_n = scene.force_scale_n * float(share @ pressure.mean(axis=1))
-    (solution,) = solve([scene], tolerance=1e-6, method="periodic")
+    (solution,) = solve([scene], tolerance=1e-5, method="periodic")
     assert force_n == pytest.approx(solution.force_n, rel=2e-4)
 
 

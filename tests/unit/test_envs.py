@@ -84,8 +84,7 @@ def test_an_environment_has_what_its_commands_import(environment: str, command: 
         )
     needed = set().union(*(third_party(path) for path in files if path.suffix == ".py"))
     missing = {CONDA_NAME.get(name, name) for name in needed} - set(dependencies(environment))
-    # Only for one scene on the command line, and for what runs outside of rules.
-    assert missing <= {"psutil"}, f"envs/{environment}.yaml lacks {missing}, needed by {command}"
+    assert not missing, f"envs/{environment}.yaml lacks {missing}, needed by {command}"
 
 
 def third_party(path: Path) -> set[str]:

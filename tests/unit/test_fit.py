@@ -1,36 +1,23 @@
 """Least-squares fits: the same minimum from every seed and bound, and clear refusals."""
 
-import csv
-from pathlib import Path
-
 import numpy as np
 import pytest
+from reference_forces import reference_forces
 from scipy.optimize import least_squares
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fit import fit_by_differential_evolution, fit_model
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 
-REFERENCE = Path(__file__).parents[1] / "reference"
-
-
-def read(name: str) -> tuple[Factors, np.ndarray]:
-    with (REFERENCE / name).open() as file:
-        rows = list(csv.DictReader(file))
-    names = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
-    columns = {key: [float(row[key]) for row in rows] for key in (*names, "force_n")}
-    force = np.array(columns.pop("force_n"))
-    return Factors.of(**columns), force
-
 
 @pytest.fixture(scope="module")
 def screen() -> tuple[Factors, np.ndarray]:
-    return read("screen_forces.csv")
+    return reference_forces("screen")
 
 
 @pytest.fixture(scope="module")
 def four() -> tuple[Factors, np.ndarray]:
-    return read("four_factor_forces.csv")
+    return reference_forces("four_factor")
 
 
 @pytest.mark.parametrize("bound", [1e6, 100.0])

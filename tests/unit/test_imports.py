@@ -206,6 +206,7 @@ def test_what_decides_nothing_is_there_with_a_reason() -> None:
 COMMANDS = commands_of(installed())
 LOADED_BY_EACH = """
 import os, sys
+import jsonschema, matplotlib.pyplot, pandas, pyopencl, scipy.optimize, scipy.stats  # once
 ours = lambda: {n for n in sys.modules if n.partition(".")[0] in %r}
 for command in sys.argv[1:]:
     if os.fork() == 0:

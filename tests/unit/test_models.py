@@ -3,11 +3,11 @@
 import csv
 import json
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from reference_forces import reference_forces
 
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
@@ -21,17 +21,6 @@ from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.profile_likelihood import parameter_ranges
 from squeezefilm.models.search import nelder_mead
 from squeezefilm.studies.config import load_config
-
-REFERENCE = Path(__file__).parents[1] / "reference"
-
-
-def reference(name: str) -> tuple[Factors, np.ndarray]:
-    with (REFERENCE / f"{name}_forces.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    names = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
-    columns = {key: [float(row[key]) for row in rows] for key in (*names, "force_n")}
-    force = np.array(columns.pop("force_n"))
-    return Factors.of(**columns), force
 
 
 def own(expression: str):
@@ -49,20 +38,20 @@ def own(expression: str):
     ],
 )
 def test_parameters_that_the_points_cannot_tell_apart_are_refused(expression, message) -> None:
-    factors, _ = reference("screen")
+    factors, _ = reference_forces("screen")
     with pytest.raises(InputError, match=f"models.own.expression: .*{message}"):
         check_identifiable(own(expression), factors)
 
 
 def test_the_papers_position_terms_need_points_off_the_centre() -> None:
     model = get_model("four_factor")
-    check_identifiable(model, reference("four_factor")[0])
+    check_identifiable(model, reference_forces("four_factor")[0])
     with pytest.raises(InputError, match="theta3, theta4"):
-        check_identifiable(model, reference("screen")[0])
+        check_identifiable(model, reference_forces("screen")[0])
 
 
 def test_a_linear_model_is_solved_at_once() -> None:
-    factors, force = reference("screen")
+    factors, force = reference_forces("screen")
     model = get_model("polynomial_3")
     fit = fit_model(model, factors, force)
     assert fit.method == "linear least squares"
@@ -75,7 +64,7 @@ def test_a_linear_model_is_solved_at_once() -> None:
 
 
 def test_a_model_without_parameters_is_only_judged() -> None:
-    factors, force = reference("screen")
+    factors, force = reference_forces("screen")
     known = Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, limit_n=force * 1.01)
     fit = fit_model(get_model("limit"), known, force)
     assert fit.theta == ()
@@ -121,7 +110,7 @@ def test_a_fit_without_a_derivative_is_refused_with_its_point(expression) -> Non
 
 
 def test_a_refit_arrives_where_the_search_does() -> None:
-    factors, force = reference("screen")
+    factors, force = reference_forces("screen")
     theta = local_fit(TWO_FACTOR, factors, force, (7.0, 1.8, -0.99))
     assert theta == pytest.approx((7.6240, 1.9166, -1.0013), abs=1e-3)
 
@@ -135,7 +124,7 @@ def test_folds_are_even_and_depend_on_the_seed_alone() -> None:
 
 
 def test_a_point_left_out_does_not_know_its_own_force() -> None:
-    factors, force = reference("screen")
+    factors, force = reference_forces("screen")
     model = get_model("polynomial_3")
     changed = force.copy()
     changed[7] += 1.0
@@ -149,7 +138,7 @@ def test_a_point_left_out_does_not_know_its_own_force() -> None:
 
 
 def test_left_out_points_are_predicted_worse_than_fitted_ones() -> None:
-    factors, force = reference("screen")
+    factors, force = reference_forces("screen")
     fit = fit_model(TWO_FACTOR, factors, force, bound=100.0)
     left_out = left_out_predictions(TWO_FACTOR, factors, force, theta=fit.theta, folds=5, seed=1)
     error = np.linalg.norm(left_out - force) / np.linalg.norm(force)
@@ -386,7 +375,7 @@ def test_studies_with_damaged_models_run_or_are_refused_with_their_place(
     text = (repository / "config" / "paper.yaml").read_text(encoding="utf-8")
     before, after = re.split(r"models: \{\}.*", text)
     path = tmp_path / "study.yaml"
-    factors, force = reference("four_factor")
+    factors, force = reference_forces("four_factor")
     known = {name: force for name in ("limit_n", "fast_limit_n", "sigma")}
     at = Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, x_m=factors.x_m, y_m=factors.y_m, **known)
     outcomes = []

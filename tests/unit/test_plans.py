@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.studies import plans
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import (
     centred_grid,
     finger_positions,
@@ -20,11 +19,6 @@ from squeezefilm.studies.plans import (
     random_plan,
     sweep_pieces,
 )
-
-
-@pytest.fixture(scope="module")
-def paper(repository: Path) -> Config:
-    return load_config(repository / "config" / "paper.yaml")
 
 
 def test_levels_are_even_and_read_well() -> None:
@@ -58,11 +52,6 @@ def test_the_four_factor_plan_has_13_positions_with_5_points(paper: Config) -> N
     )
     assert len(plan) == 65 == plan_sizes(paper)["four_factor"]
     assert not plan.drop(columns="point_id").duplicated().any()
-
-
-def test_the_control_grid_is_dense(paper: Config) -> None:
-    assert paper["error_map"]["h0_m"]["levels"] >= 40
-    assert paper["error_map"]["hv_m"]["levels"] >= 40
 
 
 def test_random_points_fill_their_box_and_repeat() -> None:

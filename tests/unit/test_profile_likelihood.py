@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 import pytest
+from reference_forces import reference_forces
 from scipy import stats
 
 from squeezefilm.io.errors import InputError
@@ -32,17 +32,16 @@ def test_ranges_of_a_straight_line_are_the_intervals_of_student() -> None:
         assert found.upper == pytest.approx(value + t * error)
 
 
-def test_at_the_end_of_a_range_the_sum_of_squares_is_what_was_asked_for(repository) -> None:
-    forces = pd.read_csv(repository / "tests/reference/screen_forces.csv")
-    at = Factors.of(h0_m=forces["h0_m"], hv_m=forces["hv_m"])
-    theta = local_fit(TWO_FACTOR, at, forces["force_n"], (7.6, 1.9, -1.0))
-    least = sum_of_squares(TWO_FACTOR, at, forces["force_n"], theta)
+def test_at_the_end_of_a_range_the_sum_of_squares_is_what_was_asked_for() -> None:
+    at, forces = reference_forces("screen")
+    theta = local_fit(TWO_FACTOR, at, forces, (7.6, 1.9, -1.0))
+    least = sum_of_squares(TWO_FACTOR, at, forces, theta)
     spare = len(forces) - 3
     wanted = least * (1 + stats.f.ppf(0.95, 1, spare) / spare)
-    for found in parameter_ranges(TWO_FACTOR, at, forces["force_n"], theta):
+    for found in parameter_ranges(TWO_FACTOR, at, forces, theta):
         assert found.lower < found.estimate < found.upper
         for end in (found.theta_lower, found.theta_upper):
-            reached = sum_of_squares(TWO_FACTOR, at, forces["force_n"], end)
+            reached = sum_of_squares(TWO_FACTOR, at, forces, end)
             assert reached == pytest.approx(wanted, rel=1e-4)
 
 

@@ -172,7 +172,7 @@ def test_the_stated_error_covers_the_true_one(smooth: Smooth, axisymmetric: bool
     x_m, y_m = polar_grid()
     exact = np.sinc(109.8 * np.hypot(x_m, y_m))
     held = []
-    for seed in range(8):
+    for seed in range(8 if axisymmetric else 3):  # a scan of the plane has 45 modes, a radius few
         text = scan_text(noise=0.02, missing=0.03, seed=seed)
         smoothed = smooth(text, axisymmetric=axisymmetric)
         assert smoothed.noise_m / smoothed.peak_m == pytest.approx(0.02, rel=0.15)
@@ -188,8 +188,8 @@ def test_noise_drawn_anew_spreads_as_the_standard_error_says(smooth: Smooth) -> 
     # Normalised profiles: the peak's own error is taken out of the standard error.
     spread = np.std([shape.amplitude(**place) for shape in drawn])
     assert spread == pytest.approx(smoothed.standard_error(**place)[0], rel=0.4)
-    again = smoothed.residual_bootstrap(count=2, seed=1)
-    assert again == drawn[:2]
+    for again, first in zip(smoothed.residual_bootstrap(count=2, seed=1), drawn, strict=False):
+        assert again.coefficients == pytest.approx(first.coefficients, rel=1e-9, abs=1e-12)
 
 
 def test_a_stray_point_is_named(smooth: Smooth) -> None:
@@ -332,7 +332,8 @@ def test_a_profile_of_any_kind_can_be_drawn(settings: dict[str, Any], repository
     for name in ("fig05", "fig06"):
         module = figure_module(name)
         with style.settings():
-            module.draw(data)
+            axes = module.draw(data).axes[0]
+        assert [*axes.lines, *axes.collections, *axes.images]
 
 
 def test_the_scan_is_drawn_with_its_residuals(smooth: Smooth) -> None:

@@ -12,15 +12,10 @@ import pytest
 from squeezefilm.cli.main import main
 from squeezefilm.io import job as this_job
 from squeezefilm.runs import locks, run_card
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import Config
 
 Capture = pytest.CaptureFixture[str]
 Start = Callable[[], locks.Owner]
-
-
-@pytest.fixture
-def config(repository: Path) -> Config:
-    return load_config(repository / "config" / "quick.yaml")
 
 
 @pytest.fixture
@@ -30,7 +25,7 @@ def cards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def start(cards: Path, config: Config, monkeypatch: pytest.MonkeyPatch) -> Start:
+def start(cards: Path, quick: Config, monkeypatch: pytest.MonkeyPatch) -> Start:
     """Begin a run; the one before is dead."""
     numbers = iter(range(1000))
 
@@ -40,7 +35,7 @@ def start(cards: Path, config: Config, monkeypatch: pytest.MonkeyPatch) -> Start
         owner = locks.Owner(f"{next(numbers):03}", one.host, one.process, one.started)
         locks.hold(cards, owner).close()
         run_card.begin(
-            cards, owner, config=config, config_path=config.path, command=["snakemake"], cores=2
+            cards, owner, config=quick, config_path=quick.path, command=["snakemake"], cores=2
         )
         monkeypatch.setenv(this_job.RUN_VARIABLE, str(cards / owner.run))
         return owner
@@ -49,14 +44,14 @@ def start(cards: Path, config: Config, monkeypatch: pytest.MonkeyPatch) -> Start
 
 
 @pytest.fixture
-def job(config: Config, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+def job(quick: Config, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """A job of the run: a real command, as in a process of its own."""
 
     def job(*words: str) -> None:
         monkeypatch.setattr(this_job, "notes", {})
         monkeypatch.setattr(this_job, "written", {})
         monkeypatch.setattr(this_job, "started", time.time())
-        study = () if words[0] == "gather" else ("--config", str(config.path))
+        study = () if words[0] == "gather" else ("--config", str(quick.path))
         assert main([*words, *study]) == 0
 
     return job
@@ -66,7 +61,7 @@ PLAN = ("plan", "screen", "--output", "results/quick/scenes.csv")
 
 
 def test_a_completed_run_says_what_made_what(
-    cards: Path, start: Start, job: Callable[..., None], config: Config
+    cards: Path, start: Start, job: Callable[..., None], quick: Config
 ) -> None:
     owner = start()
     job(*PLAN)
@@ -81,7 +76,7 @@ def test_a_completed_run_says_what_made_what(
     assert card["hosts"] == [owner.host]
     assert card["host_count"] == 1
     assert card["seeds"]["fit.first_seed"] == 1
-    assert card["config"]["sha256"] == run_card.digest(config.path)
+    assert card["config"]["sha256"] == run_card.digest(quick.path)
     assert len(card["code"]["sha256"]) == 64
     page = (cards / "000.md").read_text()
     for word in ("completed", "results/quick/scenes.csv", "numpy", "config/quick.yaml"):

@@ -13,16 +13,6 @@ from squeezefilm.film.scene import Scene, check_scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Piston, Sinc
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import scene_of
-
-
-@pytest.fixture(scope="module")
-def scene(repository: Path) -> Scene:
-    """The paper's operating point beyond its screen."""
-    config = load_config(repository / "config" / "paper.yaml")
-    return scene_of(ScenePoint("1", 5e-6, 2.2e-6, 0.0, 0.0), config)
 
 
 def test_dimensionless_numbers_of_the_paper(scene: Scene) -> None:

@@ -10,13 +10,13 @@ import pytest
 from squeezefilm.designs.box import Box
 from squeezefilm.film.scene import check_scene
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import load_config
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.space import Space
 
 
 @pytest.fixture(scope="module")
-def space(repository) -> Space:
-    return Space.of(load_config(repository / "config" / "paper.yaml"), centred=False)
+def space(paper: Config) -> Space:
+    return Space.of(paper, centred=False)
 
 
 def wide(space: Space) -> Space:
@@ -25,10 +25,10 @@ def wide(space: Space) -> Space:
     return replace(space, box=Box(space.box.names, **limits))
 
 
-def test_the_space_is_the_screens_and_the_positions(space: Space, repository) -> None:
+def test_the_space_is_the_screens_and_the_positions(space: Space, paper: Config) -> None:
     assert space.box.lower == (5e-6, 0.2e-6, 0.0, 0.0)
     assert space.box.upper == (10e-6, 2e-6, 2.9e-3, 45.0)
-    centred = Space.of(load_config(repository / "config" / "paper.yaml"), centred=True)
+    centred = Space.of(paper, centred=True)
     assert centred.box.names == ("h0_m", "hv_m")
 
 
@@ -62,10 +62,10 @@ def test_a_grid_has_its_limits_and_each_scene_once(space: Space) -> None:
     assert len(space.grid(1500, distinct=False)) == 6**4
 
 
-def test_points_go_to_a_table_and_back(space: Space, repository) -> None:
+def test_points_go_to_a_table_and_back(space: Space, paper: Config) -> None:
     points = space.sample(5, seed=1)
     np.testing.assert_allclose(space.points(space.table(points)), points, rtol=1e-11)
-    centred = Space.of(load_config(repository / "config" / "paper.yaml"), centred=True)
+    centred = Space.of(paper, centred=True)
     with pytest.raises(InputError, match="the finger is moved"):
         centred.points(space.table(points))
 

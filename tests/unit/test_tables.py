@@ -154,15 +154,6 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "new").iterdir()] == ["fit.json"]
 
 
-def test_an_output_that_cannot_be_written_is_named(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    (tmp_path / "folder").mkdir()
-    for path in (tmp_path / "file" / "fit.json", tmp_path / "folder"):
-        with pytest.raises(InputError, match="cannot be written"):
-            write_json({}, path)
-    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
-
-
 def test_parquet_brings_back_the_same_table_as_csv(tmp_path: Path) -> None:
     table = forces(point_id="a b").assign(force_n=[0.1 + 0.2, 1 / 3], nx=[16, 24])
     write_table(table, tmp_path / "forces.csv")

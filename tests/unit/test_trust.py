@@ -21,7 +21,7 @@ from squeezefilm.models.force_model import Factors, get_model
 from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.trust import LEAST_POINTS, MOST_RELATIVE_ERROR, Trust, Unseen
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import centred_grid, level_values, plan, random_plan
 from squeezefilm.studies.study import scene_of
 
@@ -127,17 +127,17 @@ def fitted(config: Config, kind: str) -> tuple[str, np.ndarray, Trust, float]:
 @pytest.mark.parametrize("kind", ["screen, points left out", "five points", "finger anywhere"])
 @pytest.mark.parametrize("name", STUDIES)
 def test_at_trusted_points_the_simulation_lies_within_the_band(
-    name: str, kind: str, repository: Path
+    name: str, kind: str, paper: Config
 ) -> None:
-    config = changed(load_config(repository / "config" / "paper.yaml"), STUDIES[name])
+    config = changed(paper, STUDIES[name])
     model, theta, trust, reach = fitted(config, kind)
-    table = random_plan(points=40_000, seed=9, **box(config, reach_m=reach, beyond=0.2))
+    table = random_plan(points=16_000, seed=9, **box(config, reach_m=reach, beyond=0.2))
     table = table[table["hv_m"] < 0.9 * table["h0_m"]]
     factors = Factors.of(**{each: table[each] for each in FACTOR_COLUMNS})
     force = get_model(model).evaluate(theta, factors)
     verdict = trust.judge(factors, force)
-    chosen = np.flatnonzero(verdict.trusted)[:1000]
-    assert len(chosen) == 1000
+    chosen = np.flatnonzero(verdict.trusted)[:400]
+    assert len(chosen) == 400
     assert len(chosen) < len(table)
     _, simulation, error = simulated(config, table.iloc[chosen])
     off = np.abs(force[chosen] - simulation)
@@ -147,8 +147,8 @@ def test_at_trusted_points_the_simulation_lies_within_the_band(
 
 
 @pytest.fixture(scope="module")
-def paper_fit(repository: Path) -> tuple[str, np.ndarray, Trust, float]:
-    return fitted(load_config(repository / "config" / "paper.yaml"), "finger anywhere")
+def paper_fit(paper: Config) -> tuple[str, np.ndarray, Trust, float]:
+    return fitted(paper, "finger anywhere")
 
 
 def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:

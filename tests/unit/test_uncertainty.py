@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from physics_facts import CENTRED_N
 
 from paper import uncertainty
 from paper.claims import CLAIMS
@@ -16,26 +17,19 @@ from squeezefilm.cli import main as cli
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
-from squeezefilm.studies.config import Config, load_config
-
-FORCE_N = 0.962042
+from squeezefilm.studies.config import Config
 
 
 def film_like(scene: Scene) -> float:
     """A force that goes with pressure and amplitude as the film's does, and less so with slip."""
     relative = (scene.epsilon / 0.44) ** 2.1 * scene.gas.ambient_pressure_pa / 101_325
     slip = sum(flow_coefficients(scene)[1:])
-    return FORCE_N * relative * (1 - 0.1 * slip) * scene.gas.polytropic_exponent
+    return CENTRED_N * relative * (1 - 0.1 * slip) * scene.gas.polytropic_exponent
 
 
 @pytest.fixture(scope="module")
-def config(repository: Path) -> Config:
-    return load_config(repository / "config/paper.yaml")
-
-
-@pytest.fixture(scope="module")
-def tables(config: Config) -> tuple[pd.DataFrame, pd.DataFrame]:
-    return compare(config, force=film_like)
+def tables(paper: Config) -> tuple[pd.DataFrame, pd.DataFrame]:
+    return compare(paper, force=film_like)
 
 
 @pytest.fixture(scope="module")
@@ -44,24 +38,24 @@ def extrapolated(tables: tuple[pd.DataFrame, pd.DataFrame]) -> pd.DataFrame:
     return table[table["claim_id"] == "simulation_at_2.2"].set_index("assumption")
 
 
-def test_every_difference_is_a_claim_of_the_paper(config: Config) -> None:
+def test_every_difference_is_a_claim_of_the_paper(paper: Config) -> None:
     known = {claim.claim_id for claim in CLAIMS}
-    assert {each.claim_id for each in differences(config)} <= known
+    assert {each.claim_id for each in differences(paper)} <= known
 
 
 def test_every_assumption_is_tried_on_every_difference(
-    config: Config, tables: tuple[pd.DataFrame, pd.DataFrame]
+    paper: Config, tables: tuple[pd.DataFrame, pd.DataFrame]
 ) -> None:
-    assert len(tables[0]) == len(ASSUMPTIONS) * len(differences(config))
+    assert len(tables[0]) == len(ASSUMPTIONS) * len(differences(paper))
     assert tables[0]["because"].str.len().min() > 10
 
 
 def test_the_needed_value_gives_the_papers_force(extrapolated: pd.DataFrame) -> None:
     needed = extrapolated["needed"]
-    assert needed["ambient pressure"] == pytest.approx(101.325 * 0.99 / FORCE_N, rel=1e-5)
-    assert needed["amplitude"] == pytest.approx(2.2 * (0.99 / FORCE_N) ** (1 / 2.1), rel=1e-5)
+    assert needed["ambient pressure"] == pytest.approx(101.325 * 0.99 / CENTRED_N, rel=1e-5)
+    assert needed["amplitude"] == pytest.approx(2.2 * (0.99 / CENTRED_N) ** (1 / 2.1), rel=1e-5)
     change = extrapolated["needed_change_percent"]["ambient pressure"]
-    assert change == pytest.approx(100 * (0.99 / FORCE_N - 1), rel=1e-3)
+    assert change == pytest.approx(100 * (0.99 / CENTRED_N - 1), rel=1e-3)
 
 
 def test_only_a_plausible_value_explains(extrapolated: pd.DataFrame) -> None:
@@ -76,7 +70,7 @@ def test_only_a_plausible_value_explains(extrapolated: pd.DataFrame) -> None:
 def test_what_only_lowers_the_force_has_no_needed_value(extrapolated: pd.DataFrame) -> None:
     slip = extrapolated.loc["mean free path, by slip"]
     assert math.isnan(slip["needed"])
-    assert slip["force_low_n"] < slip["force_high_n"] == pytest.approx(FORCE_N)
+    assert slip["force_low_n"] < slip["force_high_n"] == pytest.approx(CENTRED_N)
 
 
 def test_the_stated_digits_bound_the_amplitude(extrapolated: pd.DataFrame) -> None:
@@ -89,27 +83,27 @@ def test_curves_pass_through_our_force(tables: tuple[pd.DataFrame, pd.DataFrame]
     ours = curves[(curves["claim_id"] == "simulation_at_2.2")]
     middle = ours[ours["change_percent"].abs() < 1e-9]
     assert len(middle) == ours["assumption"].nunique() == 6
-    np.testing.assert_allclose(middle["force_n"], FORCE_N, rtol=1e-5)
+    np.testing.assert_allclose(middle["force_n"], CENTRED_N, rtol=1e-5)
 
 
-def test_a_film_that_cannot_be_is_passed_over(config: Config) -> None:
+def test_a_film_that_cannot_be_is_passed_over(paper: Config) -> None:
     def refusing(scene: Scene) -> float:
         return math.nan if scene.hv_m > 2.3e-6 else film_like(scene)
 
-    table, _ = compare(config, force=refusing)
+    table, _ = compare(paper, force=refusing)
     needed = table.set_index(["claim_id", "assumption"])["needed"]
     assert needed["simulation_at_2.2", "ambient pressure"] == pytest.approx(104.27, rel=1e-3)
     assert table["force_low_n"].notna().all()
 
 
-def test_a_film_that_cannot_be_simulated_at_all_is_named(config: Config) -> None:
+def test_a_film_that_cannot_be_simulated_at_all_is_named(paper: Config) -> None:
     with pytest.raises(RunError, match="operating_point"):
-        compare(config, force=lambda scene: math.nan)
+        compare(paper, force=lambda scene: math.nan)
 
 
-def test_a_study_without_the_assumption_does_without_its_row(config: Config) -> None:
-    sections = config.sections | {"actuator": config["actuator"] | {"profile": {"kind": "piston"}}}
-    table, _ = compare(Config(path=config.path, sections=sections), force=film_like)
+def test_a_study_without_the_assumption_does_without_its_row(paper: Config) -> None:
+    sections = paper.sections | {"actuator": paper["actuator"] | {"profile": {"kind": "piston"}}}
+    table, _ = compare(Config(path=paper.path, sections=sections), force=film_like)
     assert "wave number of the profile" not in set(table["assumption"])
     assert len(table) == 2 * (len(ASSUMPTIONS) - 1)
 
@@ -135,6 +129,6 @@ def test_the_solver_is_asked_scene_by_scene(
     config = str(repository / "config/quick.yaml")
     assert cli.main(["uncertainty", "--config", config, *arguments]) == 0
     row = pd.read_csv(paths[0]).iloc[0]
-    assert row["ours_n"] == pytest.approx(0.9620420, rel=1e-4)
+    assert row["ours_n"] == pytest.approx(CENTRED_N, rel=1e-4)
     assert row["needed"] == pytest.approx(2.2292, rel=1e-3)
     assert row["verdict"] == "explains"

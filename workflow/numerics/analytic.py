@@ -34,15 +34,6 @@ def blech_stiffness(*, sigma: float, aspect: float = 1.0, terms: int = 4000) -> 
     return float(np.sum(8 / (math.pi * m) ** 2 * -mean.real))
 
 
-def strip_stiffness(sigma: float) -> float:
-    """Spring coefficient S of an infinitely long strip, X = sqrt(sigma/2) (Langlois 1962)."""
-    x = math.sqrt(sigma / 2)
-    if x > 300:
-        return 1 - 1 / x
-    numerator, denominator = math.sinh(x) + math.sin(x), math.cosh(x) + math.cos(x)
-    return 1 - numerator / (x * denominator)
-
-
 def piston_small_amplitude(*, epsilon: float, sigma: float, aspect: float = 1.0) -> float:
     """(5/4) epsilon^2 S, with a relative error of order epsilon^2."""
     return 1.25 * epsilon**2 * blech_stiffness(sigma=sigma, aspect=aspect)

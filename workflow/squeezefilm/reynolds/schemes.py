@@ -12,7 +12,6 @@ from math import pi, sqrt
 
 import numpy as np
 
-from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.problems import Problems
 
@@ -26,7 +25,7 @@ class Scheme:
     """A Runge–Kutta method with a lower triangular table.
 
     Attributes:
-        name: as asked for by ``scheme=``.
+        name: its key in SCHEMES.
         order: of convergence of the period means in the step.
         error_constant: of the settled force's relative error, see ``steps_for_accuracy``.
         a, b: Butcher's table, shapes (stages, stages) and (stages,).
@@ -166,17 +165,13 @@ class Choice:
     left_out: str
 
 
-def choose(
-    *, problems: Problems, grid: Grid, tolerance: float, scheme: str = "auto"
-) -> list[Choice]:
-    """For each scene the scheme that is cheapest a priori; ``scheme`` may prescribe one.
+def choose(*, problems: Problems, grid: Grid, tolerance: float) -> list[Choice]:
+    """For each scene the scheme that is cheapest a priori.
 
     A step costs one unit per evaluated stage and SOLVE_COST per solved one; explicit schemes take
     as many steps as stability asks for, implicit ones as many as accuracy.
     """
-    if scheme not in ("auto", *SCHEMES):
-        raise InputError(f"scheme {scheme!r}: unknown; allowed are auto, {', '.join(SCHEMES)}")
-    names = list(SCHEMES) if scheme == "auto" else [scheme]
+    names = list(SCHEMES)
     accurate = [
         steps_for_accuracy(
             epsilon=problems.epsilon, sigma=problems.sigma, scheme=name, tolerance=tolerance

@@ -184,7 +184,6 @@ def transient_force(
     grid: Grid,
     tolerance: float,
     device: Device,
-    scheme: str = "auto",
 ) -> list[SettledForce]:
     """Settled mean forces by marching in time, to a relative tolerance or with a reason why not.
 
@@ -198,7 +197,7 @@ def transient_force(
     """
     grid = replace(grid, nt=4)
     problems = problems_on(grid)
-    choices = choose(problems=problems, grid=grid, tolerance=tolerance, scheme=scheme)
+    choices = choose(problems=problems, grid=grid, tolerance=tolerance)
     progress = [_Progress(choice=choice) for choice in choices]
     forces: list[SettledForce | None] = [None] * len(choices)
     finer: Grid | None = grid

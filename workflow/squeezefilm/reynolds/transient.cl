@@ -33,23 +33,15 @@ static bool solve_stage(const Grid *g, Film *film, double c, field y, matrix z, 
 }
 #endif
 
-/* Surface excursion at T = 2π (period + phase): ε sin T, raised over the first `ramp` periods. */
-static double excursion_at(double epsilon, int period, double phase, double ramp)
-{
-    const double share = period + phase < ramp ? sin(M_PI_2 * (period + phase) / ramp) : 1.0;
-    return epsilon * share * share * sin(2.0 * M_PI * phase);
-}
-
 /* table:   Butcher's a (stages, stages), b, c.
  * rows:    per scene sizes, numbers, steps per period, tolerance of a stage and where its parts lie
  *          in values; the sizes are those of all scenes. Row, Period and Ending: transient.py.
- * state:   per scene y (nx, ny) at T = 2π first_period on entry, `periods` later on exit. There
- *          the gap is at rest and y = P − 1.
+ * state:   per scene y (nx, ny) at a period's beginning on entry, `periods` later on exit. There the
+ *          gap is at rest and y = P − 1.
  * mean_overpressure: per scene (nx, ny), over the last period.
  * results: per scene and period, what is said of it.
  * endings: per scene how its march ended, at what cost. */
-__kernel void march_films(const int scenes, const int periods, const int first_period,
-                          const double ramp, const int stages, matrix table,
+__kernel void march_films(const int scenes, const int periods, const int stages, matrix table,
                           __global const Row *rows, matrix values, field state,
                           field mean_overpressure, __global Period *results,
                           __global Ending *endings, field workspace, const ulong workspace_size,
@@ -103,8 +95,7 @@ __kernel void march_films(const int scenes, const int periods, const int first_p
                 for (int i = 0; i < stages; i++) {
                     if (phase != (step + nodes[i]) / steps) {
                         phase = (step + nodes[i]) / steps;
-                        set_gap(&g, &film,
-                                excursion_at(film.epsilon, first_period + period, phase, ramp));
+                        set_gap(&g, &film, film.epsilon * sin(2.0 * M_PI * phase));
                     }
                     matrix row = table + i * stages;
                     field own = rates + i * g.count;

@@ -1,8 +1,7 @@
 """The film in time, marched on the device: start-up from rest, rise time (transient.cl).
 
 The surface starts from rest at T = 0 as ε s sin T: without a jump of the gap, but with one of its
-velocity, which the mass as unknown does not see. A ramp, by default none, raises the amplitude over
-the first periods.
+velocity, which the mass as unknown does not see.
 """
 
 from __future__ import annotations
@@ -105,10 +104,7 @@ def march(
     steps_per_period: int | np.ndarray,
     scheme: str,
     device: Device,
-    ramp_periods: float = 0.0,
     overpressure: np.ndarray | None = None,
-    first_period: int = 0,
-    allow_unstable: bool = False,
 ) -> March:
     """Follow films through ``periods`` periods from rest or from a given state.
 
@@ -118,15 +114,13 @@ def march(
         grid: collocation points across the film; its ``nt`` has no meaning here.
         steps_per_period: one number, or one per scene.
         scheme: a name of SCHEMES.
-        ramp_periods: the amplitude rises as sin² over so many periods.
-        overpressure: P − 1 at the beginning of ``first_period``, shape (scenes, nx, ny); zero, the
-            film at rest, if left out.
-        allow_unstable: march even with fewer steps than an explicit scheme is sure to be stable
-            with. A weak instability saturates: the force is then wrong without any other sign.
+        overpressure: P − 1 at the beginning, shape (scenes, nx, ny); zero, the film at rest, if
+            left out.
 
     Raises:
         InputError: for another scheme's name, scenes with terms that marching does not know, or a
-            grid whose numbers of unknowns are no multiples of four; for too few explicit steps.
+            grid whose numbers of unknowns are no multiples of four; for fewer explicit steps than
+            are sure to be stable: a weak instability saturates, and no sign tells of it.
     """
     import pyopencl as cl
 
@@ -141,7 +135,7 @@ def march(
     scenes = len(problems)
     steps = np.broadcast_to(np.asarray(steps_per_period, dtype=float), (scenes,))
     stable = steps_for_stability(problems=problems, grid=grid, scheme=scheme)
-    if not allow_unstable and np.any(steps < stable):
+    if np.any(steps < stable):
         few = int(np.argmax(stable / steps))
         raise InputError(
             f"march: {steps[few]:.0f} steps per period with {scheme} are too few at "
@@ -193,8 +187,6 @@ def march(
         (device.work_items,),
         scenes,
         periods,
-        first_period,
-        ramp_periods,
         method.stages,
         device.sent(method.table),
         device.sent(rows),

@@ -1,0 +1,25 @@
+"""Forces that the solver has given once for the paper's plans, for tests of what follows them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.io.tables import FACTOR_COLUMNS
+from squeezefilm.models.force_model import Factors
+
+FOLDER = Path(__file__).resolve().parents[1] / "reference"
+
+
+def reference_table(plan: str) -> pd.DataFrame:
+    """The table of ``screen`` or ``four_factor``."""
+    return pd.read_csv(FOLDER / f"{plan}_forces.csv", dtype={"point_id": str})
+
+
+def reference_forces(plan: str) -> tuple[Factors, np.ndarray]:
+    """The plan's factors and forces in newtons."""
+    table = reference_table(plan)
+    factors = Factors.of(**{name: table[name] for name in FACTOR_COLUMNS})
+    return factors, table["force_n"].to_numpy()
