@@ -136,8 +136,8 @@ def test_at_trusted_points_the_simulation_lies_within_the_band(
     factors = Factors.of(**{each: table[each] for each in FACTOR_COLUMNS})
     force = get_model(model).evaluate(theta, factors)
     verdict = trust.judge(factors, force)
-    chosen = np.flatnonzero(verdict.trusted)[:400]
-    assert len(chosen) == 400
+    chosen = np.flatnonzero(verdict.trusted)[:1000]
+    assert len(chosen) == 1000
     assert len(chosen) < len(table)
     _, simulation, error = simulated(config, table.iloc[chosen])
     off = np.abs(force[chosen] - simulation)
