@@ -12,12 +12,12 @@ import pytest
 import yaml
 
 from squeezefilm.cli.main import main
-from squeezefilm.cli.steps import refine as refine_command
 from squeezefilm.io.tables import SCENE_COLUMNS, read_forces, write_table
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.weak_spots import in_words, weak_spots
+from squeezefilm.studies import refined_model
 from squeezefilm.studies.config import load_config
 
 Capture = pytest.CaptureFixture[str]
@@ -177,7 +177,7 @@ def test_a_model_whose_physics_does_not_hold_is_left_out_before_anything_is_simu
     def no_simulation(*arguments: object, **settings: object) -> None:
         raise AssertionError("a scene is simulated")
 
-    monkeypatch.setattr(refine_command, "solve", no_simulation)
+    monkeypatch.setattr(refined_model, "solve", no_simulation)
     config = study(repository, tmp_path / "study.yaml")
     text = config.read_text(encoding="utf-8")
     config.write_text(text.replace("shape: rectangle", "shape: ellipse"), encoding="utf-8")

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
+import pandas as pd
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.scans import SmoothedScan
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import read_json
-from squeezefilm.models.fitted import number
+from squeezefilm.io.errors import RunError
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.limits import fast_limit, limit_axis
 from squeezefilm.studies.config import Config
+from squeezefilm.studies.study import directions_of, scene_of
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 TOLERANCE = 1e-3
@@ -123,23 +124,36 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     return max(float(mean[1] / mean[0] - 1), 0.0) if mean[0] > 0 else math.inf
 
 
-def scan_error_of(config: Config, summary: str | None) -> float:
-    """The largest share of a force that the scan of the study's profile leaves open, 0 without one.
+def errors_in_study(
+    config: Config, smoothed: SmoothedScan, *, draws: int, seed: int
+) -> pd.DataFrame:
+    """Forces of some of a study's scenes, and what the scan leaves open in them."""
+    points = _points(config)
+    scenes = [scene_of(point, config) for point in points]
+    device = choose_device(config["solver"]["device"])
+    errors = scan_errors(scenes, smoothed, device=device, draws=draws, seed=seed)
+    force_n = np.abs(errors.force_n)
+    return pd.DataFrame([asdict(point) for point in points]).assign(
+        force_n=errors.force_n,
+        spread_n=errors.spread_n,
+        noise_n=errors.noise_n,
+        noise_share=errors.noise_n / force_n,
+        out_of_phase_n=errors.out_of_phase_n,
+        scan_error_n=errors.total_n,
+        scan_error_share=errors.total_n / force_n,
+        lowest_n=errors.lowest_n,
+        highest_n=errors.highest_n,
+    )
 
-    Args:
-        summary: the file that `squeezefilm profile` wrote.
 
-    Raises:
-        InputError: for a study with a scan and no summary, a summary and no scan, or a file that
-            is none.
-    """
-    if config["actuator"]["profile"]["kind"] == "measured":
-        if summary is None:
-            raise InputError(
-                f"{config.path}: its profile is measured; give --scan SUMMARY.json, which "
-                "`squeezefilm profile` writes: what the scan leaves open is part of the fit's error"
-            )
-        return number(read_json(summary), "largest_force_error_share", summary)
-    if summary is not None:
-        raise InputError(f"--scan {summary}: the profile of {config.path} is not measured")
-    return 0.0
+def _points(config: Config) -> list[ScenePoint]:
+    """The largest amplitude over the smallest and the largest gap, and farthest from the centre."""
+    gaps, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
+    radius = max(config["positions"]["phi_r_m"])
+    places = [(gaps["start"], 0.0, 0.0), (gaps["stop"], 0.0, 0.0)]
+    angles = directions_of(config).images(config["positions"]["phi_deg"])
+    places += [(gaps["start"], radius, angle) for angle in angles]
+    return [
+        ScenePoint(str(number), gap, amplitude, r, angle)
+        for number, (gap, r, angle) in enumerate(places, start=1)
+    ]

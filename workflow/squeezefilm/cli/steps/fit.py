@@ -37,7 +37,7 @@ from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import model_named
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.scan_errors import scan_error_of
+from squeezefilm.studies.scan_share import scan_error_of
 from squeezefilm.studies.study import directions_of
 
 SECTIONS = ("fit", "models", "actuator", "finger")

@@ -35,7 +35,7 @@ from squeezefilm.models.experiments import check_columns
 from squeezefilm.models.library import SPACES, model_named
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.refined_model import SimulatedSpace, refined_model
-from squeezefilm.studies.scan_errors import scan_error_of
+from squeezefilm.studies.scan_share import scan_error_of
 
 SECTIONS = (
     "gas",
