@@ -191,7 +191,7 @@ def test_an_edit_of_what_only_people_read_makes_nothing_anew(planner: Planner) -
         elif path.suffix == ".cl":
             edits[path] = f"// edited\n{text}"
     schema = WORKFLOW / "schemas/config.schema.yaml"
-    edits[schema] = edits[schema].replace("description: ", "description: Edited, ")
+    edits[schema] = re.sub(r"description: (?=\w)", "description: Edited ", edits[schema])
     assert planner.made_anew(*EVERYTHING, edits=edits) == set()
 
 
