@@ -191,7 +191,7 @@ def test_an_edit_of_what_only_people_read_makes_nothing_anew(planner: Planner) -
         elif path.suffix == ".cl":
             edits[path] = f"// edited\n{text}"
     schema = WORKFLOW / "schemas/config.schema.yaml"
-    edits[schema] = edits[schema].replace("description: ", "description: Edited, ")
+    edits[schema] = re.sub(r"description: (?=\w)", "description: Edited ", edits[schema])
     assert planner.made_anew(*EVERYTHING, edits=edits) == set()
 
 
@@ -334,7 +334,7 @@ def test_results_copied_to_a_clone_are_as_they_were_until_its_code_is_edited(
     before = (clone / KERNEL).read_text(encoding="utf-8")
     (clone / KERNEL).write_text(edited(KERNEL, clone), encoding="utf-8")
     done = snakemake(clone, "two_factor", "--dry-run", *QUICK)
-    assert "rule simulate:" in done.stdout
+    assert "Simulate screen, part 1 of 1" in done.stdout
     (clone / KERNEL).write_text(before, encoding="utf-8")
     assert NOTHING in snakemake(clone, *EVERYTHING, "--dry-run", *QUICK).stdout
 
@@ -352,6 +352,6 @@ def test_an_edit_during_a_run_is_seen_by_the_next_one(finished: Finished, tmp_pa
         # Who looks at the plan meanwhile hides nothing from the next run.
         snakemake(folder, SCENES, "--dry-run", "--nolock", *QUICK)
     assert running.returncode == 0
-    assert "rule plan:" in snakemake(folder, SCENES, "--dry-run", *QUICK).stdout
+    assert "Points to simulate: screen" in snakemake(folder, SCENES, "--dry-run", *QUICK).stdout
     plans.write_text(before, encoding="utf-8")
     assert NOTHING in snakemake(folder, SCENES, "--dry-run", *QUICK).stdout
