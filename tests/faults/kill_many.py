@@ -45,7 +45,7 @@ SNAKEMAKE = (sys.executable, "-m", "snakemake", *TARGETS, "--configfile", "confi
 PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
 LIBRARY = (sys.executable, "-m", "squeezefilm")
 VICTIMS = ("group", "snakemake", "job")
-STAGES = {"simulate": "simulation", "fit": "fit", "plot": "plotting", "warm": "compilation"}
+STAGES = {"simulate": "simulation", "fit": "fit", "figure": "plotting", "warm": "compilation"}
 PATIENCE_S = 900
 
 
