@@ -17,6 +17,8 @@ rule plan:
         "<results>/simulations/{plan}/scenes.csv",
     log:
         "<logs>/plan/{plan}.log",
+    wildcard_constraints:
+        plan="|".join(plan for plan in PLANS if plan != "extrapolation"),
     localrule: True
     conda:
         "../../envs/tables.yaml"

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
 from scipy.optimize import brentq
+from scipy.special import fdtri
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import ExpressionModel, Factors
@@ -79,7 +79,7 @@ def parameter_ranges(
     again = sum_of_squares(model, factors, force_n, local_fit(model, factors, force_n, theta))
     if again < least * (1 - 1e-3):
         raise InputError(f"profile: the parameters of {model.name} are not those of the best fit")
-    allowed = least * (1 + float(stats.f.ppf(level, 1, spare)) / spare)
+    allowed = least * (1 + float(fdtri(1, spare, level)) / spare)
     slopes = model.gradient(theta, factors)
     spread = _standard_errors(slopes) * np.sqrt(least / spare)
     # Next to the fit the points may say nothing of a parameter, or describe it without a residual.

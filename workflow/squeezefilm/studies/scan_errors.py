@@ -66,7 +66,7 @@ def scan_errors(
     Raises:
         RunError: naming a scene that has no force.
     """
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=seed)]
     every = [
@@ -81,7 +81,7 @@ def scan_errors(
     forces = np.array([solution.force_n for solution in solutions]).reshape(len(profiles), -1)
     force_n = np.abs(forces[0])
     spread = forces[1:].std(axis=0, ddof=1)
-    quantile = float(t.ppf((1 + COVERAGE) / 2, draws - 1))
+    quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     bias = np.array([2 * (smoothed.profile.largest - 1) / (1 - scene.epsilon) for scene in scenes])
     effect = np.array([out_of_phase_effect(scene, smoothed) for scene in scenes])

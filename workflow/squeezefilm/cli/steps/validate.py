@@ -79,7 +79,7 @@ def _judged(
     summary = summarise(**given, band=band).to_dict()
     worst = forces.iloc[summary.pop("worst_index")]
     table = forces[list(SCENE_COLUMNS)].assign(
-        force_n=forces["force_n"], model_n=predicted, relative_error=errors
+        force_n=simulated, model_n=predicted, relative_error=errors
     )
     return table, {
         **summary,
