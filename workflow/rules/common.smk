@@ -119,6 +119,12 @@ def cores_for(searches):
     return max(1, min(4, searches // 4))
 
 
+def validations(model, plans):
+    """The names of a model's validations: each of its fits on each of the plans."""
+    fits = [fit for fit in FITS if MODEL_OF_FIT[fit] == model]
+    return [f"{fit}_on_{plan}" for fit in fits for plan in plans]
+
+
 # One run at a time makes a study; its jobs know it by name, also those that run elsewhere.
 CARDS = Path("results") / STUDY / "run_cards"
 MAIN = workflow.is_main_process

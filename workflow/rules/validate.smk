@@ -3,14 +3,6 @@
 
 PLANS_TWO_FACTOR = ["screen", "error_map", "extrapolation"]
 PLANS_FOUR_FACTOR = ["four_factor", "four_factor_control"]
-
-
-def validations(model, plans):
-    """The names of a model's validations: each of its fits on each of the plans."""
-    fits = [fit for fit in FITS if MODEL_OF_FIT[fit] == model]
-    return [f"{fit}_on_{plan}" for fit in fits for plan in plans]
-
-
 VALIDATIONS_TWO_FACTOR = validations("two-factor", PLANS_TWO_FACTOR)
 VALIDATIONS_FOUR_FACTOR = validations("four-factor", PLANS_FOUR_FACTOR)
 

@@ -74,9 +74,9 @@ def _judged(
     factors = factors_of(forces, limits=limits)
     check_columns(model, factors)
     predicted = model.evaluate(fit.theta, factors)
-    given: dict[str, Any] = {"model_n": predicted, "simulation_n": forces["force_n"]}
-    errors = relative_errors(**given)
-    summary = summarise(**given, band=band).to_dict()
+    simulated = forces["force_n"].to_numpy()
+    errors = relative_errors(model_n=predicted, simulation_n=simulated)
+    summary = summarise(model_n=predicted, simulation_n=simulated, band=band).to_dict()
     worst = forces.iloc[summary.pop("worst_index")]
     table = forces[list(SCENE_COLUMNS)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors
