@@ -57,7 +57,7 @@ report: $(VENV)/.run
 	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG)) --report $(REPORT)
 
 test: $(VENV)/.dev
-	$(RUN) pytest -n 2
+	$(RUN) OPENBLAS_NUM_THREADS=1 pytest -n 2
 
 test-check: $(VENV)/.dev
 	$(RUN) pytest tests/check

@@ -261,6 +261,8 @@ def test_every_mapping_of_the_schema_rejects_unknown_keys() -> None:
             if "properties" in part and not choices and not place.endswith(".if"):
                 assert part["additionalProperties"] is False, place
                 optional = {"kind", "about", "parameters"}
+                if place == "schema":
+                    optional |= {"paper"}
                 if place.endswith("levels_of_screen"):
                     optional |= {"start", "stop"}
                 assert set(part.get("required", [])) | optional >= set(part["properties"]), place

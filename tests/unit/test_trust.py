@@ -131,7 +131,7 @@ def test_at_trusted_points_the_simulation_lies_within_the_band(
 ) -> None:
     config = changed(paper, STUDIES[name])
     model, theta, trust, reach = fitted(config, kind)
-    table = random_plan(points=16_000, seed=9, **box(config, reach_m=reach, beyond=0.2))
+    table = random_plan(points=24_000, seed=9, **box(config, reach_m=reach, beyond=0.2))
     table = table[table["hv_m"] < 0.9 * table["h0_m"]]
     factors = Factors.of(**{each: table[each] for each in FACTOR_COLUMNS})
     force = get_model(model).evaluate(theta, factors)

@@ -64,7 +64,9 @@ def test_two_factors_need_no_simulation_of_four(fresh: Planner) -> None:
 def test_a_figure_needs_its_own_simulations_alone(fresh: Planner) -> None:
     assert plans_of(fresh.rows("fig07")) == set()
     assert plans_of(fresh.rows("fig08")) == {"screen"}
-    assert plans_of(fresh.rows("fig13")) == {"screen", "two_factor_design"}
+    # A fit is judged on all its sets of points in one job.
+    judged = {"screen", "error_map", "extrapolation"}
+    assert plans_of(fresh.rows("fig13")) == {"two_factor_design", *judged}
 
 
 def test_the_paper_is_the_default_study(fresh: Planner) -> None:

@@ -12,7 +12,7 @@ REFINED = ["rounds.csv", "forces.csv", "limits.csv", "where.csv", "fit.json", "v
 
 rule optimal_design:
     input:
-        code=code("optimal"),
+        code=lambda wildcards: code("optimal", key=wildcards.space),
         config=ancient(CONFIG_FILE),
         fit=lambda wildcards: f"<results>/fits/{OPTIMAL_FIT[wildcards.space]}.json",
         forces=lambda wildcards: (
@@ -68,7 +68,7 @@ rule optimal:
 
 rule refine_model:
     input:
-        code=code("refine"),
+        code=lambda wildcards: code("refine", key=wildcards.space),
         config=ancient(CONFIG_FILE),
         kernels="<results>/simulations/device.json",
         scan=SCAN_SUMMARY,

@@ -32,7 +32,7 @@ rule summary:
         "<logs>/report/summary.log",
     localrule: True
     conda:
-        "../../envs/tables.yaml"
+        "../../envs/simulate.yaml"
     params:
         results=lambda wildcards, output: str(Path(output[0]).parent),
         plans=SUMMARY_PLANS,

@@ -45,7 +45,10 @@ from squeezefilm.studies.optimal_designs import (
     summary_of,
 )
 
-SECTIONS = ("gas", "actuator", "finger", "screen", "positions", "optimal")
+SECTIONS = {
+    "two_factor": ("gas", "actuator", "finger", "screen", "optimal"),
+    "four_factor": ("gas", "actuator", "finger", "screen", "positions", "optimal"),
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -67,8 +70,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
     fit, forces = read_fit(options.fit), read_ok_forces(options.forces)
+    space = "two_factor" if fit.force_model.is_centred else "four_factor"
+    config = load_config(options.config).only(SECTIONS[space])
     names = [word.partition("=")[0] for word in options.plans]
     plans = parse_sources(options.plans, names=names, user="optimal")
     existing = None if options.existing is None else read_scenes(options.existing)

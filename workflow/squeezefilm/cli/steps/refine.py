@@ -37,17 +37,20 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.refined_model import SimulatedSpace, refined_model
 from squeezefilm.studies.scan_share import scan_error_of
 
-SECTIONS = (
-    "gas",
-    "actuator",
-    "finger",
-    "solver",
-    "screen",
-    "positions",
-    "fit",
-    "models",
-    "refine",
-)
+SECTIONS = {
+    "two_factor": ("gas", "actuator", "finger", "solver", "screen", "fit", "models", "refine"),
+    "four_factor": (
+        "gas",
+        "actuator",
+        "finger",
+        "solver",
+        "screen",
+        "positions",
+        "fit",
+        "models",
+        "refine",
+    ),
+}
 TABLES = {
     "rounds": ROUND_COLUMNS,
     "forces": FORCE_COLUMNS,
@@ -77,10 +80,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
     space = options.space.replace("-", "_")
     if space not in SPACES:
         raise InputError(f"--space {options.space!r} is unknown; known are {', '.join(SPACES)}")
+    config = load_config(options.config).only(SECTIONS[space])
     model = model_named(options.model, config["models"], place=options.config)
     scan_error = scan_error_of(config, options.scan)
     simulated = SimulatedSpace(config, centred=space == "two_factor")
