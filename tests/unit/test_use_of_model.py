@@ -13,7 +13,7 @@ import pytest
 
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.typed_units import quantities
+from squeezefilm.io.typed_units import quantities, with_error
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
 from squeezefilm.models.generated_code import c_source, python_source
@@ -406,3 +406,17 @@ def test_where_the_limit_does_not_hold_the_table_says_so(repository, tmp_path, c
     table = tmp_path / "table.json"
     assert cli.main(["limit-table", f"--config={sliding}", f"--output={table}"]) == 0
     assert "does not hold" in json.loads(table.read_text())["refused"]
+
+
+@pytest.mark.parametrize(
+    ("force_n", "error_n", "shown"),
+    [
+        (0.9620420431, 6.31e-7, "0.96204204 N ± 6.3e-07 N"),
+        (12.34, 0.52, "12.34 N ± 0.52 N"),
+        (-1.2e-75, 4.3e-73, "-1.2e-75 N ± 4.3e-73 N"),
+    ],
+)
+def test_a_force_has_the_digits_that_its_error_leaves(
+    force_n: float, error_n: float, shown: str
+) -> None:
+    assert with_error(force_n, error_n) == shown

@@ -14,6 +14,8 @@ BASES = ("N", "m", "s", "deg")
 """A degree counts as a base: a formula that takes degrees for radians is wrong."""
 EXAMPLES = {"deg": "45deg", "N": "0.5N"}
 MOST_LEVELS = 10_000
+MOST_PLACES = 15
+"""Decimals of a force that is shown; a smaller one has an exponent."""
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s]+)\s*", re.ASCII)
 
 
@@ -87,5 +89,7 @@ def with_error(force_n: float, error_n: float) -> str:
     """A force and its error, both to the digits that the error, with two digits, leaves."""
     if not (math.isfinite(error_n) and error_n > 0):
         return f"{force_n:.9g} N ± {error_n:.1g} N"
-    places = min(max(1 - math.floor(math.log10(error_n)), 0), 15)
+    places = max(1 - math.floor(math.log10(error_n)), 0)
+    if places > MOST_PLACES:  # a film that bears next to nothing
+        return f"{force_n:.2g} N ± {error_n:.2g} N"
     return f"{force_n:.{places}f} N ± {error_n:.2g} N"
