@@ -256,7 +256,9 @@ def stage_of(job: psutil.Process) -> str:
         words = job.cmdline()
     except psutil.Error:
         return ""
-    if not Path(words[0]).name.startswith("python") or words[1] != "-m" or words[2] not in PACKAGES:
+    if len(words) < 4 or not Path(words[0]).name.startswith("python"):
+        return ""
+    if words[1] != "-m" or words[2] not in PACKAGES:
         return ""
     command = words[3]
     return STAGES.get(command, command)
@@ -274,11 +276,13 @@ def fresh(folder: Path) -> None:
 
 
 def digests(folder: Path) -> dict[str, str]:
-    """Every result but for run times and run cards, with its digest."""
+    """Every file that jobs made, but for run times, with its digest."""
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.glob("results/**/*"))
-        if path.is_file() and "run_cards" not in path.parts and "timings" not in path.name
+        if path.is_file()
+        and not {"run_cards", "basis"} & set(path.parts)
+        and "timings" not in path.name
     }
 
 

@@ -82,7 +82,8 @@ def code(command, *modules, key=None):
 
     It stands for the code, that of modules which the command loads by a name made at run time too,
     and the sections of the study that they read, with the scan of a measured profile. ``key`` is
-    the kind of work where what is read goes by it.
+    the kind of work where what is read goes by it. To be called while the rules are read: Snakemake
+    looks which files there are before it asks a rule's functions.
     """
     sections = CODE.sections(command, *modules, key=key)
     try:

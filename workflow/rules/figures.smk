@@ -1,5 +1,8 @@
 # From results to figures, tables and claims. A figure is a module, found in `figures` of a package.
 
+FIGURE_CODE = {place: code("figure", figure.module) for place, figure in FIGURES.items()}
+TABLE_CODE = {number: code("table", table.module) for number, table in TABLES.items()}
+
 
 wildcard_constraints:
     number="|".join(TABLES),
@@ -8,7 +11,7 @@ wildcard_constraints:
 rule figure:
     input:
         unpack(lambda wildcards: among_results(FIGURES[wildcards.place].inputs)),
-        code=lambda wildcards: code("figure", FIGURES[wildcards.place].module),
+        code=lambda wildcards: FIGURE_CODE[wildcards.place],
         config=ancient(CONFIG_FILE),
     output:
         csv="<results>/{place}.csv",
@@ -58,7 +61,7 @@ use rule figure as plot with:
 rule table:
     input:
         unpack(lambda wildcards: among_results(TABLES[wildcards.number].inputs)),
-        code=lambda wildcards: code("table", TABLES[wildcards.number].module),
+        code=lambda wildcards: TABLE_CODE[wildcards.number],
     output:
         csv="<results>/tables/table{number}.csv",
         markdown="<results>/tables/table{number}.md",

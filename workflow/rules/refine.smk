@@ -7,12 +7,14 @@ JUDGED_PLANS = {
     "four_factor": ["four_factor", "four_factor_design", "four_factor_design_distinct"],
 }
 EXTENDED_PLAN = {"two_factor": "two_factor_design", "four_factor": "four_factor_design_distinct"}
+OPTIMAL_CODE = {space: code("optimal", key=space) for space in MODEL_SPACES}
+REFINE_CODE = {space: code("refine", key=space) for space in MODEL_SPACES}
 REFINED = ["rounds.csv", "forces.csv", "limits.csv", "where.csv", "fit.json", "verdict.json"]
 
 
 rule optimal_design:
     input:
-        code=lambda wildcards: code("optimal", key=wildcards.space),
+        code=lambda wildcards: OPTIMAL_CODE[wildcards.space],
         config=ancient(CONFIG_FILE),
         fit=lambda wildcards: f"<results>/fits/{OPTIMAL_FIT[wildcards.space]}.json",
         forces=lambda wildcards: (
@@ -68,7 +70,7 @@ rule optimal:
 
 rule refine_model:
     input:
-        code=lambda wildcards: code("refine", key=wildcards.space),
+        code=lambda wildcards: REFINE_CODE[wildcards.space],
         config=ancient(CONFIG_FILE),
         kernels="<results>/simulations/device.json",
         scan=SCAN_SUMMARY,

@@ -6,11 +6,13 @@ DESIGN_OF_PLAN = {
     "four_factor_design": "<results>/designs/four_factor.csv",
     "four_factor_design_distinct": "<results>/designs/four_factor_distinct.csv",
 }
+# By name, for one plan is made from the fits.
+PLAN_CODE = {plan: code("plan", key=plan) for plan in PLANS if plan != "extrapolation"}
 
 
 rule plan:
     input:
-        code=lambda wildcards: code("plan", key=wildcards.plan),
+        code=lambda wildcards: PLAN_CODE[wildcards.plan],
         config=ancient(CONFIG_FILE),
         design=lambda wildcards: DESIGN_OF_PLAN.get(wildcards.plan, []),
     output:
@@ -18,7 +20,7 @@ rule plan:
     log:
         "<logs>/plan/{plan}.log",
     wildcard_constraints:
-        plan="|".join(plan for plan in PLANS if plan != "extrapolation"),
+        plan="|".join(PLAN_CODE),
     localrule: True
     conda:
         "../../envs/tables.yaml"
