@@ -137,6 +137,7 @@ def test_a_killed_run_goes_on(checkout: Checkout, number: int, aim: str) -> None
 def test_a_second_run_is_refused_while_the_first_goes_on(checkout: Checkout) -> None:
     first = checkout.start()
     wait_for_job(first, "simulation")
+    os.killpg(first.pid, signal.SIGSTOP)  # or it might be done before the others have looked
     for command, status in (
         (SNAKEMAKE, 1),
         ((*SNAKEMAKE, "--nolock"), 2),
@@ -147,6 +148,7 @@ def test_a_second_run_is_refused_while_the_first_goes_on(checkout: Checkout) -> 
         assert f"results/quick is being made by process {first.pid} on " in second.stdout
         assert "wait for it, or end it" in second.stdout
     assert "left alone" in checkout.run(*LIBRARY, "repair").stdout
+    os.killpg(first.pid, signal.SIGCONT)
     assert first.wait() == 0
     assert checkout.same()
 
@@ -215,7 +217,7 @@ def test_a_full_disk_is_told_and_then_made_room(
     checkout: Checkout, mount: Callable[..., None]
 ) -> None:
     results = checkout.folder / "results"
-    mount(results, "size=100k")
+    mount(results, "size=520k")  # what results rest on takes 424 of it
     done = checkout.snakemake()
     assert done.returncode != 0
     assert "cannot be written: No space left on device" in done.stdout
