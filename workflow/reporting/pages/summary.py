@@ -117,8 +117,9 @@ def _accuracy(
     yield "## How accurate it is\n"
     yield (
         f"*Simulations.* Asked for a relative error of {settings['solver']['tolerance']:g}; the "
-        f"largest estimated error of all forces is {rounded_up(largest)} of the force. Every "
-        "force is solved on two grids, and their difference is part of the estimate. Method: "
+        f"largest estimated error of all forces is {rounded_up(largest)} of the force. A "
+        "periodic state is solved on two grids, and their difference is part of its estimate; a "
+        "limit estimates what it leaves out. Method: "
         f"{', '.join(methods)}; double precision; device: {device.get('device', 'unknown')}. "
         "Where the numerics have been made, tables and pictures in this report compare the solver "
         "with other people's methods, and on stiff and extreme films.\n"
