@@ -182,7 +182,7 @@ def facts_of(
     return [
         ["started", card["started"]],
         ["ended", card["ended"] or "with this page or after"],
-        ["command", " ".join(Path(word).name if "/" in word else word for word in card["command"])],
+        ["command", " ".join([Path(card["command"][0]).name, *card["command"][1:]])],
         ["code", (code["commit"] or "not in git") + (f", changed: {changed}" if changed else "")],
         ["digest of the code", code["sha256"]],
         ["study's file", f"{config['path']} (SHA-256 {config['sha256']})"],
