@@ -2,9 +2,9 @@
 
 The measured amplitudes and the smooth profile that all simulations use, over the distance from the
 disc's centre; where the profile is not axisymmetric, its least and largest value at that distance.
-The band adds two standard errors to that range. On the right what the profile does not explain. Forces of
-this study are uncertain by the scan's noise too: the note says by how much at most, at 95 %. The errors
-in tables of forces are the solver's alone.
+The band adds two standard errors to that range. On the right what the profile does not explain.
+Forces of this study are uncertain by the scan's noise too: the note says by how much at most, at 95
+%. The errors in tables of forces are the solver's alone.
 """
 
 from __future__ import annotations
