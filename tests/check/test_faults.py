@@ -246,7 +246,7 @@ def test_a_blank_picture_is_caught(results: Results) -> None:
 
 def test_a_factor_in_the_kernel_is_caught(copy: Path) -> None:
     """Half the pressure's square, a hundredth too large, in the viscous flow."""
-    path = copy / "workflow/squeezefilm/reynolds/film_over_period.cl"
+    path = copy / "workflow/squeezefilm/reynolds/periodic/film_over_period.cl"
     text = path.read_text(encoding="utf-8")
     assert text.count("p * (1.0 + 0.5 * p)") == 1
     path.write_text(text.replace("1.0 + 0.5 * p", "1.0 + 0.505 * p"), encoding="utf-8")

@@ -10,7 +10,7 @@ from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
 from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import States, solve_batch
+from squeezefilm.reynolds.periodic.launch import States, solve_batch
 from squeezefilm.reynolds.problems import problems_of
 
 SINC = Sinc(wave_number_per_m=109.8)

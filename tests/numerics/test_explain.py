@@ -15,8 +15,9 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.scene import GapShape, Scene
 from squeezefilm.film.vibration.shapes import Profile, StandingWave
 from squeezefilm.io.tables import write_table
-from squeezefilm.reynolds import settling, solve
+from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.explain import explain
+from squeezefilm.reynolds.march import settling
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.plans import plan
 

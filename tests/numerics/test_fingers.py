@@ -14,9 +14,10 @@ from scipy.special import ellipe, iv
 from squeezefilm.film.scene import GapShape, Scene, check_scene
 from squeezefilm.film.vibration.shapes import StandingWave
 from squeezefilm.io.errors import InputError
-from squeezefilm.reynolds import Solution, boundary_layer
+from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.explain import explain
-from squeezefilm.reynolds.galerkin import _periodic_state, first_resolution, solve_in_modes
+from squeezefilm.reynolds.limits import boundary_layer
+from squeezefilm.reynolds.modes.galerkin import _periodic_state, first_resolution, solve_in_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.solver import solve
 

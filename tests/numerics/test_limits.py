@@ -10,9 +10,9 @@ from films import PISTON, SINC, film, mean_overpressure
 from physics_facts import SINC_CONVERGED, SINC_FAST, SINC_SECOND_ORDER, fast_piston
 
 from squeezefilm.film.vibration.shapes import Profile, Sinc
-from squeezefilm.reynolds import boundary_layer
-from squeezefilm.reynolds.limits import (
+from squeezefilm.reynolds.limits.forces import (
     LimitForces,
+    boundary_layer,
     boundary_layer_limit,
     closed_form,
     fast_limit,

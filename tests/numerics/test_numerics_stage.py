@@ -20,18 +20,18 @@ from physics_facts import (
 )
 
 from numerics import analytic, stability
-from numerics.explicit_march import step_limit
 from numerics.films import PISTON, Film, Mirrored
-from numerics.numpy_periodic import periodic_state
+from numerics.peers.explicit_march import step_limit
+from numerics.peers.numpy_periodic import periodic_state
 from numerics.reference import lobatto, reference_force
 from numerics.state_checks import check_state, unfold
 from numerics.timing import measure
 from numerics.work_precision import FILMS, work_precision
-from squeezefilm.reynolds import periodic
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Joined
-from squeezefilm.reynolds.periodic import States
+from squeezefilm.reynolds.periodic import launch as periodic
+from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.terms import Terms
 
 Fields = dict[str, np.ndarray]

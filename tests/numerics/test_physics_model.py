@@ -8,16 +8,16 @@ import pytest
 from reference_forces import reference_table
 
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
-from squeezefilm.models.fit import fit_model
+from squeezefilm.models.fitting.fit import fit_model
+from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import COLUMNS, Factors, get_model
-from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.validation import error_sizes
 from squeezefilm.reynolds import solve
-from squeezefilm.studies import physics_limits as limits
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.physics_limits import with_limits
 from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.tasks import physics_limits as limits
+from squeezefilm.studies.tasks.physics_limits import with_limits
 
 FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)
 """Where the search for the paper's form (14) ends on the 65 points (see test_fit.py)."""

@@ -14,7 +14,7 @@ from squeezefilm.film.vibration.shapes import Formula, Profile, StandingWave
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.resolution import nodes_for_profile
+from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
 
 SPOT = "exp(-(r/2e-5)**2)"
 ASIDE = "exp(-((x-0.0011)**2+(y+0.0017)**2)/2e-5**2)"

@@ -12,12 +12,13 @@ from physics_facts import ASIDE_N, CENTRED_N, slow_piston
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Sinc
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.reynolds import Solution, refinement, solve
+from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic import Batch, Launch, launch
+from squeezefilm.reynolds.periodic import refinement
+from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import Config

@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 from squeezefilm.film.scene import GapShape, Scene
 from squeezefilm.reynolds import solve, terms
 from squeezefilm.reynolds.explain import explain
-from squeezefilm.reynolds.galerkin import _periodic_state, first_resolution
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.modes.galerkin import _periodic_state, first_resolution
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients

@@ -13,13 +13,13 @@ from physics_facts import DAMPING_AT_20, SPRING_AT_20
 
 from squeezefilm.film.vibration.shapes import Profile
 from squeezefilm.io.errors import InputError
-from squeezefilm.reynolds import transient
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.march import transient
+from squeezefilm.reynolds.march.schemes import SCHEMES, choose, steps_for_stability
+from squeezefilm.reynolds.march.settling import SettledForce, settle, transient_force
+from squeezefilm.reynolds.march.transient import March, march
 from squeezefilm.reynolds.problems import Problems, problems_of
-from squeezefilm.reynolds.schemes import SCHEMES, choose, steps_for_stability
-from squeezefilm.reynolds.settling import SettledForce, settle, transient_force
-from squeezefilm.reynolds.transient import March, march
 
 DEVICE = choose_device()
 

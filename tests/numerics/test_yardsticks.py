@@ -21,8 +21,14 @@ from physics_facts import (
     slow_piston,
 )
 
-from numerics import chebyshev_march, finite_elements, freefem, method_of_lines, numpy_periodic
-from numerics.yardstick import (
+from numerics.peers import (
+    chebyshev_march,
+    finite_elements,
+    freefem,
+    method_of_lines,
+    numpy_periodic,
+)
+from numerics.peers.yardstick import (
     Amplitude,
     FloatArray,
     graded_edges,

@@ -9,7 +9,7 @@ import pytest
 
 from numerics.cross_section import COLUMNS, cross_section
 from squeezefilm.film.scene import GapShape, Scene
-from squeezefilm.reynolds.galerkin import pressure_at
+from squeezefilm.reynolds.modes.galerkin import pressure_at
 from squeezefilm.reynolds.solver import solve
 
 

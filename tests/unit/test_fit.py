@@ -6,7 +6,7 @@ from reference_forces import reference_forces
 from scipy.optimize import least_squares
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fit import fit_by_differential_evolution, fit_model
+from squeezefilm.models.fitting.fit import fit_by_differential_evolution, fit_model
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 
 

@@ -12,14 +12,14 @@ from reference_forces import reference_forces
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
-from squeezefilm.models.fit import fit_model
 from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fitting.fit import fit_model
+from squeezefilm.models.fitting.identifiability import check_identifiable
+from squeezefilm.models.fitting.local_fit import local_fit
+from squeezefilm.models.fitting.profile_likelihood import parameter_ranges
+from squeezefilm.models.fitting.search import nelder_mead
 from squeezefilm.models.force_model import TWO_FACTOR, Factors, get_model, library, make_model
-from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import check_models, model_named
-from squeezefilm.models.local_fit import local_fit
-from squeezefilm.models.profile_likelihood import parameter_ranges
-from squeezefilm.models.search import nelder_mead
 from squeezefilm.studies.config import load_config
 
 

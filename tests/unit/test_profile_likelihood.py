@@ -8,9 +8,9 @@ from reference_forces import reference_forces
 from scipy import stats
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.models.fitting.local_fit import local_fit, sum_of_squares
+from squeezefilm.models.fitting.profile_likelihood import parameter_ranges
 from squeezefilm.models.force_model import TWO_FACTOR, Factors, make_model
-from squeezefilm.models.local_fit import local_fit, sum_of_squares
-from squeezefilm.models.profile_likelihood import parameter_ranges
 
 LINE = make_model("line", {"expression": "t0 + t1*(hv/h0)"}, place="test")
 EPSILON = np.linspace(0.05, 0.4, 12)

@@ -17,8 +17,8 @@ from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.weak_spots import in_words, weak_spots
-from squeezefilm.studies import refined_model
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.tasks import refined_model
 
 Capture = pytest.CaptureFixture[str]
 

@@ -23,8 +23,8 @@ from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.scan_errors import out_of_phase_effect, scan_errors
 from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.tasks.scan_errors import out_of_phase_effect, scan_errors
 
 RADIUS_M = 0.01
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}

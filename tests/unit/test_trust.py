@@ -17,8 +17,8 @@ import pytest
 from squeezefilm.cli import main as cli
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.models.cross_validation import left_out_predictions
+from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import Factors, get_model
-from squeezefilm.models.local_fit import local_fit
 from squeezefilm.models.trust import LEAST_POINTS, MOST_RELATIVE_ERROR, Trust, Unseen
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config

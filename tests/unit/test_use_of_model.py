@@ -20,7 +20,7 @@ from squeezefilm.models.generated_code import c_source, python_source
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.trust import Trust, Unseen
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.physics_limits import limit_table_of
+from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
 THETA = {
     "two_factor": (7.6240, 1.91659, -1.001314),

@@ -153,9 +153,9 @@ def test_all_that_a_job_uses_is_its_basis_and_nothing_else(jobs: list[Job]) -> N
 def test_every_solver_file_is_in_use(jobs: list[Job]) -> None:
     used = set().union(*(job.code for job in jobs))
     for name in (
-        "reynolds/periodic.cl",
-        "reynolds/periodic.py",
-        "models/fit.py",
+        "reynolds/periodic/periodic.cl",
+        "reynolds/periodic/launch.py",
+        "models/fitting/fit.py",
         "designs/paper_design.py",
     ):
         assert LIBRARY / name in used
@@ -167,7 +167,13 @@ def edited(path: Path, folder: Path) -> str:
 
 
 @pytest.mark.parametrize(
-    "name", ["reynolds/periodic.cl", "models/fit.py", "models/models.yaml", "io/tables.py"]
+    "name",
+    [
+        "reynolds/periodic/periodic.cl",
+        "models/fitting/fit.py",
+        "models/models.yaml",
+        "io/tables.py",
+    ],
 )
 def test_an_edit_of_the_code_makes_anew_what_it_reaches(
     name: str, jobs: list[Job], planner: Planner
@@ -327,7 +333,7 @@ def test_after_all_edits_are_undone_nothing_is_made_anew(planner: Planner) -> No
 
 NOTHING = "Nothing to be done"
 SCENES = "results/quick/simulations/screen/scenes.csv"
-KERNEL = LIBRARY / "reynolds/periodic.cl"
+KERNEL = LIBRARY / "reynolds/periodic/periodic.cl"
 
 
 def test_results_copied_to_a_clone_are_as_they_were_until_its_code_is_edited(

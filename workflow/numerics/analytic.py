@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from numerics.numpy_periodic import ChebyshevGrid, chebyshev_grid
-from numerics.yardstick import Amplitude
+from numerics.peers.numpy_periodic import ChebyshevGrid, chebyshev_grid
+from numerics.peers.yardstick import Amplitude
 
 POINTS = 48
 PISTON_SLOW = 0.00170251052  # S / sigma^2 of the square piston for sigma -> 0

@@ -11,9 +11,9 @@ import pandas as pd
 from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.designs.paper_design import Criterion, descend
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fit import fit_model
+from squeezefilm.models.fitting.fit import fit_model
+from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import TWO_FACTOR, Factors
-from squeezefilm.models.local_fit import local_fit
 
 FORCE_ERRORS = tuple(10.0**-k for k in range(2, 9))
 SUCCESS = 1e-6  # relative, on the global error of the best fit

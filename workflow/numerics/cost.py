@@ -33,7 +33,7 @@ PRELUDE = """
 import json, resource, time
 import numpy as np
 from numerics.films import Film
-from numerics.fixed_grid import solve_on_grid
+from numerics.peers.fixed_grid import solve_on_grid
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid

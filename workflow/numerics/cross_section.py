@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.galerkin import pressure_at
+from squeezefilm.reynolds.modes.galerkin import pressure_at
 
 POINTS, TIMES = 41, 16
 TOLERANCE = 1e-4

@@ -7,7 +7,7 @@ from math import atan2, degrees, hypot, pi
 
 import numpy as np
 
-from numerics.yardstick import FloatArray, Fold
+from numerics.peers.yardstick import FloatArray, Fold
 from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
 from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
 

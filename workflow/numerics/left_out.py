@@ -22,9 +22,9 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic import solve_batch
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.problems import problems_of
-from squeezefilm.reynolds.refinement import solve_periodic
 from squeezefilm.reynolds.solution import solution_of
 
 Solve = Callable[..., list[Solution]]

@@ -24,7 +24,7 @@ from numpy.polynomial import legendre
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from numerics.yardstick import Amplitude, FloatArray, Fold
+from numerics.peers.yardstick import Amplitude, FloatArray, Fold
 from squeezefilm.io.errors import RunError
 
 NEWTON_STEPS = 30

@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 from numerics.films import Film
-from numerics.fixed_grid import problems_on_grid
+from numerics.peers.fixed_grid import problems_on_grid
 from squeezefilm.reynolds.device import Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
-from squeezefilm.reynolds.periodic import solve_batch
-from squeezefilm.reynolds.refinement import iteration_flops
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.refinement import iteration_flops
 
-SOURCES = ("linear_algebra.cl", "grid_over_period.cl", "roofline.cl")
+SOURCES = ("linear_algebra.cl", "periodic/grid_over_period.cl", "roofline.cl")
 REPEATS = 5
 PEAK_TURNS = 1_000_000
 TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}

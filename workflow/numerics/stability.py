@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from numerics import analytic, numpy_periodic
-from numerics.explicit_march import step_limit
+from numerics import analytic
 from numerics.films import PISTON, Film, Mirrored, Rough
-from numerics.fixed_grid import solve_on_grid
+from numerics.peers import numpy_periodic
+from numerics.peers.explicit_march import step_limit
+from numerics.peers.fixed_grid import solve_on_grid
 from numerics.state_checks import check_state, unfold
 from squeezefilm.film.scene import check_scene
 from squeezefilm.film.vibration.shapes import Sinc
@@ -26,7 +27,7 @@ from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import States
+from squeezefilm.reynolds.periodic.launch import States
 
 TOLERANCE = 1e-4
 # The defect is a first-order estimate of the force's error; a film in distress exceeds this by far.

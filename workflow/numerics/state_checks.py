@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from numerics.films import Film
-from numerics.numpy_periodic import ChebyshevGrid, chebyshev_grid
-from numerics.yardstick import FloatArray, Fold
+from numerics.peers.numpy_periodic import ChebyshevGrid, chebyshev_grid
+from numerics.peers.yardstick import FloatArray, Fold
 
 
 @dataclass(frozen=True)

@@ -16,17 +16,23 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from numerics import chebyshev_march, finite_elements, freefem, method_of_lines, numpy_periodic
 from numerics.films import Film
-from numerics.fixed_grid import problems_on_grid, solve_on_grid
+from numerics.peers import (
+    chebyshev_march,
+    finite_elements,
+    freefem,
+    method_of_lines,
+    numpy_periodic,
+)
+from numerics.peers.fixed_grid import problems_on_grid, solve_on_grid
+from numerics.peers.yardstick import Fold, periods_to_settle
 from numerics.reference import Reference, reference_force
 from numerics.timing import cold_start, measure
-from numerics.yardstick import Fold, periods_to_settle
 from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.settling import transient_force
+from squeezefilm.reynolds.march.settling import transient_force
 
 FILMS = (
     *(

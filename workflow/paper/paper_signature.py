@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from numerics import finite_elements, method_of_lines
+from numerics.peers import finite_elements, method_of_lines
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.models.fit import fit_model
+from squeezefilm.models.fitting.fit import fit_model
 from squeezefilm.models.force_model import TWO_FACTOR, Factors
 
 # What the paper reports: global errors of the two fits, and the force at (5, 2.2) um.

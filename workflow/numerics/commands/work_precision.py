@@ -15,7 +15,7 @@ import sys
 
 import pandas as pd
 
-from numerics import freefem
+from numerics.peers import freefem
 from numerics.work_precision import COLUMNS, FILMS, cold_starts, work_precision
 from squeezefilm.io import job
 from squeezefilm.io.tables import write_table

@@ -40,9 +40,9 @@ from scipy import stats
 
 from squeezefilm.designs.exact_design import exchange
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fit import fit_model
+from squeezefilm.models.fitting.fit import fit_model
+from squeezefilm.models.fitting.local_fit import local_fit, sum_of_squares
 from squeezefilm.models.force_model import ExpressionModel, Factors
-from squeezefilm.models.local_fit import local_fit, sum_of_squares
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

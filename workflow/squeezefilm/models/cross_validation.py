@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import ExpressionModel, Factors
-from squeezefilm.models.local_fit import local_fit
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.models.cross_validation import left_out_predictions
-from squeezefilm.models.fit import Fit
+from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
 from squeezefilm.models.trust import Trust, Unseen
 from squeezefilm.models.validation import error_sizes

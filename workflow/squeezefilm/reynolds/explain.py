@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from math import log10, nan, sqrt
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds import galerkin, marching
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.march import marching
+from squeezefilm.reynolds.modes import galerkin
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
-from squeezefilm.reynolds.refinement import first_grids, iteration_flops
+from squeezefilm.reynolds.periodic.refinement import first_grids, iteration_flops
 from squeezefilm.reynolds.solver import LimitResult, Way, each_on_its_own, unexpected, ways_of
 
 

@@ -13,14 +13,16 @@ import numpy as np
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import Solution
-from squeezefilm.reynolds import galerkin, limits, marching
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.galerkin import solve_in_modes, wants_modes
-from squeezefilm.reynolds.limits import LimitForces, limit_axis, limit_points
-from squeezefilm.reynolds.marching import solve_marching
+from squeezefilm.reynolds.limits import forces as limits
+from squeezefilm.reynolds.limits.forces import LimitForces, limit_axis, limit_points
+from squeezefilm.reynolds.march import marching
+from squeezefilm.reynolds.march.marching import solve_marching
+from squeezefilm.reynolds.modes import galerkin
+from squeezefilm.reynolds.modes.galerkin import solve_in_modes, wants_modes
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
-from squeezefilm.reynolds.refinement import solve_periodic
-from squeezefilm.reynolds.resolution import nodes_for_profile, unseen_profile
+from squeezefilm.reynolds.periodic.refinement import solve_periodic
+from squeezefilm.reynolds.periodic.resolution import nodes_for_profile, unseen_profile
 from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.terms import terms_of
 

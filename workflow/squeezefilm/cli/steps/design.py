@@ -23,7 +23,7 @@ from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.paper_designs import four_factor_designs, two_factor_designs
+from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
 
 SECTIONS = {
     "two-factor": ("design", "screen"),

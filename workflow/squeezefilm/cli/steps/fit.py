@@ -32,13 +32,13 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
 from squeezefilm.models.description import describe
 from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fit import Fit, fits_from_seeds
+from squeezefilm.models.fitting.fit import Fit, fits_from_seeds
+from squeezefilm.models.fitting.identifiability import check_identifiable
 from squeezefilm.models.force_model import ExpressionModel
-from squeezefilm.models.identifiability import check_identifiable
 from squeezefilm.models.library import model_named
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.scan_share import scan_error_of
 from squeezefilm.studies.study import directions_of
+from squeezefilm.studies.tasks.scan_share import scan_error_of
 
 SECTIONS = ("fit", "models", "actuator", "finger")
 

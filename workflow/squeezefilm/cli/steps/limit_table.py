@@ -14,7 +14,7 @@ import argparse
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_json
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.physics_limits import limit_table_of
+from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
 SECTIONS = ("gas", "actuator", "finger", "screen", "positions")
 

@@ -14,8 +14,8 @@ import argparse
 
 from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.physics_limits import with_limits
 from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.tasks.physics_limits import with_limits
 
 SECTIONS = ("gas", "actuator", "finger")
 

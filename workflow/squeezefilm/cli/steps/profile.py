@@ -19,8 +19,8 @@ from squeezefilm.film.vibration.scan_tables import points_table, summary_of
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.scan_errors import DRAWS, SEED, errors_in_study
 from squeezefilm.studies.study import smoothed_scan_of
+from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
 SECTIONS = ("gas", "actuator", "finger", "solver", "screen", "positions")
 

@@ -12,7 +12,7 @@ import argparse
 from squeezefilm.io import job
 from squeezefilm.io.tables import ScenePoint, write_json
 from squeezefilm.reynolds.device import choose_device, describe
-from squeezefilm.reynolds.periodic import warm
+from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of

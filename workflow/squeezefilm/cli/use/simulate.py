@@ -38,7 +38,7 @@ from squeezefilm.io.tables import (
 from squeezefilm.io.typed_units import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, choose_device, describe
-from squeezefilm.reynolds.periodic import warm
+from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.reynolds.regime import regime_notes
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import Config, load_config
@@ -126,7 +126,7 @@ def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Dev
     smoothed = smoothed_scan_of(config)
     if smoothed is None:
         return f"force {with_error(solution.force_n, solution.force_error_n)}"
-    from squeezefilm.studies.scan_errors import scan_errors
+    from squeezefilm.studies.tasks.scan_errors import scan_errors
 
     errors = scan_errors([scene], smoothed, device=device)
     noise_n, dropped_n = float(errors.noise_n[0]), float(errors.out_of_phase_n[0])

@@ -12,7 +12,7 @@ from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
-    from squeezefilm.reynolds.pad_modes import PadModes
+    from squeezefilm.reynolds.modes.pad_modes import PadModes
 
 # Neither the march nor the modes precondition it: beyond this, steps or iterations become many.
 LARGEST_UNPRECONDITIONED = 30.0

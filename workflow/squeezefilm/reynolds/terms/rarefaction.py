@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.limits import limit_axis, limit_points, small_amplitude
+from squeezefilm.reynolds.limits.forces import limit_axis, limit_points, small_amplitude
 from squeezefilm.reynolds.terms.term import LEAST_SHARE, LeftOut, Numbers, Term
 
 # Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the

@@ -16,7 +16,7 @@ from squeezefilm.film.scene import Scene
 
 if TYPE_CHECKING:  # for types alone: both ask the terms
     from squeezefilm.reynolds.grid import Grid
-    from squeezefilm.reynolds.pad_modes import PadModes
+    from squeezefilm.reynolds.modes.pad_modes import PadModes
 
 # Where kernels add what terms have to say, as f(g, film, mass, work, out): to the residual of
 # film_over_period.cl and its response to a change of the mass, and to the rate and its response of

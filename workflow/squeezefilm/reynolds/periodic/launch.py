@@ -257,8 +257,8 @@ def _offsets(
 
 def _sources(terms: Terms) -> tuple[str, ...]:
     own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
-    grid = ["linear_algebra.cl", "grid_over_period.cl"]
-    return (*grid, *own, "film_over_period.cl", "krylov.cl", "periodic.cl")
+    grid = ["linear_algebra.cl", "periodic/grid_over_period.cl"]
+    return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
 def _header(terms: Terms, rows: np.ndarray) -> str:

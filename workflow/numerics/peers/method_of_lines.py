@@ -19,7 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.integrate import solve_ivp
 
-from numerics.yardstick import Amplitude, FloatArray, Fold, YardstickResult, graded_edges
+from numerics.peers.yardstick import Amplitude, FloatArray, Fold, YardstickResult, graded_edges
 from squeezefilm.io.errors import RunError
 
 SAMPLES = 64  # of the last period; their mean is spectrally accurate

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from numerics.yardstick import Amplitude, FloatArray, YardstickResult
+from numerics.peers.yardstick import Amplitude, FloatArray, YardstickResult
 from squeezefilm.io.errors import RunError
 
 NEWTON_STEPS = 40

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.pad_modes import PadModes
+from squeezefilm.reynolds.modes.pad_modes import PadModes
 from squeezefilm.reynolds.terms import numbers_of, terms_of
 
 

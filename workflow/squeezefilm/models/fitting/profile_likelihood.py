@@ -23,8 +23,8 @@ from scipy.optimize import brentq
 from scipy.special import fdtri
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.models.fitting.local_fit import local_fit, sum_of_squares
 from squeezefilm.models.force_model import ExpressionModel, Factors
-from squeezefilm.models.local_fit import local_fit, sum_of_squares
 
 Array = NDArray[np.float64]
 

@@ -16,13 +16,13 @@ from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import SCENE_COLUMNS, scene_points
 from squeezefilm.models.fitted import FittedModel
+from squeezefilm.models.fitting.local_fit import local_fit
+from squeezefilm.models.fitting.profile_likelihood import ParameterRange, parameter_ranges
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.models.local_fit import local_fit
-from squeezefilm.models.profile_likelihood import ParameterRange, parameter_ranges
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.physics_limits import with_limits
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.tasks.physics_limits import with_limits
 
 EVERY = slice(None)
 MAP_LINES = 31

@@ -13,17 +13,17 @@ from squeezefilm.designs.refine_loop import Goal, Outcome, Pool, Round, refine_l
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, scene_points
 from squeezefilm.models.description import describe
-from squeezefilm.models.fit import Fit
+from squeezefilm.models.fitting.fit import Fit
+from squeezefilm.models.fitting.profile_likelihood import parameter_ranges
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.models.profile_likelihood import parameter_ranges
 from squeezefilm.models.trust import Unseen
 from squeezefilm.models.weak_spots import in_words, weak_spots
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.physics_limits import with_limits
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import directions_of, scene_of
+from squeezefilm.studies.tasks.physics_limits import with_limits
 
 TYPICAL = 1000
 """Points of the fair sample of the space at which nothing is simulated."""

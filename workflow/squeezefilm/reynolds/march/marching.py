@@ -9,14 +9,9 @@ from dataclasses import dataclass, replace
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.galerkin import wants_modes
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import LeftOut, Needs
-from squeezefilm.reynolds.problems import problems_of
-from squeezefilm.reynolds.refinement import grid_for
-from squeezefilm.reynolds.resolution import finer_grid
-from squeezefilm.reynolds.schemes import SCHEMES, Choice, choose
-from squeezefilm.reynolds.settling import (
+from squeezefilm.reynolds.march.schemes import SCHEMES, Choice, choose
+from squeezefilm.reynolds.march.settling import (
     NO_FINER_GRID,
     SettledForce,
     method_name,
@@ -24,6 +19,11 @@ from squeezefilm.reynolds.settling import (
     too_many_steps,
     transient_force,
 )
+from squeezefilm.reynolds.modes.galerkin import wants_modes
+from squeezefilm.reynolds.needs import LeftOut, Needs
+from squeezefilm.reynolds.periodic.refinement import grid_for
+from squeezefilm.reynolds.periodic.resolution import finer_grid
+from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.terms import first_reason
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from numerics.films import Film
-from numerics.numpy_periodic import chebyshev_grid
-from numerics.yardstick import FloatArray
+from numerics.peers.numpy_periodic import chebyshev_grid
+from numerics.peers.yardstick import FloatArray
 
 RUNGE_KUTTA = 2.785293563405282  # root of x^3 - 4 x^2 + 12 x - 24 = 0
 EPSILON = 1e-6  # so small that a mode may grow by GROWN and the film is linear still

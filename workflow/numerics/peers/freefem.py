@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from numerics.finite_elements import NEWTON_STEPS, NEWTON_TOLERANCE
+from numerics.peers.finite_elements import NEWTON_STEPS, NEWTON_TOLERANCE
+from numerics.peers.yardstick import Amplitude, Fold, YardstickResult, graded_edges
 from numerics.timing import processor_seconds
-from numerics.yardstick import Amplitude, Fold, YardstickResult, graded_edges
 from squeezefilm.io.errors import RunError
 
 PROGRAM = "FreeFem++"

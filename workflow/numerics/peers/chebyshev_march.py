@@ -19,8 +19,8 @@ import time
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from numerics.numpy_periodic import chebyshev_grid
-from numerics.yardstick import Amplitude, FloatArray, Fold, YardstickResult, march_to_periodic
+from numerics.peers.numpy_periodic import chebyshev_grid
+from numerics.peers.yardstick import Amplitude, FloatArray, Fold, YardstickResult, march_to_periodic
 from squeezefilm.io.errors import RunError
 
 

@@ -29,10 +29,10 @@ from squeezefilm.reynolds.error_estimate import (
     error_text,
     estimate,
 )
-from squeezefilm.reynolds.film_in_modes import FilmInModes
+from squeezefilm.reynolds.modes.film_in_modes import FilmInModes
+from squeezefilm.reynolds.modes.pad_modes import PadGrid, PadModes, pad_modes
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
-from squeezefilm.reynolds.pad_modes import PadGrid, PadModes, pad_modes
-from squeezefilm.reynolds.resolution import MOST_TIME, first_grid
+from squeezefilm.reynolds.periodic.resolution import MOST_TIME, first_grid
 from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.reynolds.terms import (

@@ -31,8 +31,8 @@ from math import ceil, log10, sqrt
 
 import numpy as np
 
-from squeezefilm.reynolds import boundary_layer
-from squeezefilm.reynolds.boundary_layer import all_weights
+from squeezefilm.reynolds.limits import boundary_layer
+from squeezefilm.reynolds.limits.boundary_layer import all_weights
 from squeezefilm.reynolds.spectral import Axis, axis
 
 # Layers of width √(2/σ) must leave room on the shorter side: σ min(1, aspect)² at least this.

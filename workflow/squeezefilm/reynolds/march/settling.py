@@ -14,10 +14,10 @@ import numpy as np
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ROUND_OFF, estimate, largest_change
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.march.schemes import SCHEMES, Choice, choose, steps_for_stability
+from squeezefilm.reynolds.march.transient import STATUS, march
+from squeezefilm.reynolds.periodic.resolution import finer_grid
 from squeezefilm.reynolds.problems import Problems
-from squeezefilm.reynolds.resolution import finer_grid
-from squeezefilm.reynolds.schemes import SCHEMES, Choice, choose, steps_for_stability
-from squeezefilm.reynolds.transient import STATUS, march
 
 MOST_PERIODS = 60
 ANDERSON_DEPTH = 10

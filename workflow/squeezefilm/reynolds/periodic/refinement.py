@@ -19,15 +19,15 @@ from squeezefilm.reynolds.error_estimate import (
 )
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic import STATUS, Batch, Launch, States, launch
-from squeezefilm.reynolds.problems import problems_on
-from squeezefilm.reynolds.resolution import (
+from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, States, launch
+from squeezefilm.reynolds.periodic.resolution import (
     MOST_UNKNOWNS,
     finer_grid,
     first_grid,
     nodes_for_profile,
     start_grid,
 )
+from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.terms import state_refused, stiffness_of
 

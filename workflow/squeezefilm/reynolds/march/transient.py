@@ -15,8 +15,8 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device, aligned, kernel
 from squeezefilm.reynolds.grid import Grid, instant_matrices
 from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of
+from squeezefilm.reynolds.march.schemes import SCHEMES, Scheme, steps_for_stability
 from squeezefilm.reynolds.problems import Problems, profile_fields
-from squeezefilm.reynolds.schemes import SCHEMES, Scheme, steps_for_stability
 from squeezefilm.reynolds.terms import Terms
 
 # How a march ends: the kernel's names, and what is said of it.
@@ -212,8 +212,8 @@ def march(
 def _sources(scheme: Scheme, terms: Terms) -> tuple[str, ...]:
     own = [term.AT_INSTANT for term in terms]
     krylov = ["krylov.cl"] if scheme.implicit else []
-    grid = ["linear_algebra.cl", "grid_at_instant.cl"]
-    return (*grid, *own, "film_at_instant.cl", *krylov, "transient.cl")
+    grid = ["linear_algebra.cl", "march/grid_at_instant.cl"]
+    return (*grid, *own, "march/film_at_instant.cl", *krylov, "march/transient.cl")
 
 
 def _defines(scheme: Scheme) -> tuple[str, ...]:

@@ -29,7 +29,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, BilinearForm, ElementQuad2, MeshQuad
 from skfem.helpers import dot, grad
 
-from numerics.yardstick import (
+from numerics.peers.yardstick import (
     Amplitude,
     FloatArray,
     Fold,

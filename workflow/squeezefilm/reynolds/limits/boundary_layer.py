@@ -9,8 +9,8 @@ where a = ε s is the excursion ratio at that point of the rim. What the force s
 
     d(a) = ∫₀^∞ ⟨P − ψ/H⟩ dξ, even in a,     g(a) = 3 ∫₀^∞ ⟨sin T M²⟩ dξ, odd in a.
 
-They are computed once, by ``python -m squeezefilm.reynolds.boundary_layer``, and stored as d/a² and
-g/a at Chebyshev nodes in −ln(1 − a²), from where a Chebyshev series gives them everywhere.
+They are computed once, by ``python -m squeezefilm.reynolds.limits.boundary_layer``, and stored as
+d/a² and g/a at Chebyshev nodes in −ln(1 − a²), from where a Chebyshev series gives them everywhere.
 """
 
 from __future__ import annotations

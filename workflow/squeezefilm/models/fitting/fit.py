@@ -22,9 +22,9 @@ from scipy.optimize import Bounds, differential_evolution
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.parallel import parallel_map
+from squeezefilm.models.fitting.local_fit import local_fit
+from squeezefilm.models.fitting.search import Array, Objective, genetic_search, nelder_mead
 from squeezefilm.models.force_model import ExpressionModel, Factors
-from squeezefilm.models.local_fit import local_fit
-from squeezefilm.models.search import Array, Objective, genetic_search, nelder_mead
 
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""

@@ -15,7 +15,7 @@ from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.limits import fast_limit, limit_axis
+from squeezefilm.reynolds.limits.forces import fast_limit, limit_axis
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import directions_of, scene_of
 
