@@ -4,10 +4,11 @@ Unknowns are the gas under a point of the strip, m = H P, and the flow J = m u o
 u, which obey
 
     dm/dT + dJ/dX = 0,     P = 1 on the rim,
-    u + (Re P H^2 / 10) (du/dT + (9/7) u du/dX - (1/7) u d(ln m)/dT) = -(H^2 / sigma) dP/dX.
+    u + (Re P H^2 / 10) (du/dT - u ((10/7) d(ln m)/dT + (9/7) u d(ln m)/dX)) = -(H^2 / sigma) dP/dX.
 
-The second equation is the momentum of the parabola u = 6 u zeta (1 - zeta), weighted with that
-parabola: friction and pressure are exact, and so is the force to first order in Re. Re = 0 is the
+The second equation is the momentum of a parabola across the gap, weighted with that parabola:
+friction and pressure are exact, and so is the force to first order in Re. Continuity took the place
+of du/dX, so that it holds on the rim too, where the pressure is given instead. Re = 0 is the
 Reynolds equation. Chebyshev points across the strip, instants of a period, Newton's method.
 """
 
@@ -83,11 +84,8 @@ class AveragedFilm:
         grid, height = self.grid, self.gap.height
         mass, flow = self.unpacked(state)
         u = flow / mass
-        acceleration = (
-            mass * (grid.rate @ u)
-            + 9 / 7 * flow * (u @ grid.x.odd.T)
-            - u * (grid.rate @ mass) / 7
-        )
+        spreading = 10 * (grid.rate @ mass) + 9 * u * (mass @ grid.x.even.T)
+        acceleration = mass * (grid.rate @ u) - u * spreading / 7
         return self.packed(np.zeros_like(mass), height * mass * acceleration / 10)
 
     def preconditioner(self, state: FloatArray) -> Precondition:

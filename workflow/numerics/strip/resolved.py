@@ -12,8 +12,15 @@ with P = r theta, mu = theta^kappa the viscosity and, at a constant Prandtl numb
 too, and beta = (1 - 1/gamma) Pr Re. W is the flow across lines of constant zeta. At the walls
 u = 0, theta = 1 and W = 0; on the rim P = 1. Without heat theta = 1 everywhere.
 
-Nothing is said of the profile with which gas enters at the rim: it is the smooth one that continues
-the film inside, without the layer of an entrance.
+Gas enters over the rim with a profile that the film does not know. Two ways to do without one:
+
+- "local": while gas streams in, the profile on the rim is the one that friction, pressure and the
+  rate of change give it there. Along the strip velocity then changes as a parabola's would, and
+  temperature does not change. Well posed at any Re.
+- "open": the profile continues the film inside smoothly, nothing is asked on the rim. Spectrally
+  accurate while advection is weak, ill posed on fine grids where it is not.
+
+How far the two are apart says how much the force depends on what is not known.
 
 Unknowns: m = H P, J = r H u and theta. Then continuity is linear in J, and the coefficient in front
 of both rates is H^2 P, which varies like the gap and not like its cube. Chebyshev points in both
@@ -23,6 +30,7 @@ directions, instants of a period; the integral of what a profile leaves over fro
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +39,9 @@ from numerics.peers.yardstick import FloatArray
 from numerics.strip.film import Gap, HeatedGas, StripFilm
 from numerics.strip.grid import StripGrid
 from numerics.strip.newton import Precondition, Root, Vector, newton
+
+
+Entrance = Literal["local", "open"]
 
 
 @dataclass(frozen=True)
@@ -63,11 +74,13 @@ class ResolvedFilm:
 
     Attributes:
         gas: of which the temperature is resolved too; None for an isothermal film.
+        entrance: what is said of gas that streams in over the rim.
     """
 
     film: StripFilm
     grid: StripGrid
     gas: HeatedGas | None = None
+    entrance: Entrance = "local"
 
     @cached_property
     def gap(self) -> Gap:
@@ -132,31 +145,51 @@ class ResolvedFilm:
     def residual(self, state: Vector) -> Vector:
         """Continuity; momentum times H m; energy times H^2."""
         grid, height, film = self.grid, self.height, self.film
-        x, zeta = grid.x, grid.zeta
+        zeta = grid.zeta
         fields = self.fields(state)
         mass, flow, theta = fields.mass, fields.flow, fields.temperature
         gas, u = fields.density, fields.velocity
         pressure = mass / height
-        slope = x.even @ pressure
+        slope = grid.x.even @ pressure
         viscosity = theta**self.gas.viscosity_exponent if self.gas else 1.0
-        gathering = self.rate(gas) + x.odd @ flow
+        gathering = self.rate(gas) + grid.x.odd @ flow
         across = -gathering @ zeta.excess.T
+        stretch, warming = self.along(fields)
         shear = u @ zeta.even.T
         friction = (viscosity * shear) @ zeta.odd.T
-        carried = gas * self.rate(u) + flow * (x.odd @ u) + across * shear
+        carried = gas * self.rate(u) + flow * stretch + across * shear
         momentum = film.reynolds * height * carried + 12 / film.sigma * height**2 * slope - friction
         energy = np.zeros_like(flow)
         if self.gas:
             gradient = theta @ zeta.even.T
-            conducted = (viscosity * gradient) @ zeta.odd.T
-            kept = gas * self.rate(theta) + flow * (x.even @ theta) + across * gradient
+            kept = gas * self.rate(theta) + flow * warming + across * gradient
             work = height**2 * (self.rate(pressure) + u * slope)
-            friction_heat = film.sigma / 12 * viscosity * shear**2
-            energy = (
-                self.conduction * (height * kept - self.gas.compression * (work + friction_heat))
-                - conducted
-            )
+            work = work + film.sigma / 12 * viscosity * shear**2
+            conducted = (viscosity * gradient) @ zeta.odd.T
+            energy = self.conduction * (height * kept - self.gas.compression * work) - conducted
         return self.packed(self.mean(gathering), mass * momentum, energy)
+
+    def along(self, fields: Fields) -> tuple[Vector, Vector]:
+        """du/dX and dtheta/dX.
+
+        On the rim continuity is not among the equations, for the pressure is given; there its mean
+        over the gap takes the place of the mean of what is differenced.
+        """
+        x, zeta = self.grid.x, self.grid.zeta.x
+        u = fields.velocity
+        stretch, warming = x.odd @ u, x.even @ fields.temperature
+        load = self.mean(fields.density)
+        mean = self.mean(fields.flow) / load
+        wanted = (-self.rate(load) - mean * (x.even @ load))[:, :1] / load[:, :1]
+        parabola = 6 * zeta * (1 - zeta)
+        rim = stretch[:, :1]
+        rim = rim + parabola * (wanted - self.mean(rim))
+        if self.entrance == "local":
+            inwards = u[:, :1].real > 0
+            rim = np.where(inwards, parabola * wanted, rim)
+            warming[:, :1] = np.where(inwards, 0, warming[:, :1])
+        stretch[:, :1] = rim
+        return stretch, warming
 
     def preconditioner(self, state: FloatArray) -> Precondition:
         """The equations without advection and linearised about the means over a period.
