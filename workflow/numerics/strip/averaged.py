@@ -107,9 +107,7 @@ class AveragedFilm:
             source = np.fft.rfft(continuity, axis=0)
             forced = response * np.fft.rfft(momentum, axis=0)
             found = np.zeros_like(source)
-            found[:, inner] = (
-                inverse @ (source - forced @ grid.x.odd.T)[:, inner, None]
-            )[..., 0]
+            found[:, inner] = (inverse @ (source - forced @ grid.x.odd.T)[:, inner, None])[..., 0]
             flow = forced - conductance * (found @ grid.x.even.T)
             return self.packed(
                 np.fft.irfft(found, n=grid.instants, axis=0),
@@ -156,5 +154,3 @@ def heat_source(equation: AveragedFilm, state: FloatArray, gas: HeatedGas) -> Fl
     extra = -flow * beta * height**2 * (lighter + stiffer)
     continuity = -(grid.rate @ (mass * warmth)) + extra @ grid.x.odd.T
     return equation.packed(continuity, np.zeros_like(flow))
-
-

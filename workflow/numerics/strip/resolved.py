@@ -30,8 +30,8 @@ directions, instants of a period; the integral of what a profile leaves over fro
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -39,7 +39,6 @@ from numerics.peers.yardstick import FloatArray
 from numerics.strip.film import Gap, HeatedGas, StripFilm
 from numerics.strip.grid import StripGrid
 from numerics.strip.newton import Precondition, Root, Vector, newton
-
 
 Entrance = Literal["local", "open"]
 
@@ -216,14 +215,13 @@ class ResolvedFilm:
         thermal = 1 / (decay + self.conduction * harmonics * content)
         load = mass.mean(axis=0)
         if self.gas:
-            storage = storage * (1 - load * beta * harmonics * (thermal * ones @ weights)[..., None])
+            expansion = beta * harmonics * (thermal * ones @ weights)[..., None]
+            storage = storage * (1 - load * expansion)
         matrix = storage * np.eye(len(x.x)) - x.odd @ (conductance * x.even)
         schur = np.linalg.inv(matrix[:, inner, inner])
 
         def precondition(right: FloatArray) -> FloatArray:
-            source, forced, heating = (
-                np.fft.rfft(part, axis=0) for part in self.unpacked(right)
-            )
+            source, forced, heating = (np.fft.rfft(part, axis=0) for part in self.unpacked(right))
             forced = viscous * (forced[..., inner] @ inverse.T)
             heating = thermal * (heating[..., inner] @ inverse.T)
             source = source - x.odd @ (forced @ weights)[..., None]
