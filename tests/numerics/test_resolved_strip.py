@@ -300,5 +300,11 @@ def test_every_row_has_a_force_or_a_reason(monkeypatch: pytest.MonkeyPatch) -> N
 )
 def test_where_an_error_passes_a_bound(bound: float, expected: tuple[float, str]) -> None:
     reynolds, error = np.array([1.0, 10.0, 100.0]), np.array([1e-4, 1e-2, 1.0])
-    found, verdict = table._crossing(reynolds, error, bound=bound)
-    assert (found, verdict) == (pytest.approx(expected[0]), expected[1])
+    for sign in (1, -1):
+        found, verdict = table._crossing(reynolds, sign * error, bound=bound)
+        assert (found, verdict) == (pytest.approx(expected[0]), expected[1])
+
+
+def test_where_an_error_passes_a_bound_after_a_change_of_sign() -> None:
+    found = table._crossing(np.array([1.0, 10.0]), np.array([0.5e-3, -1.5e-3]), bound=1e-3)
+    assert found == (pytest.approx(10**0.75), "reached")

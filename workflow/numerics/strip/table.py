@@ -113,7 +113,8 @@ def _rows(film: StripFilm) -> list[dict[str, object]]:
 def strip_limits(table: pd.DataFrame) -> pd.DataFrame:
     """Rows of LIMIT_COLUMNS: the Re up to which an equation is within a bound of a yardstick.
 
-    Between two Re the difference is taken as a power of Re. verdict: reached; below, where the
+    Between two Re the difference is taken as a power of Re, or as linear in log Re where it changes
+    its sign. verdict: reached; below, where the
     smallest Re of the table is beyond the bound and the difference is taken in proportion to Re;
     beyond, where the largest solved is still within it, and Re is that one.
     """
@@ -132,7 +133,7 @@ def _limits(table: pd.DataFrame) -> Iterator[dict[str, object]]:
             for bound in BOUNDS:
                 reynolds, verdict = _crossing(
                     known["reynolds"].to_numpy(float),
-                    known[column].abs().to_numpy(float),
+                    known[column].to_numpy(float),
                     bound=bound,
                 )
                 yield {
@@ -146,14 +147,17 @@ def _limits(table: pd.DataFrame) -> Iterator[dict[str, object]]:
 
 
 def _crossing(reynolds: np.ndarray, error: np.ndarray, *, bound: float) -> tuple[float, str]:
-    """The first Re at which an error exceeds a bound, and how that is known."""
-    above = np.flatnonzero(error > bound)
+    """The first Re at which a signed error leaves a bound, and how that is known."""
+    above = np.flatnonzero(np.abs(error) > bound)
     if not len(above):
         return float(reynolds[-1]), "beyond"
     first = above[0]
     if first == 0:
-        return float(reynolds[0] * bound / error[0]), "below"
-    pair = slice(first - 1, first + 1)
-    return float(np.exp(np.interp(np.log(bound), np.log(error[pair]), np.log(reynolds[pair])))), (
-        "reached"
-    )
+        return float(reynolds[0] * bound / abs(error[0])), "below"
+    before, after = np.sign(error[first]) * error[first - 1 : first + 1]
+    if before > 0:
+        share = math.log(bound / before) / math.log(after / before)
+    else:  # it changed its sign in between, and is no power
+        share = (bound - before) / (after - before)
+    left, right = np.log(reynolds[first - 1 : first + 1])
+    return float(np.exp(left + share * (right - left))), "reached"

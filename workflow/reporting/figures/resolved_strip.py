@@ -73,7 +73,7 @@ def _panel(axes: Axes, film: pd.DataFrame) -> None:
         np.maximum(yardstick["estimated_error"], FLOOR),
         color="0.85",
         linewidth=0,
-        label="uncertain",
+        label="uncertainty",
     )
     for bound in BOUNDS:
         axes.axhline(bound, color="0.4", linewidth=0.6, linestyle="--")
