@@ -16,7 +16,7 @@ Gas enters over the rim with a profile that the film does not know. Two ways to 
 
 - "local": while gas streams in, the profile on the rim is the one that friction, pressure and the
   rate of change give it there. Along the strip velocity then changes as a parabola's would, and
-  temperature does not change. Well posed at any Re.
+  temperature does not change. Solved wherever it was tried, to Re = 20.
 - "open": the profile continues the film inside smoothly, nothing is asked on the rim. Spectrally
   accurate while advection is weak, ill posed on fine grids where it is not.
 
