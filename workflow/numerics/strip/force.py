@@ -17,7 +17,7 @@ from squeezefilm.io.errors import InputError
 Inertia = Literal["none", "first-order", "one-mode", "resolved"]
 Heat = Literal["none", "first-order", "resolved"]
 AIR = HeatedGas()
-ITERATION = 1e-7
+ITERATION = 1e-8
 """Tolerance of the iterations, on the state, in units of epsilon^2, as large as a mean force."""
 COARSE = 0.75
 """Points and instants of the coarser grid, in those of the finer."""
