@@ -44,6 +44,8 @@ INERTIA_MISSED = 1 / 8
 HEAT_MISSED = 1 / 3
 # Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
 SLIP_MISSED = 1.2
+# Of the profile that passes, for each unit of the squared bearing number (marched on a strip).
+PASSING_MISSED = 4.0
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,9 @@ class Effect:
     """One effect on the mean force.
 
     Attributes:
-        percent: of the force, at first order; NaN where it is not known.
-        missed_percent: size of what the first order misses; NaN where that is not known.
+        percent: of the force, at first order, that of a passing profile at second; NaN where it is
+            not known.
+        missed_percent: size of what higher orders add; NaN where that is not known.
         in_force: the force has it already.
     """
 
@@ -173,7 +176,7 @@ def _budgets(scenes: Sequence[Scene], grid: Grid, *, device: Device) -> list[Bud
         sensitive = sensitivity(films, tolerance=ADJOINT_TOLERANCE)
         shares = _shares(scenes, films, sensitive)
         if slides:
-            shares |= _shares_of_sliding(scenes, films, sensitive, device=device)
+            shares |= _shares_of_sliding(scenes, films, device=device)
     return [
         _budget(scene, {name: float(100 * share[k]) for name, share in shares.items()}, reason)
         for k, (scene, reason) in enumerate(zip(scenes, status, strict=True))
@@ -226,25 +229,25 @@ def _rarefied(scene: Scene) -> Scene:
 
 
 def _shares_of_sliding(
-    scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray, *, device: Device
+    scenes: Sequence[Scene], films: Fields, *, device: Device
 ) -> dict[str, np.ndarray]:
     """Change of the mean force by sliding, relative to it; by the bearing term at every order."""
     force = films.mean(films.pressure - 1)
 
     def solved(others: Sequence[Scene]) -> Fields:
-        others_films, status = _solved(
-            others, films.grid, tolerance=SLIDING_TOLERANCE, device=device
-        )
-        failed = np.array([each != "ok" for each in status])
-        others_films.pressure[failed] = nan
-        return others_films
+        found, status = _solved(others, films.grid, tolerance=SLIDING_TOLERANCE, device=device)
+        found.pressure[np.array([each != "ok" for each in status])] = nan
+        return found
 
     rest = solved([sliding.at_rest(scene) for scene in scenes])
-    back, forward = (solved(each) for each in zip(*map(sliding.beside, scenes), strict=True))
-    source = sliding.source(back, forward)
+    places = zip(*map(sliding.line, scenes), strict=True)
+    first, second = sliding.change_by_passing(
+        [solved(place) for place in places],
+        bearing=np.array([scene.bearing_number for scene in scenes]),
+    )
     return {
         "bearing": (force - rest.mean(rest.pressure - 1)) / force,
-        "passing": answer(films, sensitive, source) / force,
+        "passing": (first + second) / force,
     }
 
 
@@ -268,7 +271,9 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
         ),
         rim=Effect(percent["rim"]),
         bearing=Effect(percent["bearing"], 0.0, in_force=True) if "bearing" in percent else rests,
-        passing=Effect(percent["passing"]) if "passing" in percent else rests,
+        passing=_effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)
+        if "passing" in percent
+        else rests,
     )
 
 

@@ -127,11 +127,11 @@ class Fields:
 
     def flux_factor(self, coefficients: np.ndarray) -> np.ndarray:
         """Σ c_k H^(3−k) ρ^(1−k) for coefficients of shape (scenes, terms)."""
-        total: np.ndarray = sum(
+        parts = [
             self.number(coefficients[:, k]) * self.gap ** (3 - k) * self.density ** (1 - k)
             for k in range(coefficients.shape[1])
-        )  # type: ignore[assignment]
-        return total
+        ]
+        return np.sum(parts, axis=0)
 
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""

@@ -19,15 +19,15 @@ def pressure_rise(films: Fields, *, reynolds: np.ndarray) -> np.ndarray:
     rise = np.zeros_like(films.pressure)
     strength = films.sigma * films.number(reynolds) / 24
     velocity, grid = films.velocity, films.grid
-    along_y, along_x = slice(1, grid.ny + 1), slice(1, grid.nx + 1)
-    sides = [
-        (np.s_[:, :1, along_y], velocity.x, 1),
-        (np.s_[:, along_x, :1], velocity.y, 1),
-    ]
+    along_x, along_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
+
+    def enter(rim: tuple[slice, ...], inwards: np.ndarray) -> None:
+        rise[rim] = -strength * np.maximum(inwards[rim], 0.0) ** 2
+
+    enter(np.s_[:, :1, along_y], velocity.x)
+    enter(np.s_[:, along_x, :1], velocity.y)
     if not grid.x.folded:
-        sides.append((np.s_[:, -1:, along_y], velocity.x, -1))
+        enter(np.s_[:, -1:, along_y], -velocity.x)
     if not grid.y.folded:
-        sides.append((np.s_[:, along_x, -1:], velocity.y, -1))
-    for rim, across, inwards in sides:
-        rise[rim] = -strength * np.maximum(inwards * across[rim], 0.0) ** 2
+        enter(np.s_[:, along_x, -1:], -velocity.y)
     return rise

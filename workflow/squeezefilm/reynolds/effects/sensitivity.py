@@ -25,7 +25,7 @@ def sensitivity(films: Fields, *, tolerance: float) -> np.ndarray:
     Args:
         tolerance: preconditioned residual over its size at the start.
     """
-    precondition = _preconditioner(films)
+    precondition = _preconditioner(films, adjoint=True)
     adjoint = _adjoint_jacobian(films)
     right = 1 / (films.gap * films.density_slope)[films.inner]
     return gmres(
@@ -48,6 +48,42 @@ def flow_of(films: Fields, rise: np.ndarray) -> np.ndarray:
         slope = films.gradient(films.density ** (1 - k) * rise)
         flux = flux.plus(slope.times(films.number(flow[:, k]) * films.gap ** (3 - k)))
     return films.divergence(flux)
+
+
+def curvature_of_flow(films: Fields, rise: np.ndarray) -> np.ndarray:
+    """Second order of an isothermal film's flow in a change of pressure, on all nodes.
+
+    ½ ∇·Σ c_k (1 − k) H^(3−k) ∇(ρ^(−k) δP²), as ρ = P.
+    """
+    flow = films.problems.numbers["flow"]
+    flux = Vector(np.zeros_like(rise), np.zeros_like(rise))
+    for k in range(flow.shape[1]):
+        slope = films.gradient(films.density ** (-k) * rise**2)
+        flux = flux.plus(slope.times((1 - k) / 2 * films.number(flow[:, k]) * films.gap ** (3 - k)))
+    return films.divergence(flux)
+
+
+def response(films: Fields, source: np.ndarray, *, tolerance: float) -> np.ndarray:
+    """w of J w = ``source``, all at the unknowns, shape (scenes, nx, ny, nt)."""
+    precondition, jacobian = _preconditioner(films, adjoint=False), _jacobian(films)
+    return gmres(
+        lambda values: precondition(jacobian(values)), precondition(source), tolerance=tolerance
+    )
+
+
+def _jacobian(films: Fields) -> Operator:
+    """J w = ∇·Σ c_k H^(3−k) ∇(ρ^(1−k) w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X."""
+    speed = films.numbers("bearing", absent=0.0)
+
+    def apply(values: np.ndarray) -> np.ndarray:
+        mass = films.with_rim(values)
+        flow = flow_of(films, mass / (films.gap * films.density_slope))
+        moved = films.sigma * films.t_derivative(mass)
+        if np.any(speed):
+            moved = moved + speed * films.x_derivative(mass)
+        return np.asarray((flow - moved)[films.inner])
+
+    return apply
 
 
 def _adjoint_jacobian(films: Fields) -> Operator:
@@ -88,18 +124,19 @@ def _adjoint_jacobian(films: Fields) -> Operator:
     return apply
 
 
-def _preconditioner(films: Fields) -> Operator:
-    """Adjoint of the inverse of D Δ − σ ∂/∂T, by diagonalisation; D is a scene's mean diffusivity."""
+def _preconditioner(films: Fields, *, adjoint: bool) -> Operator:
+    """Inverse of D Δ − σ ∂/∂T by diagonalisation, or its adjoint; D is the mean diffusivity."""
     grid, aspect = films.grid, films.problems.aspect
-    flow = films.problems.numbers["flow"]
-    diffusivity = films.flux_factor(flow) / (films.gap * films.density_slope)
+    diffusivity = films.flux_factor(films.problems.numbers["flow"]) / (
+        films.gap * films.density_slope
+    )
     strength = diffusivity[films.inner].mean(axis=(1, 2, 3), keepdims=True)
-    values_x, to_x, from_x = _adjoint_modes(grid.x)
-    values_y, to_y, from_y = _adjoint_modes(grid.y)
+    values_x, to_x, from_x = _modes(grid.x, adjoint=adjoint)
+    values_y, to_y, from_y = _modes(grid.y, adjoint=adjoint)
     symbol = strength * np.add.outer(values_x, values_y / aspect**2)[..., None]
     rate = films.sigma * np.arange(grid.nt // 2 + 1)
     rate[..., -1] = 0  # as the sawtooth has no derivative on the nodes
-    inverse = 1 / (symbol + 1j * rate)
+    inverse = 1 / (symbol + (1j if adjoint else -1j) * rate)
 
     def apply(values: np.ndarray) -> np.ndarray:
         modal = along_y(to_y, along_x(to_x, np.fft.rfft(values))) * inverse
@@ -108,14 +145,13 @@ def _preconditioner(films: Fields) -> Operator:
     return apply
 
 
-def _adjoint_modes(axis: Axis) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Eigenvalues, analysis and synthesis of the adjoint of the second derivative."""
+def _modes(axis: Axis, *, adjoint: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Eigenvalues, analysis and synthesis of the second derivative, or of its adjoint."""
     values, vectors, inverse = axis.modes
-    return (
-        values,
-        _adjoint(vectors, axis.weights, np.ones_like(values)),
-        _adjoint(inverse, np.ones_like(values), axis.weights),
-    )
+    if not adjoint:
+        return values, inverse, vectors
+    ones = np.ones_like(values)
+    return values, _adjoint(vectors, axis.weights, ones), _adjoint(inverse, ones, axis.weights)
 
 
 def _adjoint(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ Both need states beside the scene's own: the finger at rest, or a little further
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import atan2, cos, degrees, hypot, radians, sin
 
@@ -12,9 +13,12 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.effects.fields import Fields
+from squeezefilm.reynolds.effects.sensitivity import curvature_of_flow, response
 
-# Of the finger's length along x: between the two states whose difference is a derivative.
-DISTANCE = 1e-3
+# Of the finger's length along x, from one state to the next whose differences are derivatives.
+STEP = 5e-3
+# Preconditioned residual over its size at the start, of what is differentiated once more.
+TOLERANCE = 1e-7
 
 
 def at_rest(scene: Scene) -> Scene:
@@ -22,9 +26,9 @@ def at_rest(scene: Scene) -> Scene:
     return replace(scene, finger=replace(scene.finger, speed_x_m_per_s=0.0))
 
 
-def beside(scene: Scene) -> tuple[Scene, Scene]:
-    """The finger half of DISTANCE back and half forward along its own x axis."""
-    return _moved(scene, -DISTANCE / 2), _moved(scene, DISTANCE / 2)
+def line(scene: Scene) -> list[Scene]:
+    """The finger at five places a STEP apart along its own x axis, its own the middle one."""
+    return [_moved(scene, STEP * steps) for steps in range(-2, 3)]
 
 
 def _moved(scene: Scene, share: float) -> Scene:
@@ -33,12 +37,38 @@ def _moved(scene: Scene, share: float) -> Scene:
     return replace(scene, phi_r_m=hypot(x_m, y_m), phi_deg=degrees(atan2(y_m, x_m)))
 
 
-def source(back: Fields, forward: Fields) -> np.ndarray:
-    """Source of mass of the profile that passes, +2Λ ∂(Hρ)/∂c, on all nodes.
+def change_by_passing(
+    films: Sequence[Fields], *, bearing: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """First and second order of the mean pressure's change by the profile that passes.
 
-    The bearing number has the speed of the surface past the finger, so the finger's place c on the
-    surface falls: its time derivative adds −(2Λ/σ) ∂/∂c to ∂/∂T. Gas that both states bring along
-    at another place is what the equation with a standing profile leaves out.
+    The bearing number Λ has the speed of the surface past the finger, whose place c on the surface
+    therefore falls, by 2Λ/σ per T. ∂/∂T of the film seen from the finger is then ∂/∂T − (2Λ/σ)
+    ∂/∂c, the second part of which is left out for a profile that stands. To second order, since at
+    the middle of a symmetric profile the first vanishes:
+
+        J w1 = −2Λ ∂(Hρ)/∂c,     J w2 = −2Λ ∂w1/∂c − ½ R''(w1, w1).
+
+    Args:
+        films: at the places of ``line``, of an isothermal gas.
+        bearing: Λ of each scene.
+
+    Returns:
+        Both orders, each of shape (scenes,).
     """
-    rate = 2 * forward.numbers("bearing", absent=0.0)
-    return np.asarray(-rate * (forward.mass - back.mass) / DISTANCE)
+    rate = -films[2].number(bearing) / STEP
+
+    def first(k: int) -> np.ndarray:
+        pushed = rate * (films[k + 1].mass - films[k - 1].mass)[films[k].inner]
+        return response(films[k], pushed, tolerance=TOLERANCE)
+
+    back, here, forward = first(1), first(2), first(3)
+    middle = films[2]
+    rise = middle.with_rim(here) / (middle.gap * middle.density_slope)
+    curved = curvature_of_flow(middle, rise)[middle.inner]
+    second = response(middle, rate * (forward - back) - curved, tolerance=TOLERANCE)
+
+    def mean_of(mass: np.ndarray) -> np.ndarray:
+        return middle.mean(middle.with_rim(mass) / (middle.gap * middle.density_slope))
+
+    return mean_of(here), mean_of(second)
