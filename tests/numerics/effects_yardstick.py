@@ -12,8 +12,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numerics.peers.numpy_periodic import chebyshev_grid, periodic_state
 from scipy.sparse.linalg import LinearOperator, gmres
+
+from numerics.peers.numpy_periodic import chebyshev_grid, periodic_state
 
 Amplitude = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -76,7 +77,12 @@ def effects(film: Numbers, amplitude: Amplitude, *, points: int, instants: int) 
 
     def inertial(m: np.ndarray) -> np.ndarray:
         """I of one component of m."""
-        across = 9 / 35 * gap**7 * divergence(m_x * m / (pressure * gap**4), m_y * m / (pressure * gap**4))
+        across = (
+            9
+            / 35
+            * gap**7
+            * divergence(m_x * m / (pressure * gap**4), m_y * m / (pressure * gap**4))
+        )
         rising = 6 / 5 * gap**2 / pressure * m * (m_x * d_x(gap) + m_y * d_y(gap))
         pushing = (
             -(gap**3) / 10 * d_t(pressure)
@@ -105,10 +111,7 @@ def effects(film: Numbers, amplitude: Amplitude, *, points: int, instants: int) 
     ):
         rim[side] = -sigma * re / 24 * np.clip(inwards[side], 0, None) ** 2
     sources = {
-        "inertia": -sigma
-        * re
-        / 2
-        * divergence(pressure * inertial(m_x), pressure * inertial(m_y)),
+        "inertia": -sigma * re / 2 * divergence(pressure * inertial(m_x), pressure * inertial(m_y)),
         "heat": sigma * divergence(u_x * slower, u_y * slower)
         - sigma * d_t(gap * pressure * warmth),
         "slip": -6 * film.knudsen * divergence(gap**2 * d_x(pressure), gap**2 * d_y(pressure)),

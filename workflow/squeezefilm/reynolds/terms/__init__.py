@@ -11,9 +11,9 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
-from squeezefilm.reynolds.terms.term import HOOKS, LEAST_SHARE, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import HOOKS, LeftOut, Numbers, Term
 
-__all__ = ["HOOKS", "LEAST_SHARE", "TERMS", "LeftOut", "Term", "Terms"]
+__all__ = ["HOOKS", "TERMS", "LeftOut", "Term", "Terms"]
 
 TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic)
 Terms = tuple[Term, ...]
@@ -53,6 +53,11 @@ def stiffness_of(scene: Scene, terms: Terms) -> float:
 def state_refused(scene: Scene, terms: Terms, *, thinnest: float) -> str:
     """Why a state found lies outside the range of a term; empty if it does not."""
     return first_reason(term.refused_state(scene, thinnest=thinnest) for term in terms)
+
+
+def notes_of(scene: Scene) -> list[str]:
+    """What the terms say of themselves where a scene stretches them."""
+    return [note for kind in TERMS if (note := kind.note(scene))]
 
 
 def first_reason(reasons: Iterable[str]) -> str:

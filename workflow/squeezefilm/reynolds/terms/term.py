@@ -23,9 +23,6 @@ if TYPE_CHECKING:  # for types alone: both ask the terms
 # film_at_instant.cl.
 HOOKS = ("residual", "response", "rate", "rate_response")
 
-# Of a force, from which on a note says what is left out.
-LEAST_SHARE = 0.005
-
 Numbers = Mapping[str, float | tuple[float, ...]]
 Arrays = Mapping[str, np.ndarray]
 
@@ -66,7 +63,7 @@ class Term:
 
     @classmethod
     def note(cls, scene: Scene) -> str:
-        """How much of the force it would change where it is left out, or where it is stretched."""
+        """Where a scene that has it stretches it; empty elsewhere."""
         return ""
 
     def numbers(self, scene: Scene) -> Numbers:
