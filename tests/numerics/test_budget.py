@@ -265,7 +265,7 @@ def test_notes_name_what_is_large_and_what_is_above_its_range(scene: Scene) -> N
         ]
     )
     inertia, slip = notes_of_budget(thin)
-    assert inertia == "inertia, left out, adds 2.2 % of the force (to about 0.1 %)"
+    assert inertia == "inertia, left out, adds 2.1 % of the force (to about 0.1 %)"
     assert slip.startswith("slip, left out, takes 1.3 % of the force")
     assert "rim's entrance loss -0.32 to -0.5 %" in budget_text(thin)
     assert any("inertia" in note and "above its range" in note for note in notes_of_budget(thick))

@@ -162,15 +162,17 @@ def _adjoint(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.nd
 def gmres(apply: Operator, right: np.ndarray, *, tolerance: float) -> np.ndarray:
     """Solve ``apply(x) = right`` for each scene, first axis, by GMRES without restart.
 
-    All scenes take as many iterations as the slowest, MOST_ITERATIONS at most.
+    A scene's answer does not depend on the others': it is that of the first iteration which is
+    good enough for it, or of the last of MOST_ITERATIONS.
     """
     scenes = len(right)
     size = np.sqrt(_products(right, right))
-    scale = np.where(size > 0, size, 1.0)
-    basis = [right / _column(scale, right)]
+    basis = [right / _column(np.where(size > 0, size, 1.0), right)]
     hessenberg = np.zeros((scenes, MOST_ITERATIONS + 1, MOST_ITERATIONS))
     goal = np.zeros((scenes, MOST_ITERATIONS + 1, 1))
     goal[:, 0, 0] = size
+    shares = np.zeros((scenes, MOST_ITERATIONS))
+    open_ = np.ones(scenes, dtype=bool)
     for step in range(MOST_ITERATIONS):
         new = apply(basis[step])
         for k, old in enumerate(basis):
@@ -179,15 +181,15 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float) -> np.ndarray
             new = new - _column(share, new) * old
         left = np.sqrt(_products(new, new))
         hessenberg[:, step + 1, step] = left
-        square = hessenberg[:, : step + 2, : step + 1]
-        weights = np.linalg.pinv(square) @ goal[:, : step + 2]
-        missed = np.linalg.norm(square @ weights - goal[:, : step + 2], axis=(1, 2))
-        if np.all(missed <= tolerance * size):
+        square, wanted = hessenberg[:, : step + 2, : step + 1], goal[:, : step + 2]
+        found = np.linalg.pinv(square) @ wanted
+        shares[open_, : step + 1] = found[open_, :, 0]
+        missed = np.linalg.norm(square @ found - wanted, axis=(1, 2))
+        open_ &= missed > tolerance * size
+        if not open_.any():
             break
         basis.append(new / _column(np.where(left > 0, left, 1.0), new))
-    return np.asarray(
-        sum(_column(weights[:, k, 0], right) * basis[k] for k in range(weights.shape[1]))
-    )
+    return np.asarray(sum(_column(shares[:, k], right) * each for k, each in enumerate(basis)))
 
 
 def _products(a: np.ndarray, b: np.ndarray) -> np.ndarray:
