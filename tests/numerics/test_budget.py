@@ -116,7 +116,20 @@ def test_slip_is_the_difference_of_two_forces_for_a_dense_gas() -> None:
         assert missed >= 0.5 * found.slip.missed_percent - 0.005 * abs(true)
         (included,) = budgets([slipping(scene, "fukui-kaneko")])
         assert included.slip.in_force
+        assert included.kinetic.percent == found.kinetic.percent == 0
         assert not found.slip.in_force
+
+
+def test_what_first_order_slip_lacks_is_the_difference_to_the_flow_factor() -> None:
+    """Fukui and Kaneko's factor is 1.1466 times slip where the gas is dense."""
+    scene = slipping(film(epsilon=0.4, sigma=583.0, knudsen=3e-4))
+    slip, factor = solve([scene, slipping(scene, "fukui-kaneko")], tolerance=1e-9)
+    (found,) = budgets([scene])
+    true = 100 * (factor.force_n / slip.force_n - 1)
+    assert found.slip.in_force
+    assert not found.kinetic.in_force
+    assert found.kinetic.percent == pytest.approx(true, rel=0.02)
+    assert found.kinetic.percent == pytest.approx(0.1466 * found.slip.percent, rel=0.01)
 
 
 def test_no_inertia_no_effect_of_it() -> None:
@@ -269,7 +282,9 @@ def test_notes_name_what_is_large_and_what_is_above_its_range(scene: Scene) -> N
     assert slip.startswith("slip, left out, takes 1.3 % of the force")
     assert "rim's entrance loss -0.32 to -0.5 %" in budget_text(thin)
     assert any("inertia" in note and "above its range" in note for note in notes_of_budget(thick))
-    assert not any("slip" in note for note in notes_of_budget(slow))
+    said = notes_of_budget(slow)
+    assert not any(note.startswith("slip") for note in said)
+    assert any(note.startswith("what first-order slip lacks, left out, takes") for note in said)
     assert "slip" in budget_row(slow)["in_force"]  # type: ignore[operator]
     assert budget_row(thick)["above_range"] == "inertia; heat"
 

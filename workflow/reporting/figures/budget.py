@@ -134,7 +134,7 @@ def _draw_lines(axes: Any, rows: pd.DataFrame) -> None:
                     (float(along["phi_r_mm"].iloc[-1]), float(values.iloc[-1])),
                     xytext=(5, 0),
                     textcoords="offset points",
-                    va="center",
+                    va={"heat": "bottom", "rim": "top"}.get(name, "center"),
                     color=colour,
                     fontsize=6,
                 )

@@ -80,6 +80,7 @@ class Budget:
         inertia: of the gas.
         heat: of compression and friction, between walls at ambient temperature.
         slip: rarefaction by Fukui and Kaneko's flow factor, or as the scene has it.
+        kinetic: what slip of first order lacks of that flow factor, where the scene has slip.
         rim: loss of pressure where gas streams in; C lies between rim.LEAST and rim.MOST.
         bearing: of a finger that slides, for a profile that stands under it.
         passing: the profile of the surface moving past a finger that slides.
@@ -90,6 +91,7 @@ class Budget:
     inertia: Effect = UNKNOWN
     heat: Effect = UNKNOWN
     slip: Effect = UNKNOWN
+    kinetic: Effect = UNKNOWN
     rim: Effect = UNKNOWN
     bearing: Effect = UNKNOWN
     passing: Effect = UNKNOWN
@@ -199,6 +201,11 @@ def _shares(scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray) -> di
     slips = np.array([scene.gas.rarefaction != "none" for scene in scenes])
     heating = reynolds * [(1 - 1 / gas.heat_capacity_ratio) * gas.prandtl for gas in gases]
     entrance = rim.pressure_rise(films, reynolds=reynolds)
+    kinetic = np.array([flow_coefficients(_kinetic(each)) for each in scenes])
+    having = [
+        each if slips_ else _kinetic(each) for each, slips_ in zip(scenes, slips, strict=True)
+    ]
+    rarefied = np.array([flow_coefficients(each) for each in having])
     sources = {
         "inertia": inertia.source(
             films,
@@ -210,21 +217,19 @@ def _shares(scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray) -> di
             heating=heating,
             viscosity_exponent=np.array([gas.viscosity_exponent for gas in gases]),
         ),
-        "slip": slip.source(
-            films, coefficients=np.array([flow_coefficients(_rarefied(each)) for each in scenes])
-        ),
+        "slip": slip.source(films, coefficients=rarefied),
+        "kinetic": slip.source(films, coefficients=kinetic),
         "rim": -flow_of(films, entrance),
     }
     change = {name: answer(films, sensitive, source) for name, source in sources.items()}
+    change["kinetic"] = change["kinetic"] - change["slip"]
     change["rim"] = change["rim"] + films.mean(entrance)
     force = films.mean(films.pressure - 1)
     return {name: each / force for name, each in change.items()}
 
 
-def _rarefied(scene: Scene) -> Scene:
-    """The scene with rarefaction as it has it, else with what is known best of it."""
-    if scene.gas.rarefaction != "none":
-        return scene
+def _kinetic(scene: Scene) -> Scene:
+    """The scene with rarefaction as it is known best."""
     return replace(scene, gas=replace(scene.gas, rarefaction="fukui-kaneko"))
 
 
@@ -269,6 +274,7 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
             missed=SLIP_MISSED * 6 * scene.knudsen,
             in_force=scene.gas.rarefaction != "none",
         ),
+        kinetic=_effect(percent["kinetic"], missed=SLIP_MISSED * 6 * scene.knudsen),
         rim=Effect(percent["rim"]),
         bearing=Effect(percent["bearing"], 0.0, in_force=True) if "bearing" in percent else rests,
         passing=_effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)

@@ -14,6 +14,7 @@ CALLED = {
     "inertia": "inertia",
     "heat": "heat",
     "slip": "slip",
+    "kinetic": "what first-order slip lacks",
     "rim": "the rim's entrance loss",
     "bearing": "sliding",
     "passing": "the profile that passes a sliding finger",
@@ -55,7 +56,7 @@ def budget_row(budget: Budget) -> dict[str, object]:
     row: dict[str, object] = {}
     for name, effect in budget.effects.items():
         row[f"{name}_percent"] = effect.percent
-        if name in ("inertia", "heat", "slip", "passing"):
+        if name in ("inertia", "heat", "slip", "kinetic", "passing"):
             row[f"{name}_missed_percent"] = effect.missed_percent
     for what, only in (("sum", False), ("left_out", True)):
         ends = budget.sums(left_out_only=only)
