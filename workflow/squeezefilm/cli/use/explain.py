@@ -110,7 +110,8 @@ def _summary(table: pd.DataFrame, *, tolerance: float) -> str:
             for status, alike in doubtful.groupby("status", sort=False)
         ]
     if beyond:
-        lines += ["", f"beyond the equation, in per cent of the force: {', '.join(beyond)}"]
+        what = "beyond the equation, in per cent of the force (the rim for C = 1)"
+        lines += ["", f"{what}: {', '.join(beyond)}"]
     if len(notes):
         lines += ["", f"{len(notes)} scenes carry notes, such as: {notes.iloc[0]}"]
     return "\n".join(lines)

@@ -151,6 +151,7 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
     ]
 
 
+NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
 BASIS = "the flat rectangle inside, not of this pad and gap"
 
 
@@ -176,11 +177,16 @@ def _budgets(scenes: Sequence[Scene], grid: Grid, *, device: Device) -> list[Bud
     films, status = _solved(scenes, grid, tolerance=tolerance, device=device)
     with np.errstate(all="ignore"):
         sensitive = sensitivity(films, tolerance=ADJOINT_TOLERANCE)
+        found = np.isfinite(sensitive).all(axis=(1, 2, 3))
         shares = _shares(scenes, films, sensitive)
         if slides:
             shares |= _shares_of_sliding(scenes, films, device=device)
     return [
-        _budget(scene, {name: float(100 * share[k]) for name, share in shares.items()}, reason)
+        _budget(
+            scene,
+            {name: float(100 * share[k]) for name, share in shares.items()},
+            reason if reason != "ok" or found[k] else NOT_FOUND,
+        )
         for k, (scene, reason) in enumerate(zip(scenes, status, strict=True))
     ]
 
@@ -263,7 +269,7 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
     if not all(map(isfinite, percent.values())):
         return Budget(status="no force to compare with")
     reynolds = scene.modified_reynolds
-    rests = Effect(0.0, 0.0)
+    slides = scene.bearing_number != 0
     return Budget(
         inertia=_effect(percent["inertia"], missed=INERTIA_MISSED * reynolds),
         heat=UNKNOWN  # a polytropic exponent stands for it
@@ -276,11 +282,17 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
         ),
         kinetic=_effect(percent["kinetic"], missed=SLIP_MISSED * 6 * scene.knudsen),
         rim=Effect(percent["rim"]),
-        bearing=Effect(percent["bearing"], 0.0, in_force=True) if "bearing" in percent else rests,
-        passing=_effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)
-        if "passing" in percent
-        else rests,
+        bearing=Effect(percent["bearing"] if slides else 0.0, 0.0, in_force=slides),
+        passing=_passing(scene, percent),
     )
+
+
+def _passing(scene: Scene, percent: dict[str, float]) -> Effect:
+    if scene.bearing_number == 0:
+        return Effect(0.0, 0.0)
+    if scene.gas.polytropic_exponent != 1:
+        return UNKNOWN  # its second order is that of an isothermal gas
+    return _effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)
 
 
 def _effect(percent: float, *, missed: float, in_force: bool = False) -> Effect:

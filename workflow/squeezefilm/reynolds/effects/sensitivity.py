@@ -16,7 +16,7 @@ from squeezefilm.reynolds.effects.fields import Fields, Vector, along_x, along_y
 from squeezefilm.reynolds.spectral import Axis
 
 Operator = Callable[[np.ndarray], np.ndarray]
-MOST_ITERATIONS = 60
+MOST_ITERATIONS = 120
 
 
 def sensitivity(films: Fields, *, tolerance: float) -> np.ndarray:
@@ -163,18 +163,18 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float) -> np.ndarray
     """Solve ``apply(x) = right`` for each scene, first axis, by GMRES without restart.
 
     A scene's answer does not depend on the others': it is that of the first iteration which is
-    good enough for it, or of the last of MOST_ITERATIONS.
+    good enough for it, and NaN where none of MOST_ITERATIONS is.
     """
     scenes = len(right)
-    size = np.sqrt(_products(right, right))
+    unsolved = np.ones(scenes, dtype=bool)
+    right, size = _finite(right)
     basis = [right / _column(np.where(size > 0, size, 1.0), right)]
     hessenberg = np.zeros((scenes, MOST_ITERATIONS + 1, MOST_ITERATIONS))
     goal = np.zeros((scenes, MOST_ITERATIONS + 1, 1))
-    goal[:, 0, 0] = size
-    shares = np.zeros((scenes, MOST_ITERATIONS))
-    open_ = np.ones(scenes, dtype=bool)
+    goal[:, 0, 0] = np.nan_to_num(size)
+    shares = np.full((scenes, MOST_ITERATIONS), np.nan)
     for step in range(MOST_ITERATIONS):
-        new = apply(basis[step])
+        new, _ = _finite(apply(basis[step]))
         for k, old in enumerate(basis):
             share = _products(old, new)
             hessenberg[:, k, step] = share
@@ -183,13 +183,25 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float) -> np.ndarray
         hessenberg[:, step + 1, step] = left
         square, wanted = hessenberg[:, : step + 2, : step + 1], goal[:, : step + 2]
         found = np.linalg.pinv(square) @ wanted
-        shares[open_, : step + 1] = found[open_, :, 0]
         missed = np.linalg.norm(square @ found - wanted, axis=(1, 2))
-        open_ &= missed > tolerance * size
-        if not open_.any():
+        done = unsolved & (missed <= tolerance * size)
+        shares[done] = 0.0
+        shares[done, : step + 1] = found[done, :, 0]
+        unsolved &= ~done
+        if not unsolved.any():
             break
         basis.append(new / _column(np.where(left > 0, left, 1.0), new))
-    return np.asarray(sum(_column(shares[:, k], right) * each for k, each in enumerate(basis)))
+    parts = zip(shares.T, basis, strict=False)
+    return np.asarray(sum(_column(share, each) * each for share, each in parts))
+
+
+def _finite(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values with zeros for a scene that has some which are not finite, and each scene's size.
+
+    The size of such a scene is NaN, so that nothing is ever good enough for it.
+    """
+    size = np.sqrt(_products(values, values))
+    return np.where(_column(np.isfinite(size), values), values, 0.0), size
 
 
 def _products(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -86,7 +86,8 @@ def _said(name: str, effect: Effect) -> str:
         return f"{change} {rim.LEAST * size:.2g} to {rim.MOST * size:.2g} % of the force"
     if not effect.usable:
         return f"{change} part of the force: {size:.2g} % at first order, which is above its range"
-    return f"{change} {size:.2g} % of the force (to about {effect.missed_percent:.1g} %)"
+    missed = effect.missed_percent
+    return f"{change} {size:.2g} % of the force at first order (higher ones: {missed:.1g} %)"
 
 
 def _shown(name: str, effect: Effect) -> str:
