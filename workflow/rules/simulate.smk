@@ -163,11 +163,12 @@ rule sweep:
         "Every scene of the sweep has its force"
 
 
-rule budget:
+rule plan_budget:
     input:
         code=code("budget"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.csv",
+        kernels="<results>/simulations/device.json",
     output:
         "<results>/simulations/{plan}/budget.csv",
     log:
