@@ -181,7 +181,7 @@ def _write_designs(root: Path) -> None:
 
 def _write_extras(root: Path, config: Path) -> None:
     """A film over a period, what a force rests on, and what equation it is of."""
-    for plan in ("screen", "four_factor"):
+    for plan in ("screen", "four_factor", "extrapolation"):
         folder = root / "simulations" / plan
         budget = [f"{folder}/scenes.csv", f"--config={config}", f"--output={folder}/budget.csv"]
         assert cli.main(["budget", *budget]) == 0
