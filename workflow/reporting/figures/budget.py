@@ -19,6 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, micrometres
 from squeezefilm.io.sources import read_columns
+from squeezefilm.reynolds.effects.words import THIS_SCENE
 from squeezefilm.studies.config import Config
 
 INPUTS = {
@@ -32,6 +33,8 @@ EFFECTS = {
     "rim": (style.GREEN, "rim, C = 1"),
     "left_out": (style.GREY, "left out in all"),
 }
+# Contours nearer to the least or the largest value, in shares of the range, have no room.
+EDGE = 0.04
 COLUMNS = (
     "layer",
     "h0_um",
@@ -56,13 +59,17 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         "last. First order about the film that the forces are of, on "
         "coarse grids."
     )
+    if screen["basis"].iloc[0] != THIS_SCENE:
+        note += f" Estimates, of {screen['basis'].iloc[0]}."
     return pd.concat(
         [screen.assign(layer="plane"), chosen.assign(layer="radius")], ignore_index=True
     ).assign(note=note)[list(COLUMNS)]
 
 
 def _read(path: Any) -> pd.DataFrame:
-    table = read_columns(path, columns=("h0_m", "hv_m", "phi_r_m", "phi_deg", "above_range"))
+    table = read_columns(
+        path, columns=("h0_m", "hv_m", "phi_r_m", "phi_deg", "above_range", "basis")
+    )
     middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
     return table.assign(
         h0_um=micrometres(table["h0_m"]),
@@ -93,11 +100,16 @@ def _draw_map(axes: Any, maps: pd.DataFrame, name: str) -> None:
     """Contour lines of one effect, in its colour; dashed where some of it is above its range."""
     table = maps.pivot(index="hv_um", columns="h0_um", values=f"{name}_percent")
     values = table.to_numpy()
+    axes.set_xlim(table.columns.min(), table.columns.max())
+    axes.set_ylim(table.index.min(), table.index.max())
     if not np.isfinite(values).any():
         axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
         return
     above = maps["above_range"].fillna("").str.split("; ").map(lambda names: name in names)
-    levels = MaxNLocator(nbins=8).tick_values(np.nanmin(values), np.nanmax(values))
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    edge = EDGE * (high - low)
+    ticks = MaxNLocator(nbins=8).tick_values(low, high)
+    levels = [level for level in ticks if low + edge <= level <= high - edge] or [low]
     lines = axes.contour(
         table.columns.to_numpy(),
         table.index.to_numpy(),

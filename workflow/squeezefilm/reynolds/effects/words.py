@@ -9,6 +9,7 @@ from squeezefilm.reynolds.effects.budget import Budget, Effect
 
 # Per cent of the force, from which on an effect that is left out is spoken of.
 LEAST_PERCENT = 0.5
+THIS_SCENE = "this scene"
 ABOVE = " (first order, above its range)"
 CALLED = {
     "inertia": "inertia",
@@ -65,7 +66,7 @@ def budget_row(budget: Budget) -> dict[str, object]:
     return row | {
         "in_force": "; ".join(name for name, each in effects if each.in_force),
         "above_range": "; ".join(name for name, each in effects if not each.usable),
-        "basis": budget.basis or "this scene",
+        "basis": budget.basis or THIS_SCENE,
         "status": budget.status,
     }
 
