@@ -32,6 +32,7 @@ def film(
     rarefaction: str = "none",
     knudsen: float = 0.0134,
     polytropic_exponent: float = 1.0,
+    inertia: str = "none",
 ) -> Scene:
     """A scene with the given ε, σ, Λ; the finger's centre at x, y in units of its side."""
     angular_frequency = 2 * pi * 4e4
@@ -50,6 +51,10 @@ def film(
             mean_free_path_m=knudsen * H0_M,
             rarefaction=rarefaction,
             polytropic_exponent=polytropic_exponent,
+            inertia=inertia,
+            prandtl=0.71,
+            heat_capacity_ratio=1.4,
+            viscosity_exponent=0.7,
         ),
         actuator=Actuator(angular_frequency / (2 * pi), 1.0, profile),
         finger=Finger(LENGTH_M, aspect * LENGTH_M, speed),

@@ -180,7 +180,11 @@ def _write_designs(root: Path) -> None:
 
 
 def _write_extras(root: Path, config: Path) -> None:
-    """A film over a period, and what a force rests on."""
+    """A film over a period, what a force rests on, and what equation it is of."""
+    for plan in ("screen", "four_factor", "extrapolation"):
+        folder = root / "simulations" / plan
+        budget = [f"{folder}/scenes.csv", f"--config={config}", f"--output={folder}/budget.csv"]
+        assert cli.main(["budget", *budget]) == 0
     scenes = root / "simulations/extrapolation/scenes.csv"
     film = f"--output={scenes.parent}/film.csv"
     assert cli.main(["cross-section", str(scenes), f"--config={config}", film]) == 0

@@ -58,6 +58,13 @@ def test_the_papers_own_numbers_agree_with_themselves() -> None:
         assert paper == 0 or high - low <= 0.5 * paper, claim.claim_id
 
 
+def test_the_force_beyond_the_equation_stands_beside_the_paper_s(claims: pd.DataFrame) -> None:
+    """First order at 5 µm, 2.2 µm: +2.1, −1.2 and −0.2 %, and −0.3 to −0.5 % at the rim."""
+    said = claims.loc["simulation_at_2.2", "explanation"]
+    assert "inertia +2.1 %, slip −1.2 %, heat −0.2 %" in said
+    assert "with all of them 0.964 to 0.966 N" in said
+
+
 @pytest.mark.parametrize(
     ("claim_id", "ours", "word"),
     [

@@ -30,9 +30,6 @@ HOOKS = {
     "carry": "(g, film, coarser, coarse)",
 }
 
-# Of a force, from which on a note says what is left out.
-LEAST_SHARE = 0.005
-
 Numbers = Mapping[str, float | tuple[float, ...]]
 Arrays = Mapping[str, np.ndarray]
 
@@ -79,7 +76,7 @@ class Term:
 
     @classmethod
     def note(cls, scene: Scene) -> str:
-        """How much of the force it would change where it is left out, or where it is stretched."""
+        """Where a scene that has it stretches it; empty elsewhere."""
         return ""
 
     def numbers(self, scene: Scene) -> Numbers:
@@ -116,7 +113,7 @@ class Term:
         """The matrices of CARRYING between two grids."""
         return {}
 
-    def operators(self, numbers: np.ndarray, grid: Grid) -> Arrays:
+    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
         """What the periodic state needs for each scene by itself, each shape (scenes, …).
 
         A name that the grid has too takes the place of that one's.
