@@ -1,40 +1,37 @@
 """What all tests share."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from squeezefilm.film.scene import Scene
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
 SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py")
 
 
 @pytest.fixture(scope="session")
-def repository() -> Path:
+def repository():
     """The root of the checkout."""
     return Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture(scope="session")
-def paper(repository: Path) -> Config:
+def paper(repository):
     """The paper's study."""
     return load_config(repository / "config" / "paper.yaml")
 
 
 @pytest.fixture(scope="session")
-def quick(repository: Path) -> Config:
+def quick(repository):
     """The same in small."""
     return load_config(repository / "config" / "quick.yaml")
 
 
 @pytest.fixture(scope="session")
-def scene(paper: Config) -> Scene:
+def scene(paper):
     """The paper's operating point beyond its screen."""
     return scene_of(ScenePoint("1", 5e-6, 2.2e-6, 0.0, 0.0), paper)
 

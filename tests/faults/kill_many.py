@@ -17,8 +17,6 @@ A hundred take about half an hour on two free cores. Not part of any test; test_
 quick ones.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import csv

@@ -1,7 +1,5 @@
 """Scenes made from dimensionless numbers, for tests of the solver."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Forces that the solver has given once for the paper's plans, for tests of what follows them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

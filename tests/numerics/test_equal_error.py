@@ -1,7 +1,5 @@
 """The comparison at equal error takes the cheapest run that is at least as accurate."""
 
-from __future__ import annotations
-
 import pandas as pd
 
 from numerics.equal_error import equal_error
@@ -22,7 +20,7 @@ def row(method: str, error: float, seconds: float, **other: object) -> dict[str,
     return {**common, "method": method, "relative_error": error, "cpu_seconds": seconds, **other}
 
 
-def test_the_cheapest_run_of_no_larger_error_counts() -> None:
+def test_the_cheapest_run_of_no_larger_error_counts():
     table = pd.DataFrame(
         [
             row(CHOSEN, 1e-3, 0.001),
@@ -37,7 +35,7 @@ def test_the_cheapest_run_of_no_larger_error_counts() -> None:
     assert found["times_less"] == 500
 
 
-def test_failed_and_cold_runs_do_not_count() -> None:
+def test_failed_and_cold_runs_do_not_count():
     table = pd.DataFrame(
         [
             row(CHOSEN, 1e-6, 0.1),

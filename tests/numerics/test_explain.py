@@ -1,9 +1,6 @@
 """What ``explain`` says is what ``solve`` does."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,7 +30,7 @@ SCENES = [
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
-def test_method_domain_and_what_is_left_out_are_those_of_the_solution(tolerance: float) -> None:
+def test_method_domain_and_what_is_left_out_are_those_of_the_solution(tolerance):
     explanations = explain(SCENES, tolerance=tolerance)
     solutions = solve(SCENES, tolerance=tolerance)
     for explanation, solution in zip(explanations, solutions, strict=True):
@@ -83,9 +80,7 @@ def random_scene(random: np.random.Generator) -> Scene:
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("tolerance", [1e-1, 3e-3])
-def test_every_method_does_what_is_explained_on_random_scenes(
-    method: str, tolerance: float
-) -> None:
+def test_every_method_does_what_is_explained_on_random_scenes(method, tolerance):
     random = np.random.default_rng(20261122)
     scenes = [random_scene(random) for _ in range(8 if method == "march" else 24)]
     explanations = explain(scenes, tolerance=tolerance, method=method)
@@ -102,9 +97,7 @@ def test_every_method_does_what_is_explained_on_random_scenes(
     assert method in ("auto", "periodic") or {each.status for each in explanations} != {"ok"}
 
 
-def test_a_march_that_would_take_too_many_steps_is_refused_before_it_begins(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_march_that_would_take_too_many_steps_is_refused_before_it_begins(monkeypatch):
     stiff = film(epsilon=0.3, sigma=1e-4)
     (explanation,) = explain([stiff], tolerance=1e-9, method="march")
     monkeypatch.setattr(settling, "march", None)
@@ -113,9 +106,7 @@ def test_a_march_that_would_take_too_many_steps_is_refused_before_it_begins(
     assert "steps per period" in solution.status
 
 
-def test_a_tolerance_of_nothing_is_refused_and_not_taken_for_the_study_s(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_tolerance_of_nothing_is_refused_and_not_taken_for_the_study_s(tmp_path, capsys):
     scenes = tmp_path / "scenes.csv"
     write_table(plan(h0_m=[5e-6], hv_m=[2e-6]), scenes)
     arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--tolerance", "0"]
@@ -123,9 +114,7 @@ def test_a_tolerance_of_nothing_is_refused_and_not_taken_for_the_study_s(
     assert "tolerance 0 must lie between" in capsys.readouterr().err
 
 
-def test_the_command_names_the_scenes_that_will_have_no_force(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_names_the_scenes_that_will_have_no_force(tmp_path, capsys):
     scenes, output = tmp_path / "scenes.csv", tmp_path / "explained.csv"
     write_table(plan(h0_m=[5e-6, 6e-6], hv_m=[2e-6, 2e-6]), scenes)
     arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--output", str(output)]
@@ -135,7 +124,7 @@ def test_the_command_names_the_scenes_that_will_have_no_force(
     assert f"2 scenes, such as point 1: {reason}" in capsys.readouterr().out
 
 
-def test_expected_cost_is_right_to_a_factor_of_three() -> None:
+def test_expected_cost_is_right_to_a_factor_of_three():
     scenes = [film(epsilon=epsilon, sigma=1500.0) for epsilon in (0.05, 0.2, 0.44, 0.8)]
     expected = [each.expected_mflop for each in explain(scenes, tolerance=1e-6)]
     spent = [each.work / 1e6 for each in solve(scenes, tolerance=1e-6)]
@@ -143,7 +132,7 @@ def test_expected_cost_is_right_to_a_factor_of_three() -> None:
         assert truth / 3 < guess < 3 * truth
 
 
-def test_terms_are_named_only_where_a_scene_has_them() -> None:
+def test_terms_are_named_only_where_a_scene_has_them():
     terms = [explanation.terms for explanation in explain(SCENES, tolerance=1e-6)]
     assert terms[0] == ("squeeze",)
     assert terms[2] == ("squeeze", "bearing")
@@ -151,9 +140,7 @@ def test_terms_are_named_only_where_a_scene_has_them() -> None:
     assert terms[6] == ("squeeze", "polytropic gas")
 
 
-def test_command_writes_a_row_per_scene_with_the_notes(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_command_writes_a_row_per_scene_with_the_notes(tmp_path, capsys):
     scenes, output = tmp_path / "scenes.csv", tmp_path / "explained.csv"
     write_table(plan(h0_m=[5e-6, 10e-6], hv_m=[2e-6, 2e-6], phi_r_m=[0.0, 1e-3]), scenes)
     arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--output", str(output)]

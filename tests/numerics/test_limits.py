@@ -1,7 +1,5 @@
 """Methods without time steps against known values, the periodic solver and their own errors."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -55,7 +53,7 @@ def limit(
     ("a", "d", "g"),
     [(0.05, -0.002210, 0.106105), (0.2, -0.035542, 0.426760), (0.4, -0.145800, 0.867386)],
 )
-def test_boundary_layer_functions_at_known_excursions(a: float, d: float, g: float) -> None:
+def test_boundary_layer_functions_at_known_excursions(a, d, g):
     """Values found with an independent solver, to its digits; d is even and g odd."""
     assert boundary_layer.integrals(np.array([a, -a])) == (
         pytest.approx([d, d], abs=3e-6),
@@ -63,7 +61,7 @@ def test_boundary_layer_functions_at_known_excursions(a: float, d: float, g: flo
     )
 
 
-def test_boundary_layer_of_small_excursions_is_linear() -> None:
+def test_boundary_layer_of_small_excursions_is_linear():
     a = 1e-3
     d, g = boundary_layer.integrals(np.array([a]))
     assert d / a**2 == pytest.approx(-5 * np.sqrt(2) / 8, rel=1e-6)
@@ -72,25 +70,25 @@ def test_boundary_layer_of_small_excursions_is_linear() -> None:
 
 
 @pytest.mark.parametrize("row", [12])
-def test_stored_table_of_the_boundary_layer_can_be_made_again(row: int) -> None:
+def test_stored_table_of_the_boundary_layer_can_be_made_again(row):
     table = boundary_layer.read_table()
     assert table[:, 0] == pytest.approx(boundary_layer.table_nodes(), abs=1e-14)
     assert boundary_layer.compute(table[row, 0]) == pytest.approx(table[row, 1:], rel=1e-8)
 
 
-def test_table_of_the_boundary_layer_is_smooth_between_its_rows() -> None:
+def test_table_of_the_boundary_layer_is_smooth_between_its_rows():
     d, g = boundary_layer.integrals(np.array([0.53]))
     assert (d[0] / 0.53**2, g[0] / 0.53) == pytest.approx(boundary_layer.compute(0.53), rel=1e-8)
     assert np.isnan(boundary_layer.integrals(np.array([0.99]))[0]).all()
 
 
-def test_fast_limit_of_the_sinc() -> None:
+def test_fast_limit_of_the_sinc():
     forces = limit(fast_limit, epsilon=list(SINC_FAST), sigma=[1e9, 1e9])
     assert forces.mean == pytest.approx(list(SINC_FAST.values()), rel=1e-6)
 
 
 @pytest.mark.parametrize("aspect", [1.0, 0.3])
-def test_fast_limit_of_a_piston_is_the_closed_form(aspect: float) -> None:
+def test_fast_limit_of_a_piston_is_the_closed_form(aspect):
     epsilon, sigma = np.array([0.01, 0.5, 0.97]), np.full(3, 1e4)
     expected = [fast_piston(each) for each in epsilon]
     forces = limit(fast_limit, epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
@@ -112,8 +110,8 @@ def test_fast_limit_of_a_piston_is_the_closed_form(aspect: float) -> None:
     ],
 )
 def test_what_the_boundary_layer_limit_leaves_out(
-    profile: Profile, epsilon: float, sigma: float, converged: float | None, relative_error: float
-) -> None:
+    profile, epsilon, sigma, converged, relative_error
+):
     """The sinc's errors fall like 1/σ² here; the piston's, from its corners alone, like 1/σ."""
     if converged is None:
         scene = film(epsilon=epsilon, sigma=sigma, profile=profile)
@@ -124,7 +122,7 @@ def test_what_the_boundary_layer_limit_leaves_out(
     assert error * converged <= forces.error[0]
 
 
-def test_order_of_the_limits_in_the_squeeze_number() -> None:
+def test_order_of_the_limits_in_the_squeeze_number():
     """The fast limit is left by 1/√σ, the boundary layer's by 1/σ where only corners are left."""
     sigma = np.array([500.0, 2000.0, 8000.0])
     converged = np.array(
@@ -145,14 +143,14 @@ def test_order_of_the_limits_in_the_squeeze_number() -> None:
     assert orders[1] == pytest.approx(1.0, abs=0.1)
 
 
-def test_second_order_of_the_sinc() -> None:
+def test_second_order_of_the_sinc():
     sigma = list(SINC_SECOND_ORDER)
     forces = limit(small_amplitude, epsilon=[0.01] * 3, sigma=sigma, points=47)
     expected = np.array(list(SINC_SECOND_ORDER.values()))
     assert forces.mean == pytest.approx(expected * 0.01**2, rel=1e-8)
 
 
-def test_composite_is_second_order_at_small_amplitude_and_boundary_layer_at_large_sigma() -> None:
+def test_composite_is_second_order_at_small_amplitude_and_boundary_layer_at_large_sigma():
     second = limit(small_amplitude, epsilon=[1e-3], sigma=[200.0])
     matched = limit(matched_limit, epsilon=[1e-3], sigma=[200.0])
     assert matched.mean == pytest.approx(second.mean, rel=1e-6)
@@ -164,9 +162,7 @@ def test_composite_is_second_order_at_small_amplitude_and_boundary_layer_at_larg
 @pytest.mark.parametrize(
     ("method", "relative_error"), [(boundary_layer_limit, 6e-4), (matched_limit, 6e-5)]
 )
-def test_wide_finger_off_the_centre(
-    method: Callable[..., LimitForces], relative_error: float
-) -> None:
+def test_wide_finger_off_the_centre(method, relative_error):
     epsilon, sigma, x, y, aspect = 0.4, 3000.0, 0.2, -0.1, 0.6
     scene = film(epsilon=epsilon, sigma=sigma, x=x, y=y, aspect=aspect)
     converged = mean_overpressure(scene, points=32, instants=16)
@@ -175,7 +171,7 @@ def test_wide_finger_off_the_centre(
     assert abs(forces.mean[0] - converged) <= forces.error[0]
 
 
-def test_slip_at_large_squeeze_number() -> None:
+def test_slip_at_large_squeeze_number():
     """ψ²/2 + slip ψ harmonic, rim value (1 + 3ε²s²/2)/2 + slip (1 + ε²s²/2): constant for s = 1."""
     epsilon, slip = 0.5, 0.3
     harmonic = (1 + 1.5 * epsilon**2) / 2 + slip * (1 + epsilon**2 / 2)
@@ -189,7 +185,7 @@ def test_slip_at_large_squeeze_number() -> None:
     ("method", "relative_error"),
     [(boundary_layer_limit, 1e-2), (small_amplitude, 2e-2), (matched_limit, 5e-4)],
 )
-def test_slip_off_the_centre(method: Callable[..., LimitForces], relative_error: float) -> None:
+def test_slip_off_the_centre(method, relative_error):
     place = {"x": 0.1, "y": 0.2, "aspect": 0.7}
     scene = film(epsilon=0.2, sigma=800.0, rarefaction="slip", knudsen=0.05, **place)
     converged = mean_overpressure(scene, points=28, instants=16)
@@ -198,7 +194,7 @@ def test_slip_off_the_centre(method: Callable[..., LimitForces], relative_error:
     assert abs(forces.mean[0] - converged) <= forces.error[0]
 
 
-def test_limits_say_where_they_do_not_hold() -> None:
+def test_limits_say_where_they_do_not_hold():
     thick = limit(boundary_layer_limit, epsilon=[0.3, 0.3], sigma=[5.0, 500.0])
     assert np.isinf(thick.error).tolist() == [True, False]
     beyond = limit(boundary_layer_limit, epsilon=[0.99], sigma=[1e4], profile=PISTON)
@@ -207,7 +203,7 @@ def test_limits_say_where_they_do_not_hold() -> None:
         limit_axis(12)
 
 
-def test_a_grid_too_coarse_for_the_profile_is_noticed() -> None:
+def test_a_grid_too_coarse_for_the_profile_is_noticed():
     rough = Sinc(wave_number_per_m=900.0)
     exact = limit(fast_limit, epsilon=[0.4], sigma=[1e8], profile=rough, points=63)
     coarse = limit(fast_limit, epsilon=[0.4], sigma=[1e8], profile=rough, points=9)
@@ -216,7 +212,7 @@ def test_a_grid_too_coarse_for_the_profile_is_noticed() -> None:
 
 
 @pytest.mark.parametrize("method", [small_amplitude, matched_limit])
-def test_layers_too_thin_for_the_grid_are_noticed(method: Callable[..., LimitForces]) -> None:
+def test_layers_too_thin_for_the_grid_are_noticed(method):
     """Here both grids' means agree by cancellation; their densities do not."""
     place = {"epsilon": [0.017], "sigma": [2808.0], "profile": PISTON, "aspect": 0.84}
     exact, coarse = limit(method, points=47, **place), limit(method, points=11, **place)
@@ -227,11 +223,7 @@ def test_layers_too_thin_for_the_grid_are_noticed(method: Callable[..., LimitFor
     ("method", "largest_median"),
     [(fast_limit, 3), (boundary_layer_limit, 30), (small_amplitude, 12), (matched_limit, 60)],
 )
-def test_error_estimates_hold_on_random_films(
-    method: Callable[..., LimitForces],
-    largest_median: float,
-    random_films: list[tuple[dict[str, float], Profile, float]],
-) -> None:
+def test_error_estimates_hold_on_random_films(method, largest_median, random_films):
     ratios = []
     for numbers, profile, converged in random_films:
         points = limit_points(
@@ -249,7 +241,7 @@ def test_error_estimates_hold_on_random_films(
 
 
 @pytest.fixture(scope="module")
-def random_films() -> list[tuple[dict[str, float], Profile, float]]:
+def random_films():
     """Films with their forces converged to about 1e-7."""
     generator = np.random.default_rng(7)
     films = []

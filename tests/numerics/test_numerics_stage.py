@@ -1,7 +1,5 @@
 """The numerics stage: its reference and its checks are right, and the checks catch faults."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -44,7 +42,7 @@ Fields = dict[str, np.ndarray]
         (Film("", 1e-3, 20.0, profile=PISTON), 1.25e-6 * SPRING_AT_20),
     ],
 )
-def test_the_reference_gives_known_forces_within_its_uncertainty(film: Film, force: float) -> None:
+def test_the_reference_gives_known_forces_within_its_uncertainty(film, force):
     found = reference_force(
         epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, fold=film.fold
     )
@@ -52,7 +50,7 @@ def test_the_reference_gives_known_forces_within_its_uncertainty(film: Film, for
     assert 0 < found.uncertainty < 1e-11
 
 
-def test_lobatto_rules_are_exact_for_polynomials() -> None:
+def test_lobatto_rules_are_exact_for_polynomials():
     nodes, weights, derivative = lobatto(5)
     assert weights @ nodes**8 == pytest.approx(2 / 9, rel=1e-13)
     assert derivative @ nodes**5 == pytest.approx(5 * nodes**4, abs=1e-12)
@@ -62,34 +60,34 @@ def test_lobatto_rules_are_exact_for_polynomials() -> None:
     ("sigma", "stiffness"),
     [(20.0, SPRING_AT_20), (CUT_OFF_SIGMA, SPRING_AT_CUT_OFF), (1e-3, 1e-6 * SLOW_SPRING)],
 )
-def test_blech_s_stiffness_of_the_square(sigma: float, stiffness: float) -> None:
+def test_blech_s_stiffness_of_the_square(sigma, stiffness):
     assert analytic.blech_stiffness(sigma=sigma) == pytest.approx(stiffness, rel=3e-7)
 
 
-def test_a_very_long_rectangle_is_langlois_strip() -> None:
+def test_a_very_long_rectangle_is_langlois_strip():
     long = analytic.blech_stiffness(sigma=20.0, aspect=1e5)
     assert long == pytest.approx(strip_spring(20.0), rel=1e-5)
 
 
 @pytest.mark.parametrize(("sigma", "limit"), SINC_SECOND_ORDER.items())
-def test_small_amplitudes_of_the_centred_sinc(sigma: float, limit: float) -> None:
+def test_small_amplitudes_of_the_centred_sinc(sigma, limit):
     film = Film("", 1.0, sigma)
     found = analytic.small_amplitude(epsilon=1.0, sigma=sigma, amplitude=film.amplitude)
     assert found == pytest.approx(limit, rel=1e-9)
 
 
-def test_fast_films_of_the_centred_sinc() -> None:
+def test_fast_films_of_the_centred_sinc():
     film = Film("", 0.44, 1.0)
     found = analytic.fast(epsilon=0.44, amplitude=film.amplitude)
     assert found == pytest.approx(SINC_FAST[0.44], rel=1e-8)
 
 
-def test_the_explicit_march_is_stable_up_to_its_theory() -> None:
+def test_the_explicit_march_is_stable_up_to_its_theory():
     found = step_limit(sigma=20.0, points=8)
     assert found.experiment == pytest.approx(found.theory, rel=0.02)
 
 
-def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not() -> None:
+def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not():
     film = Film("", 0.4, 20.0, profile=PISTON)
     state = periodic_state(epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, nt=24)
     overpressure = np.moveaxis(state.pressure - 1, 0, -1)
@@ -101,14 +99,14 @@ def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not() -> No
     assert min(spoilt.defect, spoilt.state_defect, spoilt.piston_identity) > 2e-3
 
 
-def test_unfolding_mirrors_a_quarter() -> None:
+def test_unfolding_mirrors_a_quarter():
     quarter = np.arange(12.0).reshape(2, 3, 2)
     whole = unfold(quarter, (True, True))
     assert whole.shape == (4, 6, 2)
     assert np.array_equal(whole, whole[::-1, ::-1])
 
 
-def test_a_mirrored_profile_bears_the_same() -> None:
+def test_a_mirrored_profile_bears_the_same():
     film = Film("", 0.3, 50.0, x=0.1, y=0.2)
     mirrored = replace(film, y=-film.y, profile=Mirrored(film.profile))
     nodes = np.linspace(0, 1, 5)
@@ -133,7 +131,7 @@ def red() -> set[str]:
     return {name for name, case in CASES.items() if case in failed}
 
 
-def test_a_sound_solver_fails_no_case() -> None:
+def test_a_sound_solver_fails_no_case():
     assert red() == set()
 
 
@@ -163,14 +161,12 @@ def turn_slope(fields: Fields) -> None:
     [(drop_curvature, {"sinc", "sliding", "small"}), (turn_slope, {"sliding"})],
     ids=["dropped term", "wrong sign"],
 )
-def test_a_fault_in_a_term_turns_the_films_red_that_have_it(
-    change: Callable[[Fields], None], expected: set[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
     monkeypatch.setattr(periodic, "profile_fields", spoil_fields(change))
     assert red() == expected
 
 
-def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch):
     sound = periodic.grid_matrices
 
     def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
@@ -183,7 +179,7 @@ def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.Mo
     assert red() == set(CASES)
 
 
-def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_single_precision_turns_the_small_film_red(monkeypatch):
     """The state kept in float32, as a kernel with `float` for `double` would."""
 
     sound = periodic.Launch.states
@@ -204,13 +200,13 @@ def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPat
     assert red() == {"small"}
 
 
-def test_what_is_refused_must_be_documented() -> None:
+def test_what_is_refused_must_be_documented():
     assert stability.beyond(Film("", 0.4, 583.0)) == ""
     assert "contact" in stability.beyond(Film("", 1.0, 583.0))
     assert "bearing" in stability.beyond(Film("", 0.4, 583.0, bearing=1e4))
 
 
-def test_times_are_medians_and_a_long_run_is_made_once() -> None:
+def test_times_are_medians_and_a_long_run_is_made_once():
     calls: list[int] = []
     timed = measure(lambda: calls.append(1), repeats=3)
     assert (timed.repeats, len(calls)) == (3, 4)
@@ -218,7 +214,7 @@ def test_times_are_medians_and_a_long_run_is_made_once() -> None:
     assert (timed.repeats, len(calls)) == (1, 5)
 
 
-def test_every_method_comes_near_the_reference() -> None:
+def test_every_method_comes_near_the_reference():
     table = work_precision(
         (FILMS[3],),
         repeats=1,

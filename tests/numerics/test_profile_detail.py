@@ -1,7 +1,5 @@
 """A profile is measured before it is solved: fine features are seen or refused, never missed."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field, replace
 
@@ -31,9 +29,7 @@ def wave(share: float) -> StandingWave:
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
 @pytest.mark.parametrize("expression", [SPOT, ASIDE, f"1-0.5*{SPOT}", f"1-0.5*{ASIDE}"])
-def test_a_spot_that_no_grid_sees_is_refused_with_its_size(
-    expression: str, tolerance: float
-) -> None:
+def test_a_spot_that_no_grid_sees_is_refused_with_its_size(expression, tolerance):
     """At half its height a spot exp(−(r/a)²) is 2 √(ln 2) a = 33 µm wide."""
     (solution,) = solve(
         [film(epsilon=0.9, sigma=2331.0, profile=formula(expression))], tolerance=tolerance
@@ -47,14 +43,14 @@ def test_a_spot_that_no_grid_sees_is_refused_with_its_size(
 
 @pytest.mark.parametrize("method", ["periodic", "boundary-layer", "fast-limit", "march"])
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
-def test_no_method_solves_what_it_does_not_see(method: str, shape: str) -> None:
+def test_no_method_solves_what_it_does_not_see(method, shape):
     scene = film(epsilon=0.4, sigma=583.0, profile=formula(SPOT))
     scene = replace(scene, finger=replace(scene.finger, shape=shape))
     (solution,) = solve([scene], tolerance=1e-2, method=method)
     assert "the profile has a feature" in solution.status
 
 
-def test_a_spot_is_looked_for_under_the_finger_alone() -> None:
+def test_a_spot_is_looked_for_under_the_finger_alone():
     elsewhere = "1-0.5*exp(-((x-0.011)**2+y**2)/2e-5**2)"
     flat, spotted = (
         solve([film(epsilon=0.4, sigma=583.0, profile=each)], tolerance=1e-4)[0]
@@ -64,7 +60,7 @@ def test_a_spot_is_looked_for_under_the_finger_alone() -> None:
     assert spotted.force_n == pytest.approx(flat.force_n, rel=2e-4)
 
 
-def test_what_stands_between_the_nodes_is_not_uniform_nor_even() -> None:
+def test_what_stands_between_the_nodes_is_not_uniform_nor_even():
     assert not needs_of(film(epsilon=0.3, sigma=9.0, profile=formula(f"1-0.5*{SPOT}"))).uniform
     aside = needs_of(film(epsilon=0.3, sigma=9.0, profile=formula(f"1-0.5*{ASIDE}")))
     assert not aside.uniform
@@ -74,7 +70,7 @@ def test_what_stands_between_the_nodes_is_not_uniform_nor_even() -> None:
 
 
 @pytest.mark.parametrize("width_m", [3e-4, 6e-4, 1.2e-3])
-def test_a_spot_that_a_grid_sees_is_solved(width_m: float) -> None:
+def test_a_spot_that_a_grid_sees_is_solved(width_m):
     """Away from the middle, where Chebyshev's nodes are far apart."""
     spot = formula(f"0.3+exp(-((x-0.0011)**2+(y+0.0007)**2)/{width_m}**2)")
     scene = film(epsilon=0.4, sigma=100.0, profile=spot)
@@ -84,14 +80,14 @@ def test_a_spot_that_a_grid_sees_is_solved(width_m: float) -> None:
 
 
 @pytest.mark.parametrize(("share", "tolerance"), [(1 / 8, 1e-4), (1 / 10, 1e-2), (1 / 12, 1e-4)])
-def test_moderate_waves_are_solved(share: float, tolerance: float) -> None:
+def test_moderate_waves_are_solved(share, tolerance):
     scene = film(epsilon=0.4, sigma=2331.0, profile=wave(share))
     rough, fine = (solve([scene], tolerance=each)[0] for each in (tolerance, tolerance / 100))
     assert rough.status == fine.status == "ok"
     assert abs(rough.force_n - fine.force_n) <= rough.force_error_n + fine.force_error_n
 
 
-def test_a_refusal_gives_its_error_in_the_tolerance_s_terms() -> None:
+def test_a_refusal_gives_its_error_in_the_tolerance_s_terms():
     (solution,) = solve(
         [film(epsilon=0.4, sigma=2331.0, profile=wave(1 / 30))], tolerance=1e-6, method="periodic"
     )
@@ -100,7 +96,7 @@ def test_a_refusal_gives_its_error_in_the_tolerance_s_terms() -> None:
     assert "inf" not in solution.status
 
 
-def test_the_finest_grid_follows_the_device_s_memory() -> None:
+def test_the_finest_grid_follows_the_device_s_memory():
     scene = film(epsilon=0.4, sigma=2331.0, profile=wave(1 / 8))
     small = replace(choose_device(), memory_bytes=20 * 2**20, rooms=[])
     (solution,) = solve([scene], tolerance=1e-6, method="periodic", device=small)
@@ -112,9 +108,7 @@ def test_the_finest_grid_follows_the_device_s_memory() -> None:
 @pytest.mark.parametrize(
     ("centre_m", "shape"), [(0.0112, "rectangle"), (0.0165, "rectangle"), (0.0112, "ellipse")]
 )
-def test_a_profile_next_to_nothing_bears_nothing_within_its_error(
-    centre_m: float, shape: str
-) -> None:
+def test_a_profile_next_to_nothing_bears_nothing_within_its_error(centre_m, shape):
     """1e-17 and 1e-58 at the finger's edge: the force, of its square, is far below rounding."""
     spot = formula(f"exp(-((x-{centre_m})/1e-3)**2)")
     scene = film(epsilon=0.4, sigma=100.0, profile=spot)
@@ -136,7 +130,7 @@ class Counted:
         return self.profile.amplitude(x_m=x_m, y_m=y_m)
 
 
-def test_a_smooth_profile_is_measured_at_few_points() -> None:
+def test_a_smooth_profile_is_measured_at_few_points():
     """A batch has many places; each is to cost little beside its solution."""
 
     def asked(scene: Scene) -> int:

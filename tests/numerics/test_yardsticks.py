@@ -6,8 +6,6 @@ Reference values are those of the film on the unit square: s = 1 (a piston) or t
 import math
 import os
 from collections.abc import Callable
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -79,7 +77,7 @@ def orders(values: list[float], exact: float) -> FloatArray:
 
 
 @pytest.mark.parametrize("interior", [3, 6])
-def test_chebyshev_grid_is_exact_for_polynomials(interior: int) -> None:
+def test_chebyshev_grid_is_exact_for_polynomials(interior):
     grid = numpy_periodic.chebyshev_grid(interior)
     cubic = grid.x**3
     assert grid.weights @ cubic == pytest.approx(1 / 4, rel=1e-13)
@@ -87,13 +85,13 @@ def test_chebyshev_grid_is_exact_for_polynomials(interior: int) -> None:
     assert grid.second @ cubic == pytest.approx(6 * grid.x, abs=1e-11)
 
 
-def test_a_folded_mesh_is_half_of_the_whole_one() -> None:
+def test_a_folded_mesh_is_half_of_the_whole_one():
     whole, half = (graded_edges(cells=5, folded=folded) for folded in (False, True))
     assert half == pytest.approx(whole[:6], abs=1e-15)
     assert (whole[0], whole[5], whole[10]) == pytest.approx((0, 0.5, 1), abs=1e-15)
 
 
-def test_anderson_finds_the_fixed_point_of_a_slow_linear_map() -> None:
+def test_anderson_finds_the_fixed_point_of_a_slow_linear_map():
     decay = np.array([0.95, 0.8, 0.3])
 
     def period(state: FloatArray) -> tuple[FloatArray, float]:
@@ -110,7 +108,7 @@ def test_anderson_finds_the_fixed_point_of_a_slow_linear_map() -> None:
     assert marched > 300
 
 
-def test_transient_decays_at_the_rate_of_the_slowest_mode() -> None:
+def test_transient_decays_at_the_rate_of_the_slowest_mode():
     sigma = 200.0
     kept = []
     for tolerance in (1e-1, 1e-2):
@@ -133,26 +131,26 @@ def test_transient_decays_at_the_rate_of_the_slowest_mode() -> None:
 
 
 @pytest.mark.parametrize("sigma", [5.0, 200.0])
-def test_piston_keeps_the_mean_of_h3_p2_everywhere(sigma: float) -> None:
+def test_piston_keeps_the_mean_of_h3_p2_everywhere(sigma):
     epsilon = 0.4
     state = numpy_periodic.periodic_state(epsilon=epsilon, sigma=sigma, amplitude=piston)
     mean = (state.gap**3 * state.pressure**2).mean(axis=0)
     assert mean == pytest.approx(1 + 1.5 * epsilon**2, abs=1e-9)
 
 
-def test_piston_force_at_small_amplitude_is_blechs() -> None:
+def test_piston_force_at_small_amplitude_is_blechs():
     limit = small_amplitude(lambda epsilon: periodic(epsilon, 20, piston))
     assert limit == pytest.approx(5 / 4 * SPRING_AT_20, rel=2e-5)
 
 
-def test_piston_force_at_vanishing_squeeze_number() -> None:
+def test_piston_force_at_vanishing_squeeze_number():
     epsilon, sigma = 0.5, 1e-3
     force = periodic(epsilon, sigma, piston, nt=48, tolerance=1e-13)
     assert force == pytest.approx(slow_piston(epsilon, sigma), rel=1e-5)
 
 
 @pytest.mark.parametrize(("sigma", "limit"), SINC_SECOND_ORDER.items())
-def test_sinc_force_at_small_amplitude(sigma: float, limit: float) -> None:
+def test_sinc_force_at_small_amplitude(sigma, limit):
     found = small_amplitude(
         lambda epsilon: periodic(epsilon, sigma, nx=28, ny=28, tolerance=1e-13), epsilon=0.02
     )
@@ -160,7 +158,7 @@ def test_sinc_force_at_small_amplitude(sigma: float, limit: float) -> None:
 
 
 @pytest.mark.parametrize(("epsilon", "limit"), SINC_FAST.items())
-def test_sinc_force_tends_to_its_limit_as_one_over_root_sigma(epsilon: float, limit: float) -> None:
+def test_sinc_force_tends_to_its_limit_as_one_over_root_sigma(epsilon, limit):
     missing = [limit - periodic(epsilon, sigma, nx=36, ny=36) for sigma in (2500, 10_000)]
     assert missing[0] / missing[1] == pytest.approx(2, rel=0.06)
     assert 2 * missing[1] - missing[0] == pytest.approx(0, abs=2e-4 * limit)
@@ -170,9 +168,7 @@ def test_sinc_force_tends_to_its_limit_as_one_over_root_sigma(epsilon: float, li
     ("epsilon", "profile", "newtons"),
     [(0.44, sinc, CENTRED_N), (0.4, sinc_off_centre, ASIDE_N)],
 )
-def test_periodic_force_converges_spectrally_to_the_known_force(
-    epsilon: float, profile: Callable[[FloatArray, FloatArray], FloatArray], newtons: float
-) -> None:
+def test_periodic_force_converges_spectrally_to_the_known_force(epsilon, profile, newtons):
     errors = [
         abs(periodic(epsilon, SQUEEZE_5UM, profile, nx=n, ny=n, nt=nt) * NEWTON / newtons - 1)
         for n, nt in ((12, 8), (20, 12), (28, 16))
@@ -181,7 +177,7 @@ def test_periodic_force_converges_spectrally_to_the_known_force(
     assert errors[2] < 1e-7
 
 
-def test_impossible_tolerance_is_reported() -> None:
+def test_impossible_tolerance_is_reported():
     with pytest.raises(RunError, match="no convergence"):
         periodic(0.4, 20, nx=4, ny=4, nt=4, tolerance=1e-30)
 
@@ -194,7 +190,7 @@ SCENE: dict[str, Any] = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
 
 
 @pytest.fixture(scope="module")
-def converged() -> float:
+def converged():
     return periodic(**SCENE, nx=32, ny=32, nt=32, tolerance=1e-12)
 
 
@@ -222,34 +218,34 @@ def chebyshev(**given: Any) -> float:
     ],
     ids=["finite elements", "method of lines", "Chebyshev march"],
 )
-def test_marched_sinc_force_at_small_amplitude(force: Callable[[float], float], rel: float) -> None:
+def test_marched_sinc_force_at_small_amplitude(force, rel):
     assert small_amplitude(force) == pytest.approx(SINC_SECOND_ORDER[20], rel=rel)
 
 
-def test_crank_nicolson_is_of_second_order_in_time(converged: float) -> None:
+def test_crank_nicolson_is_of_second_order_in_time(converged):
     found = [elements(cells=6, steps=steps) for steps in (16, 32, 64)]
     assert orders(found, converged) == pytest.approx(2, abs=0.2)
 
 
-def test_biquadratic_elements_are_of_fourth_order_in_space() -> None:
+def test_biquadratic_elements_are_of_fourth_order_in_space():
     fine = elements(cells=12, steps=16)
     found = [elements(cells=cells, steps=16) for cells in (2, 4)]
     assert orders(found, fine)[0] > 3.2
 
 
-def test_finite_volumes_are_of_second_order_in_space(converged: float) -> None:
+def test_finite_volumes_are_of_second_order_in_space(converged):
     found = [volumes(cells=cells) for cells in (4, 8, 16)]
     assert orders(found, converged) == pytest.approx(2, abs=0.25)
 
 
-def test_chebyshev_march_converges_spectrally(converged: float) -> None:
+def test_chebyshev_march_converges_spectrally(converged):
     errors = [abs(chebyshev(points=points, rtol=1e-8) - converged) for points in (3, 6, 9)]
     assert errors[1] < errors[0] / 50
     assert errors[2] < 1e-7 * converged
 
 
 @pytest.mark.parametrize("fold", [(False, True), (False, False)])
-def test_folding_changes_nothing(fold: tuple[bool, bool]) -> None:
+def test_folding_changes_nothing(fold):
     coarse: dict[Callable[..., float], dict[str, float]] = {
         elements: {"cells": 2, "steps": 8, "periods": 3},
         volumes: {"cells": 3, "rtol": 1e-9, "periods": 2},
@@ -262,7 +258,7 @@ def test_folding_changes_nothing(fold: tuple[bool, bool]) -> None:
 
 @pytest.mark.skipif(not freefem.installed(), reason="needs FreeFEM")
 @pytest.mark.parametrize("fold", [CENTRED, (False, True), (False, False)])
-def test_freefem_gives_what_the_same_scheme_gives(fold: tuple[bool, bool]) -> None:
+def test_freefem_gives_what_the_same_scheme_gives(fold):
     """Triangles and another rule for the gap's powers: not the same, but nearer with each cell."""
     settings = [{"steps": 8, "periods": 3, "cells": cells, "fold": fold} for cells in (2, 4)]
     apart = [
@@ -272,7 +268,7 @@ def test_freefem_gives_what_the_same_scheme_gives(fold: tuple[bool, bool]) -> No
     assert abs(apart[1]) < abs(apart[0]) / 8
 
 
-def test_a_freefem_that_fails_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_freefem_that_fails_says_so(tmp_path, monkeypatch):
     program = tmp_path / freefem.PROGRAM
     program.write_text("#!/bin/sh\necho no licence\nexit 1\n", encoding="utf-8")
     program.chmod(0o755)
@@ -281,7 +277,7 @@ def test_a_freefem_that_fails_says_so(tmp_path: Path, monkeypatch: pytest.Monkey
         freefem.periodic_force(**SCENE)
 
 
-def test_finite_elements_agree_on_the_bearing_term() -> None:
+def test_finite_elements_agree_on_the_bearing_term():
     exact = periodic(0.4, 200.0, bearing=20.0, nx=32)
     settings = {"sigma": 200.0, "bearing": 20.0, "cells": 6, "fold": (False, True)}
     mixed = {"periods": 40, "tolerance": 1e-7, "anderson_depth": 10}
@@ -293,7 +289,7 @@ def test_finite_elements_agree_on_the_bearing_term() -> None:
 # The force of the paper's largest extrapolation, by three other methods
 
 
-def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
+def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods():
     found = finite_elements.periodic_force(
         epsilon=0.44,
         sigma=SQUEEZE_5UM,
@@ -317,9 +313,7 @@ def test_anderson_gives_the_same_force_in_a_tenth_of_the_periods() -> None:
     ],
     ids=["Chebyshev march", "method of lines"],
 )
-def test_marching_gives_the_known_force(
-    peer: ModuleType, settings: dict[str, Any], rel: float
-) -> None:
+def test_marching_gives_the_known_force(peer, settings, rel):
     found = peer.periodic_force(
         epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, fold=CENTRED, **settings
     )

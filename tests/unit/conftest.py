@@ -1,7 +1,5 @@
 """A study's results in small, from reference forces and given parameters: nothing is solved."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -63,7 +61,7 @@ class Study:
 
 
 @pytest.fixture(scope="session")
-def study(tmp_path_factory: pytest.TempPathFactory, repository: Path) -> Study:
+def study(tmp_path_factory, repository):
     """A study with every result that figures, tables and claims are made from."""
     root = tmp_path_factory.mktemp("study")
     config = repository / "config" / "paper.yaml"

@@ -1,7 +1,5 @@
 """A study is read as it is written, or refused with a message that names what is wrong."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -15,16 +13,14 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import SCHEMA_PATH, Config, load_config
 from squeezefilm.studies.study import check_study
 
-Write = Callable[[str], Path]
-
 
 @pytest.fixture(scope="module")
-def paper(repository: Path) -> str:
+def paper(repository):
     return (repository / "config" / "paper.yaml").read_text(encoding="utf-8")
 
 
 @pytest.fixture
-def study(tmp_path: Path) -> Write:
+def study(tmp_path):
     def write(text: str) -> Path:
         path = tmp_path / "study.yaml"
         path.write_text(text, encoding="utf-8")
@@ -39,13 +35,13 @@ def load(path: Path) -> Config:
 
 
 @pytest.mark.parametrize("name", ["paper", "quick", "sweep", "vibrometer"])
-def test_the_studies_that_come_with_the_workflow_are_valid(repository: Path, name: str) -> None:
+def test_the_studies_that_come_with_the_workflow_are_valid(repository, name):
     config = load(repository / "config" / f"{name}.yaml")
     assert config["study"] == name
     assert config["gas"]["viscosity_pa_s"] == 1.81e-5
 
 
-def test_a_command_sees_no_section_but_its_own(repository: Path) -> None:
+def test_a_command_sees_no_section_but_its_own(repository):
     config = load_config(repository / "config" / "paper.yaml").only(("gas",))
     assert dict(config) == {"gas": config["gas"]}
     with pytest.raises(KeyError):
@@ -53,9 +49,7 @@ def test_a_command_sees_no_section_but_its_own(repository: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["paper", "quick", "sweep", "vibrometer"])
-def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(
-    repository: Path, name: str, tmp_path: Path
-) -> None:
+def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(repository, name, tmp_path):
     """Who changes the screen and the wanted point changes them all, the template's user too."""
     text = (repository / "config" / f"{name}.yaml").read_text(encoding="utf-8")
     text = replaced("{start: 5e-6, stop: 10e-6,", "{start: 15e-6, stop: 30e-6,")(text)
@@ -202,7 +196,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_a_wrong_study_is_refused(case: str, paper: str, study: Write) -> None:
+def test_a_wrong_study_is_refused(case, paper, study):
     edit, message = WRONG[case]
     with pytest.raises(InputError) as refusal:
         load(study(edit(paper)))
@@ -211,12 +205,12 @@ def test_a_wrong_study_is_refused(case: str, paper: str, study: Write) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "paper", "- a\n- b", "3"])
-def test_a_study_is_a_mapping(text: str, study: Write) -> None:
+def test_a_study_is_a_mapping(text, study):
     with pytest.raises(InputError, match="mapping of keys to values"):
         load(study(text))
 
 
-def test_all_errors_are_told_at_once(paper: str, study: Write) -> None:
+def test_all_errors_are_told_at_once(paper, study):
     text = replaced("43270", "fast")(replaced(TOLERANCE, "tolerance: 7")(paper))
     with pytest.raises(InputError) as refusal:
         load(study(text))
@@ -224,7 +218,7 @@ def test_all_errors_are_told_at_once(paper: str, study: Write) -> None:
     assert "solver.tolerance" in str(refusal.value)
 
 
-def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_read_is_named(tmp_path):
     with pytest.raises(InputError, match="no such configuration file"):
         load(tmp_path / "none.yaml")
     with pytest.raises(InputError, match="cannot be read"):
@@ -234,7 +228,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         load(tmp_path / "latin.yaml")
 
 
-def test_line_ends_and_byte_order_mark_do_not_matter(paper: str, tmp_path: Path) -> None:
+def test_line_ends_and_byte_order_mark_do_not_matter(paper, tmp_path):
     path = tmp_path / "study.yaml"
     path.write_bytes(b"\xef\xbb\xbf" + paper.replace("\n", "\r\n").encode())
     plain = tmp_path / "plain.yaml"
@@ -243,14 +237,12 @@ def test_line_ends_and_byte_order_mark_do_not_matter(paper: str, tmp_path: Path)
 
 
 @pytest.mark.parametrize(("text", "value"), [("1e-6", 1e-6), ("1.E-6", 1e-6), (".5e-6", 5e-7)])
-def test_a_number_may_be_written_with_an_exponent(
-    text: str, value: float, paper: str, study: Write
-) -> None:
+def test_a_number_may_be_written_with_an_exponent(text, value, paper, study):
     config = load(study(replaced(TOLERANCE, f"tolerance: {text}")(paper)))
     assert config["solver"]["tolerance"] == value
 
 
-def test_every_mapping_of_the_schema_rejects_unknown_keys() -> None:
+def test_every_mapping_of_the_schema_rejects_unknown_keys():
     schema = yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8"))
     assert "$schema" in schema
 

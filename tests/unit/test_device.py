@@ -1,9 +1,6 @@
 """The device: chosen by name, refused with a reason, never asked for more than it has."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 import yaml
@@ -16,23 +13,19 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study
 
 
-def test_a_device_that_is_not_there_is_refused_with_those_that_are(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_device_that_is_not_there_is_refused_with_those_that_are(monkeypatch):
     monkeypatch.delenv(DEVICE_VARIABLE, raising=False)
     with pytest.raises(InputError, match=r"no OpenCL device with double precision.*found: .*: "):
         choose_device("no such device")
 
 
-def test_the_environment_goes_before_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_environment_goes_before_the_configuration(monkeypatch):
     monkeypatch.setenv(DEVICE_VARIABLE, "no such device")
     with pytest.raises(InputError, match="no such device"):
         choose_device("auto")
 
 
-def test_an_option_goes_before_the_environment(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_option_goes_before_the_environment(monkeypatch, capsys):
     monkeypatch.setenv(DEVICE_VARIABLE, "no such device")
     one = ["simulate", "--h0", "5um", "--hv", "1um", "--tolerance", "1e-4"]
     assert main([*one, "--device", "auto"]) == 0
@@ -44,13 +37,13 @@ def test_an_option_goes_before_the_environment(
     assert "matches 'no such device'" in capsys.readouterr().err
 
 
-def test_an_empty_variable_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_empty_variable_is_none(monkeypatch):
     monkeypatch.setenv(DEVICE_VARIABLE, "")
     with pytest.raises(InputError, match="no such device"):
         choose_device("no such device")
 
 
-def test_groups_stay_within_the_scenes_and_half_the_memory() -> None:
+def test_groups_stay_within_the_scenes_and_half_the_memory():
     device = replace(choose_device(), groups=528, memory_bytes=80 * 2**30)
     assert device.groups_for(10_000, workspace_bytes=7 * 2**20) == 528
     assert device.groups_for(3, workspace_bytes=7 * 2**20) == 3
@@ -58,7 +51,7 @@ def test_groups_stay_within_the_scenes_and_half_the_memory() -> None:
     assert device.groups_for(10_000, workspace_bytes=2**40) == 1
 
 
-def test_kernels_are_compiled_for_a_study_of_any_gap(repository: Path, tmp_path: Path) -> None:
+def test_kernels_are_compiled_for_a_study_of_any_gap(repository, tmp_path):
     """A pad tilted by 15 µm over gaps of 10–20 µm is a film; at 5 µm it would be none."""
     values = {**load_config(repository / "config" / "quick.yaml")}
     values["finger"] |= {"gap": {"tilt_x_m": 15e-6, "tilt_y_m": 0, "bulge_m": 0}}

@@ -3,8 +3,6 @@
 Mutations are drawn with fixed seeds: a failure comes again.
 """
 
-from __future__ import annotations
-
 import math
 import random
 import re
@@ -82,7 +80,7 @@ def mutated(lines: list[str], draw: random.Random) -> str:
 
 
 @pytest.mark.parametrize("block", range(4))
-def test_a_scan_runs_or_is_refused(block: int, tmp_path: Path) -> None:
+def test_a_scan_runs_or_is_refused(block, tmp_path):
     draw = random.Random(block)
     path = tmp_path / "scan.csv"
     line = np.linspace(-0.007, 0.007, 5)
@@ -142,9 +140,7 @@ def study(repository: Path) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("block", range(4))
-def test_a_profile_and_a_finger_run_or_are_refused(
-    block: int, repository: Path, tmp_path: Path
-) -> None:
+def test_a_profile_and_a_finger_run_or_are_refused(block, repository, tmp_path):
     draw = random.Random(block)
     (tmp_path / "scan.csv").write_text("\n".join(SCAN), encoding="utf-8")
     path = tmp_path / "study.yaml"
@@ -175,7 +171,7 @@ def test_a_profile_and_a_finger_run_or_are_refused(
 
 
 @pytest.mark.parametrize("seed", range(len(PROFILES)))
-def test_what_is_accepted_has_a_force(seed: int, repository: Path, tmp_path: Path) -> None:
+def test_what_is_accepted_has_a_force(seed, repository, tmp_path):
     draw = random.Random(seed)
     (tmp_path / "scan.csv").write_text("\n".join(SCAN), encoding="utf-8")
     whole = study(repository)

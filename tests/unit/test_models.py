@@ -37,20 +37,20 @@ def own(expression: str):
         ("t0*log(-1 - t1**2)", "undefined at 400 random"),
     ],
 )
-def test_parameters_that_the_points_cannot_tell_apart_are_refused(expression, message) -> None:
+def test_parameters_that_the_points_cannot_tell_apart_are_refused(expression, message):
     factors, _ = reference_forces("screen")
     with pytest.raises(InputError, match=f"models.own.expression: .*{message}"):
         check_identifiable(own(expression), factors)
 
 
-def test_the_papers_position_terms_need_points_off_the_centre() -> None:
+def test_the_papers_position_terms_need_points_off_the_centre():
     model = get_model("four_factor")
     check_identifiable(model, reference_forces("four_factor")[0])
     with pytest.raises(InputError, match="theta3, theta4"):
         check_identifiable(model, reference_forces("screen")[0])
 
 
-def test_a_linear_model_is_solved_at_once() -> None:
+def test_a_linear_model_is_solved_at_once():
     factors, force = reference_forces("screen")
     model = get_model("polynomial_3")
     fit = fit_model(model, factors, force)
@@ -63,7 +63,7 @@ def test_a_linear_model_is_solved_at_once() -> None:
     assert not TWO_FACTOR.is_linear
 
 
-def test_a_model_without_parameters_is_only_judged() -> None:
+def test_a_model_without_parameters_is_only_judged():
     factors, force = reference_forces("screen")
     known = Factors.of(h0_m=factors.h0_m, hv_m=factors.hv_m, limit_n=force * 1.01)
     fit = fit_model(get_model("limit"), known, force)
@@ -81,7 +81,7 @@ CENTRED = Factors.of(
 
 
 @pytest.mark.parametrize("shape", ["sinc(t1*r)", "sqrt(1 - abs(t1*r))", "(1 - (t1*r)**0.5)"])
-def test_centred_points_count_in_every_fit_near_a_known_one(shape) -> None:
+def test_centred_points_count_in_every_fit_near_a_known_one(shape):
     """A derivative that is 0/0 there was taken for zero, and theta came out elsewhere."""
     model = own(f"t0*{shape}*(hv/h0)**2")
     truth = np.array([3.0, 59.5])
@@ -101,7 +101,7 @@ def sums(model, force, thetas) -> np.ndarray:
 
 
 @pytest.mark.parametrize("expression", ["t0*(hv/h0)**2*abs(t1 + r)", "t0*(hv/h0)**2*sqrt(t1 - r)"])
-def test_a_fit_without_a_derivative_is_refused_with_its_point(expression) -> None:
+def test_a_fit_without_a_derivative_is_refused_with_its_point(expression):
     model = own(expression)
     force = np.ones(len(CENTRED))
     start = [3.0, 0.0 if "abs" in expression else 4e-3]
@@ -109,13 +109,13 @@ def test_a_fit_without_a_derivative_is_refused_with_its_point(expression) -> Non
         local_fit(model, CENTRED, force, start)
 
 
-def test_a_refit_arrives_where_the_search_does() -> None:
+def test_a_refit_arrives_where_the_search_does():
     factors, force = reference_forces("screen")
     theta = local_fit(TWO_FACTOR, factors, force, (7.0, 1.8, -0.99))
     assert theta == pytest.approx((7.6240, 1.9166, -1.0013), abs=1e-3)
 
 
-def test_folds_are_even_and_depend_on_the_seed_alone() -> None:
+def test_folds_are_even_and_depend_on_the_seed_alone():
     numbers = fold_numbers(points=13, folds=4, seed=3)
     assert sorted(np.bincount(numbers)) == [3, 3, 3, 4]
     np.testing.assert_array_equal(numbers, fold_numbers(points=13, folds=4, seed=3))
@@ -123,7 +123,7 @@ def test_folds_are_even_and_depend_on_the_seed_alone() -> None:
         fold_numbers(points=4, folds=5, seed=1)
 
 
-def test_a_point_left_out_does_not_know_its_own_force() -> None:
+def test_a_point_left_out_does_not_know_its_own_force():
     factors, force = reference_forces("screen")
     model = get_model("polynomial_3")
     changed = force.copy()
@@ -137,7 +137,7 @@ def test_a_point_left_out_does_not_know_its_own_force() -> None:
     assert np.all(kept[fold != fold[7]] != moved[fold != fold[7]])
 
 
-def test_left_out_points_are_predicted_worse_than_fitted_ones() -> None:
+def test_left_out_points_are_predicted_worse_than_fitted_ones():
     factors, force = reference_forces("screen")
     fit = fit_model(TWO_FACTOR, factors, force, bound=100.0)
     left_out = left_out_predictions(TWO_FACTOR, factors, force, theta=fit.theta, folds=5, seed=1)
@@ -145,7 +145,7 @@ def test_left_out_points_are_predicted_worse_than_fitted_ones() -> None:
     assert 1.2 * fit.global_error < error < 3 * fit.global_error
 
 
-def test_every_model_of_the_library_says_what_it_is() -> None:
+def test_every_model_of_the_library_says_what_it_is():
     for model in library().values():
         assert model.about
         assert model.parsed.names
@@ -159,7 +159,7 @@ def test_every_model_of_the_library_says_what_it_is() -> None:
         ({}, ["none_such"], "comparison.two_factor: model 'none_such' is unknown"),
     ],
 )
-def test_a_studys_models_are_checked_before_anything_runs(models, candidates, message) -> None:
+def test_a_studys_models_are_checked_before_anything_runs(models, candidates, message):
     named = {
         "comparison": {"two_factor": candidates, "four_factor": []},
         "refine": {"two_factor": [], "four_factor": []},
@@ -168,7 +168,7 @@ def test_a_studys_models_are_checked_before_anything_runs(models, candidates, me
         check_models(models, named, place="study.yaml")
 
 
-def test_the_models_to_refine_are_checked_before_anything_runs() -> None:
+def test_the_models_to_refine_are_checked_before_anything_runs():
     named = {
         "comparison": {"two_factor": [], "four_factor": []},
         "refine": {"two_factor": [], "four_factor": ["none_such"]},
@@ -204,7 +204,7 @@ def fitted(study, tables, tmp_path, name: str, *more: str) -> dict:
     return json.loads(path.read_text())
 
 
-def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path) -> None:
+def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path):
     fit = fitted(study, tables, tmp_path, "limit_1")
     assert fit["expression"] == "limit + t0*(hv/h0)**2/sigma**1.5"
     assert (fit["parameters"], fit["parameter_units"]) == (["t0"], ["N"])
@@ -216,7 +216,7 @@ def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path) -> No
 
 def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(
     study, repository, tmp_path, capsys
-) -> None:
+):
     forces, summary = study.root / "simulations/screen/forces.csv", tmp_path / "summary.json"
     summary.write_text(json.dumps({"largest_force_error_share": 0.016}))
     words = ["fit", str(forces), "--model=polynomial_3", f"--output={tmp_path}/fit.json"]
@@ -232,7 +232,7 @@ def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(
     assert "is not measured" in capsys.readouterr().err
 
 
-def test_the_seeds_of_a_fit_are_those_of_its_factors(study, tmp_path) -> None:
+def test_the_seeds_of_a_fit_are_those_of_its_factors(study, tmp_path):
     """However many parameters it has: both have two."""
     own_models = {"gap": "t0*(hv/h0)**(2 + t1)", "place": "t0*sinc(t1*r)*(hv/h0)**2"}
     config = tmp_path / "study.yaml"
@@ -250,9 +250,7 @@ def test_the_seeds_of_a_fit_are_those_of_its_factors(study, tmp_path) -> None:
     assert counts == {"gap": 1, "place": 2}
 
 
-def test_models_are_compared_at_points_they_were_not_fitted_to(
-    study, tables, tmp_path, capsys
-) -> None:
+def test_models_are_compared_at_points_they_were_not_fitted_to(study, tables, tmp_path, capsys):
     """Those of the control points that were fitted, here of the least amplitude, judge nothing."""
     names = ("polynomial_3", "limit", "polynomial_5")
     config = tmp_path / "study.yaml"
@@ -296,7 +294,7 @@ def test_models_are_compared_at_points_they_were_not_fitted_to(
 
 def test_models_are_not_ranked_on_points_far_from_those_they_were_fitted_to(
     study, tables, tmp_path, capsys
-) -> None:
+):
     """Fitted at gaps of 5 to 10 µm, judged at 15 to 30 µm: no ranking."""
     config = tmp_path / "study.yaml"
     text = study.config.read_text(encoding="utf-8")
@@ -328,7 +326,7 @@ def test_limits_of_other_scenes_are_refused(study, tables, tmp_path, capsys, dam
     assert message in capsys.readouterr().err
 
 
-def test_a_model_of_the_limit_needs_the_limits(study, tables, tmp_path, capsys) -> None:
+def test_a_model_of_the_limit_needs_the_limits(study, tables, tmp_path, capsys):
     arguments = ["fit", str(tables[0]), "--model=limit", f"--config={study.config}"]
     assert cli.main([*arguments, f"--output={tmp_path}/f.json"]) == 2
     assert "limit_n: the points lack this column" in capsys.readouterr().err
@@ -368,9 +366,7 @@ def damaged(rng: np.random.Generator) -> dict:
     return {str(rng.choice(["mine", "limit", "Mine", "a b", "x"])): entry}
 
 
-def test_studies_with_damaged_models_run_or_are_refused_with_their_place(
-    repository, tmp_path
-) -> None:
+def test_studies_with_damaged_models_run_or_are_refused_with_their_place(repository, tmp_path):
     rng = np.random.default_rng(3)
     text = (repository / "config" / "paper.yaml").read_text(encoding="utf-8")
     before, after = re.split(r"models: \{\}.*", text)

@@ -1,7 +1,5 @@
 """The loop on the real film, and the commands around it: what they promise and what they refuse."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,8 +17,6 @@ from squeezefilm.models.force_model import Factors
 from squeezefilm.models.weak_spots import in_words, weak_spots
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks import refined_model
-
-Capture = pytest.CaptureFixture[str]
 
 
 @dataclass(frozen=True)
@@ -55,7 +51,7 @@ def refine(model: str, folder: Path, config: Path, *more: str) -> int:
 
 
 @pytest.fixture(scope="module")
-def refined(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Refined:
+def refined(repository, tmp_path_factory):
     folder = tmp_path_factory.mktemp("refined")
     config = study(repository, folder / "study.yaml", worst_error=0.01)
     for model in ("limit_2", "square"):
@@ -68,7 +64,7 @@ def refined(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Refin
     return Refined(folder, forces, limits)
 
 
-def test_physics_with_two_parameters_is_good_enough_with_few_simulations(refined: Refined) -> None:
+def test_physics_with_two_parameters_is_good_enough_with_few_simulations(refined):
     verdict = refined.verdict("limit_2")
     assert verdict["verdict"] == "reached"
     assert verdict["simulations"] <= 20
@@ -78,7 +74,7 @@ def test_physics_with_two_parameters_is_good_enough_with_few_simulations(refined
     assert not forces.duplicated(["h0_m", "hv_m", "phi_r_m", "phi_deg"]).any()
 
 
-def test_a_model_that_lacks_terms_is_limited_by_the_model_and_told_where(refined: Refined) -> None:
+def test_a_model_that_lacks_terms_is_limited_by_the_model_and_told_where(refined):
     verdict = refined.verdict("square")
     assert verdict["verdict"] == "model"
     assert verdict["errors_mapped_by"] == "physics limit"
@@ -88,9 +84,7 @@ def test_a_model_that_lacks_terms_is_limited_by_the_model_and_told_where(refined
     assert where["error_n"].abs().groupby(epsilon > 0.2).mean().is_monotonic_increasing
 
 
-def test_the_map_of_errors_is_right_where_nothing_was_simulated(
-    refined: Refined, tmp_path: Path
-) -> None:
+def test_the_map_of_errors_is_right_where_nothing_was_simulated(refined, tmp_path):
     """It is the model less the physics limit, and that is close to the model less simulations."""
     verdict, forces = refined.verdict("square"), read_forces(refined.unseen)
     model = read_fit(refined.folder / "square" / "fit.json").force_model
@@ -108,7 +102,7 @@ def test_the_map_of_errors_is_right_where_nothing_was_simulated(
     np.testing.assert_allclose(where["error_n"], expected, rtol=1e-6)
 
 
-def test_the_fits_file_tells_ranges_and_what_they_mean(refined: Refined) -> None:
+def test_the_fits_file_tells_ranges_and_what_they_mean(refined):
     values = json.loads((refined.folder / "limit_2" / "fit.json").read_text())
     assert [each["name"] for each in values["parameter_ranges"]] == ["t0", "t1"]
     for each in values["parameter_ranges"]:
@@ -116,7 +110,7 @@ def test_the_fits_file_tells_ranges_and_what_they_mean(refined: Refined) -> None
     assert "nothing of a scatter" in values["parameter_ranges_note"]
 
 
-def test_the_report_compares_estimates_with_the_truth(refined: Refined, tmp_path: Path) -> None:
+def test_the_report_compares_estimates_with_the_truth(refined, tmp_path):
     folders = [str(refined.folder / name) for name in ("square", "limit_2")]
     outputs = [tmp_path / name for name in ("t.csv", "t.md", "f.csv")]
     words = ["--forces", str(refined.unseen), "--limits", str(refined.limits)]
@@ -144,20 +138,13 @@ def test_the_report_compares_estimates_with_the_truth(refined: Refined, tmp_path
         ("polynomial_5", {"simulations": 10}, "more than the 10 allowed"),
     ],
 )
-def test_what_cannot_be_refined_is_refused(
-    model: str,
-    settings: dict[str, object],
-    message: str,
-    repository: Path,
-    tmp_path: Path,
-    capsys: Capture,
-) -> None:
+def test_what_cannot_be_refined_is_refused(model, settings, message, repository, tmp_path, capsys):
     config = study(repository, tmp_path / "study.yaml", **settings)
     assert refine(model, tmp_path, config) == 2
     assert message in capsys.readouterr().err
 
 
-def test_thirds_tell_where_an_error_lies() -> None:
+def test_thirds_tell_where_an_error_lies():
     h0_m = np.repeat(np.linspace(5e-6, 10e-6, 30), 30)
     hv_m = np.tile(np.linspace(0.2e-6, 2e-6, 30), 30)
     factors = Factors.of(h0_m=h0_m, hv_m=hv_m)
@@ -172,8 +159,8 @@ def test_thirds_tell_where_an_error_lies() -> None:
 
 
 def test_a_model_whose_physics_does_not_hold_is_left_out_before_anything_is_simulated(
-    repository: Path, refined: Refined, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    repository, refined, tmp_path, monkeypatch
+):
     def no_simulation(*arguments: object, **settings: object) -> None:
         raise AssertionError("a scene is simulated")
 

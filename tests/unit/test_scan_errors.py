@@ -1,7 +1,5 @@
 """What is said of the forces of a measured profile holds: noise, strays, folds, other phases."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -71,7 +69,7 @@ def smooth(scan: Scan, **settings: Any) -> SmoothedScan:
 
 
 @pytest.fixture(scope="module")
-def scene(repository: Path) -> Scene:
+def scene(repository):
     config = load_config(repository / "config" / "paper.yaml")
     return scene_of(ScenePoint("1", 5e-6, 2e-6, 0.0, 0.0), config)
 
@@ -80,7 +78,7 @@ def on(scene: Scene, shape: Profile) -> Scene:
     return replace(scene, actuator=replace(scene.actuator, profile=shape))
 
 
-def test_ninety_five_percent_of_the_intervals_hold_the_force(scene: Scene) -> None:
+def test_ninety_five_percent_of_the_intervals_hold_the_force(scene):
     """200 scans of three modes: one maximum, four equal ones, and crests all along lines.
 
     Half of them have strays. If each interval holds the force at 95 %, fewer than asked here do so
@@ -100,7 +98,7 @@ def test_ninety_five_percent_of_the_intervals_hold_the_force(scene: Scene) -> No
     assert sum(held) >= binom.ppf(0.025, 200, 0.95)
 
 
-def test_strays_are_not_fitted(scene: Scene) -> None:
+def test_strays_are_not_fitted(scene):
     shape = profile(DIAMETERS)
     with_strays, without = (
         smooth(scan_of(shape, noise=0.01, seed=5, strays=strays)) for strays in (3, 0)
@@ -114,14 +112,14 @@ def test_strays_are_not_fitted(scene: Scene) -> None:
     assert forces[0] == pytest.approx(forces[1], rel=0.02)
 
 
-def test_many_strays_are_refused() -> None:
+def test_many_strays_are_refused():
     with pytest.raises(InputError, match="lie far from every smooth profile"):
         smooth(scan_of(profile(SINC), noise=0.01, seed=1, strays=60))
 
 
 @pytest.mark.parametrize("settings", [RING, DIAMETERS, WAVE], ids=["ring", "lines", "wave"])
 @pytest.mark.parametrize("strays", [0, 3])
-def test_an_unsigned_scan_over_a_node_is_refused(settings: dict[str, Any], strays: int) -> None:
+def test_an_unsigned_scan_over_a_node_is_refused(settings, strays):
     for noise in (0.0, 0.02, 0.05):
         scan = scan_of(profile(settings), noise=noise, seed=1, strays=strays)
         scan = replace(scan, amplitude_m=np.abs(scan.amplitude_m) + 0j, signed=False)
@@ -130,7 +128,7 @@ def test_an_unsigned_scan_over_a_node_is_refused(settings: dict[str, Any], stray
 
 
 @pytest.mark.parametrize("settings", [DOME, CLAMPED, HOLLOW, SINC])
-def test_an_unsigned_scan_without_a_node_that_matters_is_taken(settings: dict[str, Any]) -> None:
+def test_an_unsigned_scan_without_a_node_that_matters_is_taken(settings):
     """Also where the amplitude touches zero without a change of sign, or falls to it at the rim."""
     for noise in (0.02, 0.05, 0.1):
         for seed in range(3):
@@ -139,7 +137,7 @@ def test_an_unsigned_scan_without_a_node_that_matters_is_taken(settings: dict[st
             assert not smooth(scan).folded
 
 
-def test_a_fold_that_is_accepted_is_named() -> None:
+def test_a_fold_that_is_accepted_is_named():
     scan = scan_of(profile(RING), noise=0.05, seed=1)
     scan = replace(scan, amplitude_m=np.abs(scan.amplitude_m) + 0j, signed=False)
     assert smooth(scan, sign="unknown").folded
@@ -157,7 +155,7 @@ def with_two_phases(share: float) -> Scan:
     return Scan(Path("scan.csv"), x_m, y_m, u, np.arange(len(u)), 0, signed=True)
 
 
-def test_motion_out_of_phase_is_weighed_and_refused(scene: Scene) -> None:
+def test_motion_out_of_phase_is_weighed_and_refused(scene):
     """Small forces go as s₁² + s₂²: a share q of the motion makes them q² low."""
     scan = smooth(with_two_phases(0.1))
     assert scan.out_of_phase_effect == pytest.approx(0.01, rel=0.15)
@@ -170,7 +168,7 @@ def test_motion_out_of_phase_is_weighed_and_refused(scene: Scene) -> None:
         smooth(with_two_phases(0.24))
 
 
-def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene: Scene) -> None:
+def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene):
     """A piston that moves in a circle: the closed form at ε √2."""
     piston = Modes(((0, 0),), (1.0,), RADIUS_M)
     scan = replace(smooth(scan_of(profile(DOME), noise=0.01, seed=1)), out_of_phase=piston)
@@ -183,9 +181,7 @@ def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene: Scene
     assert effect == pytest.approx(closed(2 * square) / closed(square) - 1, rel=1e-6)
 
 
-def test_a_force_of_a_scan_says_what_the_scan_leaves_open(
-    repository: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_force_of_a_scan_says_what_the_scan_leaves_open(repository, capsys):
     config = repository / "config" / "vibrometer.yaml"
     assert cli.main(["simulate", "--h0", "5um", "--hv", "2um", "--config", str(config)]) == 0
     first = capsys.readouterr().out.splitlines()[0]
@@ -196,9 +192,7 @@ def test_a_force_of_a_scan_says_what_the_scan_leaves_open(
     assert len(first.split()[1]) <= 5  # no digit beyond the error
 
 
-def test_a_fold_is_said_with_every_force(
-    repository: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_fold_is_said_with_every_force(repository, tmp_path, capsys):
     scan = scan_of(profile(RING), noise=0.05, seed=1)
     rows = zip(scan.x_m * 1e3, scan.y_m * 1e3, np.abs(scan.amplitude_m) * 1e6, strict=True)
     table = "\n".join(["x_mm,y_mm,amplitude_um", *(f"{x:g},{y:g},{u:.5f}" for x, y, u in rows)])

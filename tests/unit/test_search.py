@@ -22,7 +22,7 @@ def stepped(x: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("objective", [bumpy, stepped])
 @pytest.mark.parametrize("seed", [1, 2**32 - 1])
-def test_it_is_pymoos_genetic_algorithm(objective, seed) -> None:
+def test_it_is_pymoos_genetic_algorithm(objective, seed):
     class Search(Problem):
         def _evaluate(self, x, out, *args, **kwargs) -> None:
             out["F"] = objective(x)[:, None]
@@ -41,7 +41,7 @@ def test_it_is_pymoos_genetic_algorithm(objective, seed) -> None:
     assert ours.value == theirs.opt[0].F[0]
 
 
-def test_the_first_population_is_evaluated_once() -> None:
+def test_the_first_population_is_evaluated_once():
     calls = []
 
     def objective(x: np.ndarray) -> np.ndarray:

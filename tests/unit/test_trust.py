@@ -1,13 +1,10 @@
 """A point is trusted on the evidence of simulations that the fit never saw, and never else."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess
 from copy import deepcopy
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -126,9 +123,7 @@ def fitted(config: Config, kind: str) -> tuple[str, np.ndarray, Trust, float]:
 
 @pytest.mark.parametrize("kind", ["screen, points left out", "five points", "finger anywhere"])
 @pytest.mark.parametrize("name", STUDIES)
-def test_at_trusted_points_the_simulation_lies_within_the_band(
-    name: str, kind: str, paper: Config
-) -> None:
+def test_at_trusted_points_the_simulation_lies_within_the_band(name, kind, paper):
     config = changed(paper, STUDIES[name])
     model, theta, trust, reach = fitted(config, kind)
     table = random_plan(points=24_000, seed=9, **box(config, reach_m=reach, beyond=0.2))
@@ -147,11 +142,11 @@ def test_at_trusted_points_the_simulation_lies_within_the_band(
 
 
 @pytest.fixture(scope="module")
-def paper_fit(paper: Config) -> tuple[str, np.ndarray, Trust, float]:
+def paper_fit(paper):
     return fitted(paper, "finger anywhere")
 
 
-def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:
+def test_the_page_computes_the_same(repository, paper_fit):
     node = shutil.which("node")
     if node is None:
         pytest.skip("no node here")
@@ -194,7 +189,7 @@ def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:
     assert 20 < np.sum(verdict.trusted) < 280
 
 
-def test_a_fit_is_read_with_its_evidence(paper_fit) -> None:
+def test_a_fit_is_read_with_its_evidence(paper_fit):
     trust = replace(paper_fit[2], scan_error=0.01)
     again = Trust.from_dict(json.loads(json.dumps(trust.to_dict())), place="test")
     assert again.to_dict() == trust.to_dict()
@@ -212,7 +207,7 @@ def evidence(count: int, *, error_n: float = 1e-3) -> tuple[Factors, Unseen]:
     return factors, unseen
 
 
-def test_a_fitted_point_is_no_evidence() -> None:
+def test_a_fitted_point_is_no_evidence():
     """A model that is exact at its points is not trusted for that, not even there."""
     factors, _ = evidence(LEAST_POINTS)
     force = 5 * factors.epsilon**2
@@ -223,13 +218,13 @@ def test_a_fitted_point_is_no_evidence() -> None:
 
 
 @pytest.mark.parametrize(("count", "trusted"), [(LEAST_POINTS - 1, False), (LEAST_POINTS, True)])
-def test_a_few_unseen_simulations_are_not_enough(count: int, trusted: bool) -> None:
+def test_a_few_unseen_simulations_are_not_enough(count, trusted):
     factors, unseen = evidence(count)
     verdict = Trust.of(factors, unseen).judge(Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3])
     assert verdict.trusted.tolist() == [trusted]
 
 
-def test_what_the_scan_leaves_open_is_in_the_band() -> None:
+def test_what_the_scan_leaves_open_is_in_the_band():
     """No simulation shows it, neither a point left out nor a control point."""
     factors, unseen = evidence(100)
     at, force = Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3]
@@ -242,7 +237,7 @@ def test_what_the_scan_leaves_open_is_in_the_band() -> None:
     assert "20 % of it by the scan" in reason
 
 
-def test_the_error_of_the_simulations_is_in_the_band() -> None:
+def test_the_error_of_the_simulations_is_in_the_band():
     factors, unseen = evidence(40)
     verdict = Trust.of(factors, unseen).judge(Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3])
     assert verdict.error_n[0] >= 1e-3 + 1e-4 * 0.3 * (1 - 1e-9)
@@ -257,9 +252,7 @@ def test_the_error_of_the_simulations_is_in_the_band() -> None:
         ((6e-6, 1.5e-6, 0.0), ""),
     ],
 )
-def test_outside_its_ranges_a_fit_is_not_trusted(
-    point: tuple[float, float, float], reason: str
-) -> None:
+def test_outside_its_ranges_a_fit_is_not_trusted(point, reason):
     factors, unseen = evidence(40)
     at = Factors.of(h0_m=point[0], hv_m=point[1], phi_r_m=point[2], phi_deg=0.0)
     verdict = Trust.of(factors, unseen).judge(at, [0.3])
@@ -267,7 +260,7 @@ def test_outside_its_ranges_a_fit_is_not_trusted(
     assert verdict.trusted[0] == (not reason)
 
 
-def test_the_ratio_of_amplitude_and_gap_has_its_own_range() -> None:
+def test_the_ratio_of_amplitude_and_gap_has_its_own_range():
     """(5, 6) µm lies in neither point's reach where only (5, 2) and (10, 6) µm were fitted."""
     factors = Factors.of(h0_m=[7e-6, 10e-6, 7e-6], hv_m=[2e-6, 6e-6, 1e-6])
     assert Trust.of(factors, None).outside(Factors.of(h0_m=7e-6, hv_m=6e-6)) == [
@@ -275,7 +268,7 @@ def test_the_ratio_of_amplitude_and_gap_has_its_own_range() -> None:
     ]
 
 
-def test_far_from_every_unseen_simulation_the_reason_is_the_distance() -> None:
+def test_far_from_every_unseen_simulation_the_reason_is_the_distance():
     factors, unseen = evidence(40)
     slope = replace(unseen, error_n=0.05 * (unseen.factors.hv_m / 1e-6 - 1))
     verdict = Trust.of(factors, slope).judge(Factors.of(h0_m=9e-6, hv_m=0.3e-6), [0.005])
@@ -284,7 +277,7 @@ def test_far_from_every_unseen_simulation_the_reason_is_the_distance() -> None:
     assert verdict.distance[0] > 0.3
 
 
-def test_control_points_make_five_fitted_points_trusted(study, tmp_path: Path, capsys) -> None:
+def test_control_points_make_five_fitted_points_trusted(study, tmp_path, capsys):
     fit = f"{study.root}/fits/two_factor_design.json"
     out = f"--output={tmp_path}/out.csv"
     point = ["--h0=7um", "--hv=1.5um", out]

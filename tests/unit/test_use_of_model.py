@@ -39,7 +39,7 @@ RANGES = {
 
 
 @pytest.fixture(scope="module")
-def limit_table(repository) -> dict:
+def limit_table(repository):
     config = load_config(repository / "config" / "quick.yaml")
     return limit_table_of(config).to_dict()
 
@@ -90,7 +90,7 @@ def table_of(arguments: list[str], tmp_path: Path) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize("name", THETA)
-def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path) -> None:
+def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
     model = get_model(name)
     # Another name: nothing but the file can tell what the model is.
     renamed = make_model(
@@ -113,9 +113,7 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path) 
     assert set(table["force_error_n"]) == {2e-3}
 
 
-def test_what_a_scan_leaves_open_is_part_of_every_error_and_named(
-    write_fit, tmp_path, capsys
-) -> None:
+def test_what_a_scan_leaves_open_is_part_of_every_error_and_named(write_fit, tmp_path, capsys):
     model, theta = get_model("two_factor"), THETA["two_factor"]
     predicted, found = [], []
     for scan_error in (0.0, 0.03):
@@ -135,7 +133,7 @@ def test_what_a_scan_leaves_open_is_part_of_every_error_and_named(
     assert "its scan leaves 3 % of a force open" in capsys.readouterr().out
 
 
-def test_predict_takes_a_table_and_another_error(write_fit, tmp_path) -> None:
+def test_predict_takes_a_table_and_another_error(write_fit, tmp_path):
     path = write_fit(get_model("two_factor"), THETA["two_factor"])
     (tmp_path / "points.csv").write_text("name,h0_m,hv_m\nA,5e-6,1e-6\nB,6e-6,1e-6\n")
     summary = tmp_path / "errors.json"
@@ -156,7 +154,7 @@ def test_predict_takes_a_table_and_another_error(write_fit, tmp_path) -> None:
         (["--h0=1um", "--hv=0.9um"], "undefined here"),
     ],
 )
-def test_extrapolation_is_noted(options, note, write_fit, tmp_path) -> None:
+def test_extrapolation_is_noted(options, note, write_fit, tmp_path):
     path = write_fit(get_model("four_factor"), THETA["four_factor"])
     table = table_of(["predict", str(path), *options], tmp_path)
     assert (note in table["note"][0]) if note else table["note"][0] == ""
@@ -164,7 +162,7 @@ def test_extrapolation_is_noted(options, note, write_fit, tmp_path) -> None:
         assert np.isnan(table[name][0]) == bool(note)
 
 
-def test_a_model_without_position_notes_a_finger_off_the_centre(write_fit, tmp_path) -> None:
+def test_a_model_without_position_notes_a_finger_off_the_centre(write_fit, tmp_path):
     path = write_fit(
         get_model("two_factor"), THETA["two_factor"], trust=evidence(reach_m=0.0).to_dict()
     )
@@ -173,7 +171,7 @@ def test_a_model_without_position_notes_a_finger_off_the_centre(write_fit, tmp_p
 
 
 @pytest.mark.parametrize("name", ["two_factor", "four_factor", "limit_2"])
-def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path) -> None:
+def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     path = write_fit(get_model(name), THETA[name])
     arguments = ["working-point", str(path), "--force=0.5N", "--h0=5um:6um:3", "--phi-r=1mm"]
     found = table_of([*arguments, "--phi=20deg"], tmp_path)
@@ -193,7 +191,7 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path) -> 
     np.testing.assert_allclose(rise, 2e-3, rtol=1e-2)
 
 
-def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path) -> None:
+def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path):
     path = write_fit(get_model("polynomial_5"), THETA["polynomial_5"])
     found = table_of(["working-point", str(path), "--force=100"], tmp_path)
     assert len(found) == 6
@@ -218,13 +216,13 @@ def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path) -> None:
         (["--h0=__import__('os')", "--hv=1um"], "must be a number"),
     ],
 )
-def test_points_that_mean_nothing_are_refused(options, message, write_fit, capsys) -> None:
+def test_points_that_mean_nothing_are_refused(options, message, write_fit, capsys):
     path = write_fit(get_model("two_factor"), THETA["two_factor"])
     assert cli.main(["predict", str(path), *options]) == 2
     assert message in capsys.readouterr().err
 
 
-def test_quantities_have_units_commas_and_ranges() -> None:
+def test_quantities_have_units_commas_and_ranges():
     assert quantities("5um, 0.007mm", option="--h0", unit="m") == pytest.approx([5e-6, 7e-6])
     assert quantities("0deg:45deg:4", option="--phi", unit="deg") == [0, 15, 30, 45]
     assert quantities("-5e-3 mm,.5µm", option="--x", unit="m") == pytest.approx([-5e-6, 5e-7])
@@ -247,7 +245,7 @@ def test_quantities_have_units_commas_and_ranges() -> None:
         ({"refused": "no fit"}, "there is no fit: no fit"),
     ],
 )
-def test_a_damaged_fit_is_refused(damage, message, write_fit, capsys) -> None:
+def test_a_damaged_fit_is_refused(damage, message, write_fit, capsys):
     path = write_fit(get_model("two_factor"), THETA["two_factor"], **damage)
     assert cli.main(["predict", str(path), "--h0=5um", "--hv=1um"]) == 2
     error = capsys.readouterr().err
@@ -283,7 +281,7 @@ exported = pytest.mark.parametrize(("model", "theta"), EXPORTED, ids=lambda each
 
 
 @exported
-def test_the_python_function_is_the_model(model, theta, write_fit) -> None:
+def test_the_python_function_is_the_model(model, theta, write_fit):
     fit = read_fit(write_fit(model, theta))
     names: dict = {}
     exec(python_source(fit), names)
@@ -296,7 +294,7 @@ def test_the_python_function_is_the_model(model, theta, write_fit) -> None:
 
 
 @exported
-def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path) -> None:
+def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path):
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler (cc or gcc) here")
@@ -328,7 +326,7 @@ def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path) -> None:
     np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
 
 
-def test_generated_code_knows_the_range_of_the_ratio_too(write_fit) -> None:
+def test_generated_code_knows_the_range_of_the_ratio_too(write_fit):
     """(5, 2) and (10, 6) µm were fitted; (5, 4) µm lies between them, but not in hv/h0."""
     points = Factors.of(h0_m=[5e-6, 10e-6, 5e-6], hv_m=[2e-6, 6e-6, 0.5e-6])
     names: dict = {}
@@ -345,7 +343,7 @@ def test_generated_code_knows_the_range_of_the_ratio_too(write_fit) -> None:
     assert "&& hv_m / h0_m <= 0.6" in c_source(read_fit(fit))
 
 
-def test_outside_its_domain_generated_code_gives_no_number(write_fit) -> None:
+def test_outside_its_domain_generated_code_gives_no_number(write_fit):
     names: dict = {}
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"]))
     exec(python_source(fit), names)
@@ -356,7 +354,7 @@ def test_outside_its_domain_generated_code_gives_no_number(write_fit) -> None:
     assert math.isnan(limit["force_n"](5e-6, 1e-6, 5e-3, 0.0))
 
 
-def test_an_export_goes_to_a_file_or_is_refused(write_fit, tmp_path, capsys) -> None:
+def test_an_export_goes_to_a_file_or_is_refused(write_fit, tmp_path, capsys):
     path = write_fit(get_model("two_factor"), THETA["two_factor"])
     out = tmp_path / "force.h"
     assert cli.main(["export", str(path), "--language=c", f"--output={out}"]) == 0
@@ -370,14 +368,14 @@ def test_an_export_goes_to_a_file_or_is_refused(write_fit, tmp_path, capsys) -> 
 
 
 @pytest.mark.parametrize("name", ['x"); system("true', "a b", "*/", "é", ""])
-def test_a_fits_name_cannot_carry_code(name, write_fit) -> None:
+def test_a_fits_name_cannot_carry_code(name, write_fit):
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"], model=name))
     for source in (c_source, python_source):
         with pytest.raises(InputError, match="cannot name a function"):
             source(fit)
 
 
-def test_the_table_of_limits_states_its_error(limit_table) -> None:
+def test_the_table_of_limits_states_its_error(limit_table):
     table = LimitTable.from_dict(json.loads(json.dumps(limit_table)), place="test")
     assert 0 < table.error < 1e-6
     outside = Factors.of(h0_m=[5e-6, 4e-6, 5e-6], hv_m=[4e-6, 1e-6, 1e-6], x_m=[0, 0, 5e-3])
@@ -394,12 +392,12 @@ def test_the_table_of_limits_states_its_error(limit_table) -> None:
         {"sigma_h0_square_m2": "x"},
     ],
 )
-def test_a_damaged_table_of_limits_is_refused(damage, limit_table) -> None:
+def test_a_damaged_table_of_limits_is_refused(damage, limit_table):
     with pytest.raises(InputError, match="here: not a table of limits"):
         LimitTable.from_dict(limit_table | damage, place="here")
 
 
-def test_where_the_limit_does_not_hold_the_table_says_so(repository, tmp_path, capsys) -> None:
+def test_where_the_limit_does_not_hold_the_table_says_so(repository, tmp_path, capsys):
     text = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
     sliding = tmp_path / "sliding.yaml"
     sliding.write_text(text.replace("speed_x_m_per_s: 0", "speed_x_m_per_s: 2"), encoding="utf-8")
@@ -416,7 +414,5 @@ def test_where_the_limit_does_not_hold_the_table_says_so(repository, tmp_path, c
         (-1.2e-75, 4.3e-73, "-1.2e-75 N ± 4.3e-73 N"),
     ],
 )
-def test_a_force_has_the_digits_that_its_error_leaves(
-    force_n: float, error_n: float, shown: str
-) -> None:
+def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):
     assert with_error(force_n, error_n) == shown

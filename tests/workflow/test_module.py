@@ -1,7 +1,5 @@
 """A study given by another workflow, or twice on the command line, is used as given or refused."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -30,7 +28,7 @@ Edit = Callable[[dict[str, Any]], object]
 
 
 @pytest.fixture
-def outer(repository: Path, tmp_path: Path) -> Callable[..., Path]:
+def outer(repository, tmp_path):
     """A folder with a workflow of its own that uses this one as a module."""
 
     def write(edit: Edit = lambda study: None, *, config: str = "config", more: str = "") -> Path:
@@ -52,7 +50,7 @@ def other_gaps(study: dict[str, Any]) -> None:
     study["screen"]["h0_m"] = {"start": 5e-6, "stop": 7e-6, "levels": 3}
 
 
-def test_a_module_makes_the_study_that_it_is_given(outer: Callable[..., Path]) -> None:
+def test_a_module_makes_the_study_that_it_is_given(outer):
     folder = outer(other_gaps)
     done = snakemake(folder, SCENES, "--cores", "1")
     assert done.returncode == 0, done.stdout
@@ -67,14 +65,14 @@ def test_a_module_makes_the_study_that_it_is_given(outer: Callable[..., Path]) -
     assert "Nothing to be done" in again.stdout
 
 
-def test_a_module_plans_as_much_as_the_workflow_alone(outer: Callable[..., Path]) -> None:
+def test_a_module_plans_as_much_as_the_workflow_alone(outer):
     done = snakemake(outer(), "film_everything", "--dry-run", "--quiet", "progress")
     assert done.returncode == 0, done.stdout
     assert "results/mine/models/two_factor" in done.stdout
     assert "results/paper" not in done.stdout
 
 
-def test_a_module_s_prefix_is_for_its_results(outer: Callable[..., Path]) -> None:
+def test_a_module_s_prefix_is_for_its_results(outer):
     folder = outer(more='    prefix: "sub"')
     done = snakemake(folder, f"sub/{SCENES}", "--dry-run")
     assert done.returncode == 0, done.stdout
@@ -94,13 +92,11 @@ def test_a_module_s_prefix_is_for_its_results(outer: Callable[..., Path]) -> Non
         ),
     ],
 )
-def test_a_module_s_study_is_checked_as_a_file_is(
-    outer: Callable[..., Path], edit: Edit, message: str
-) -> None:
+def test_a_module_s_study_is_checked_as_a_file_is(outer, edit, message):
     refused(snakemake(outer(edit), SCENES, "--dry-run").stdout, message)
 
 
-def test_a_module_without_a_study_is_not_the_paper(outer: Callable[..., Path]) -> None:
+def test_a_module_without_a_study_is_not_the_paper(outer):
     folder = outer(config="dict()")
     refused(snakemake(folder, "film_all", "--dry-run").stdout, "the module's config: there is none")
 
@@ -114,9 +110,7 @@ def refused(output: str, *messages: str) -> None:
 
 
 @pytest.mark.parametrize("between", [(), ("--configfile",)], ids=["one option", "two options"])
-def test_two_files_are_refused_by_name(
-    repository: Path, tmp_path: Path, between: tuple[str, ...]
-) -> None:
+def test_two_files_are_refused_by_name(repository, tmp_path, between):
     quick, paper = (str(repository / f"config/{name}.yaml") for name in ("quick", "paper"))
     words = ("--snakefile", str(repository / "Snakefile"), "--dry-run")
     done = snakemake(tmp_path, *words, "--configfile", quick, *between, paper)

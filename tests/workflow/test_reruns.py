@@ -7,8 +7,6 @@ This is compared with what each job has as its basis (runs/basis.py); that Snake
 seen in a few dry runs.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
@@ -34,8 +32,6 @@ from squeezefilm.studies.study import check_study
 from .conftest import (
     EVERYTHING,
     QUICK,
-    Finished,
-    Planner,
     Trace,
     copy_checkout,
     snakemake,
@@ -101,7 +97,7 @@ def includes_of(kernels: set[Path], checkout: Path) -> set[str]:
 
 
 @pytest.fixture(scope="session")
-def jobs(finished: Finished, planner: Planner) -> list[Job]:
+def jobs(finished, planner):
     """Every job, told by the command it ran."""
     by_command: dict[str, list[dict[str, str]]] = {}
     for row in planner.rows(*EVERYTHING):
@@ -144,13 +140,13 @@ def with_dependents(first: set[str], jobs: list[Job]) -> set[str]:
         reached |= more
 
 
-def test_all_that_a_job_uses_is_its_basis_and_nothing_else(jobs: list[Job]) -> None:
+def test_all_that_a_job_uses_is_its_basis_and_nothing_else(jobs):
     for job in jobs:
         listed = {WORKFLOW / name for name in job.basis if "/" in name} - AROUND
         assert listed == job.code, (job.outputs, listed ^ job.code)
 
 
-def test_every_solver_file_is_in_use(jobs: list[Job]) -> None:
+def test_every_solver_file_is_in_use(jobs):
     used = set().union(*(job.code for job in jobs))
     for name in (
         "reynolds/periodic/periodic.cl",
@@ -175,9 +171,7 @@ def edited(path: Path, folder: Path) -> str:
         "io/tables.py",
     ],
 )
-def test_an_edit_of_the_code_makes_anew_what_it_reaches(
-    name: str, jobs: list[Job], planner: Planner
-) -> None:
+def test_an_edit_of_the_code_makes_anew_what_it_reaches(name, jobs, planner):
     path = LIBRARY / name
     reached = {output for job in jobs if path in job.code for output in job.outputs}
     made = planner.made_anew(*EVERYTHING, edits={path: edited(path, planner.folder)})
@@ -185,7 +179,7 @@ def test_an_edit_of_the_code_makes_anew_what_it_reaches(
     assert made
 
 
-def test_an_edit_of_what_only_people_read_makes_nothing_anew(planner: Planner) -> None:
+def test_an_edit_of_what_only_people_read_makes_nothing_anew(planner):
     """A comment in every file, docstrings, help texts; and what decides nothing, in earnest.
 
     But for the docstrings of figures and tables: those are captions, which the report shows.
@@ -257,18 +251,14 @@ PLACES = {place[0]: place for place in sorted(leaves(STUDY), key=is_number)}
 
 
 @pytest.mark.parametrize("section", PLACES)
-def test_what_reads_a_section_of_the_study_has_it_as_its_basis(
-    section: str, jobs: list[Job]
-) -> None:
+def test_what_reads_a_section_of_the_study_has_it_as_its_basis(section, jobs):
     read = {o for job in jobs if section in job.trace.sections for o in job.outputs}
     listed = {o for job in jobs if section in job.basis for o in job.outputs}
     assert with_dependents(listed, jobs) == with_dependents(read, jobs)
 
 
 @pytest.mark.parametrize("section", ["gas", "positions", "fit", "validation"])
-def test_an_edit_of_the_study_makes_anew_what_reads_its_section(
-    section: str, jobs: list[Job], planner: Planner, tmp_path: Path
-) -> None:
+def test_an_edit_of_the_study_makes_anew_what_reads_its_section(section, jobs, planner, tmp_path):
     text = edited_study(planner.folder / "config/quick.yaml", PLACES[section], tmp_path)
     made = planner.made_anew(*EVERYTHING, edits={Path("config/quick.yaml"): text})
     read = {o for job in jobs if section in job.trace.sections for o in job.outputs}
@@ -280,9 +270,7 @@ def undivided(names: set[str]) -> set[str]:
     return {re.sub(r"/\d+-of-\d+\.", "/", name) for name in names}
 
 
-def test_jobs_of_another_length_make_anew_what_is_divided_otherwise(
-    jobs: list[Job], planner: Planner
-) -> None:
+def test_jobs_of_another_length_make_anew_what_is_divided_otherwise(jobs, planner):
     config = Path("config/quick.yaml")
     text = (planner.folder / config).read_text(encoding="utf-8")
     shorter = re.sub(r"(seconds_per_job:) \S+", r"\1 0.006", text)
@@ -324,7 +312,7 @@ def edited_study(path: Path, place: tuple[str, ...], folder: Path) -> str:
     pytest.fail(f"no other valid value for {'.'.join(place)}")
 
 
-def test_after_all_edits_are_undone_nothing_is_made_anew(planner: Planner) -> None:
+def test_after_all_edits_are_undone_nothing_is_made_anew(planner):
     for path in [*CODE, Path("config/quick.yaml")]:
         file = planner.folder / path
         file.write_bytes(file.read_bytes())  # the same text, a new time
@@ -336,9 +324,7 @@ SCENES = "results/quick/simulations/screen/scenes.csv"
 KERNEL = LIBRARY / "reynolds/periodic/periodic.cl"
 
 
-def test_results_copied_to_a_clone_are_as_they_were_until_its_code_is_edited(
-    finished: Finished, tmp_path: Path
-) -> None:
+def test_results_copied_to_a_clone_are_as_they_were_until_its_code_is_edited(finished, tmp_path):
     """Without Snakemake's records there are the files' times alone."""
     clone = copy_checkout(finished.folder, tmp_path / "clone")
     shutil.copytree(finished.folder / "results", clone / "results")  # with their times
@@ -351,7 +337,7 @@ def test_results_copied_to_a_clone_are_as_they_were_until_its_code_is_edited(
     assert NOTHING in snakemake(clone, *EVERYTHING, "--dry-run", *QUICK).stdout
 
 
-def test_an_edit_during_a_run_is_seen_by_the_next_one(finished: Finished, tmp_path: Path) -> None:
+def test_an_edit_during_a_run_is_seen_by_the_next_one(finished, tmp_path):
     folder = copy_checkout(finished.folder, tmp_path / "edited", "results", ".snakemake")
     plans = folder / "workflow/squeezefilm/studies/plans.py"
     before, cards = plans.read_text(encoding="utf-8"), folder / "results/quick/run_cards"
