@@ -1,10 +1,12 @@
 """What all tests share."""
 
+import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from squeezefilm.cli.main import main
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
@@ -34,6 +36,34 @@ def quick(repository):
 def scene(paper):
     """The paper's operating point beyond its screen."""
     return scene_of(ScenePoint("1", 5e-6, 2.2e-6, 0.0, 0.0), paper)
+
+
+@pytest.fixture
+def refused(capsys):
+    """A function that runs a command which must end with a message, and gives the message."""
+
+    def refused(*words: object, status: int = 2) -> str:
+        assert main([str(word) for word in words]) == status
+        told = capsys.readouterr().err
+        assert "squeezefilm: error: " in told
+        assert "Traceback" not in told
+        return told
+
+    return refused
+
+
+@pytest.fixture
+def edited(repository, tmp_path):
+    """A function that writes a study of config/ with other values in its sections."""
+
+    def edited(name: str = "quick", /, **sections: dict[str, Any]) -> Path:
+        study = dict(load_config(repository / "config" / f"{name}.yaml"))
+        study |= {key: {**study[key], **values} for key, values in sections.items()}
+        path = tmp_path / "study.yaml"
+        path.write_text(json.dumps(study), encoding="utf-8")  # YAML too, without aliases
+        return path
+
+    return edited
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -124,38 +124,13 @@ def test_the_number_shown_is_the_librarys(name, explorer):
         assert explorer.force_n == pytest.approx(explorer.library_n(name), rel=0, abs=EXACT)
 
 
-def test_sliders_move_the_number(explorer):
-    explorer.choose("four_factor")
-    explorer.type(phi_r=1.0)
-    before = explorer.force_n
-    for name in FACTOR:
-        slider = explorer.element(name)
-        ActionChains(explorer.browser.driver).drag_and_drop_by_offset(slider, 23, 0).perform()
-        assert explorer.force_n == pytest.approx(
-            explorer.library_n("four_factor"), rel=0, abs=EXACT
-        )
-        assert explorer.force_n != before
-        before = explorer.force_n
-
-
-@pytest.mark.parametrize(
-    ("keys", "steps"),
-    [([Keys.ARROW_RIGHT] * 3, 3), ([Keys.ARROW_LEFT] * 2, -2), ([Keys.ARROW_UP], 1)],
-)
-def test_arrow_keys_move_a_slider_by_its_step(keys, steps, explorer):
+def test_arrow_keys_move_a_slider_by_its_step(explorer):
     explorer.type(h0=7.0, hv=1.0)
-    explorer.element("hv").send_keys(*keys)
-    assert explorer.factors()["hv_m"] == pytest.approx(1e-6 + steps * 0.01e-6, rel=1e-12)
+    explorer.element("hv").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT, Keys.ARROW_LEFT)
+    assert explorer.factors()["hv_m"] == pytest.approx(1.01e-6, rel=1e-12)
     assert explorer.force_n == pytest.approx(
         explorer.library_n("two_factor_design"), rel=0, abs=EXACT
     )
-
-
-def test_home_and_end_reach_the_ends(explorer):
-    slider = explorer.element("h0")
-    for key, end in ((Keys.END, "max"), (Keys.HOME, "min")):
-        slider.send_keys(key)
-        assert float(slider.get_attribute("value")) == float(slider.get_attribute(end))
 
 
 def test_the_tab_key_passes_every_control_and_the_focus_is_seen(explorer):
@@ -189,14 +164,6 @@ def test_the_wanted_force_is_met(explorer):
     fit = explorer.fit("two_factor_design")
     amplitude_m = amplitude_for_force(get_model(fit.model), fit.theta, force_n=1.0, h0_m=5e-6)
     assert explorer.text("amplitude") == f"{1e6 * amplitude_m:.3f} µm for 1 N"
-
-
-def test_no_amplitude_gives_too_large_a_force(explorer):
-    explorer.choose("screen")
-    explorer.type(wanted=0.0)
-    assert explorer.text("amplitude") in ("none gives 0 N", "0.000 µm for 0 N") or re.fullmatch(
-        r"0\.\d{3} µm for 0 N", explorer.text("amplitude")
-    )
 
 
 def test_the_error_is_that_of_the_nearest_simulation_that_the_fit_never_saw(

@@ -18,11 +18,11 @@ from physics_facts import (
 )
 
 from numerics import analytic, stability
-from numerics.films import PISTON, Film, Mirrored
+from numerics.films import PISTON, Film
 from numerics.peers.explicit_march import step_limit
 from numerics.peers.numpy_periodic import periodic_state
-from numerics.reference import lobatto, reference_force
-from numerics.state_checks import check_state, unfold
+from numerics.reference import reference_force
+from numerics.state_checks import check_state
 from numerics.timing import measure
 from numerics.work_precision import FILMS, work_precision
 from squeezefilm.reynolds.device import choose_device
@@ -48,12 +48,6 @@ def test_the_reference_gives_known_forces_within_its_uncertainty(film, force):
     )
     assert found.force == pytest.approx(force, rel=1e-5 if film.profile is PISTON else 1e-9)
     assert 0 < found.uncertainty < 1e-11
-
-
-def test_lobatto_rules_are_exact_for_polynomials():
-    nodes, weights, derivative = lobatto(5)
-    assert weights @ nodes**8 == pytest.approx(2 / 9, rel=1e-13)
-    assert derivative @ nodes**5 == pytest.approx(5 * nodes**4, abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -97,21 +91,6 @@ def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not():
     assert good.mass_balance < 1e-5
     spoilt = check_state(film, overpressure * 1.01)
     assert min(spoilt.defect, spoilt.state_defect, spoilt.piston_identity) > 2e-3
-
-
-def test_unfolding_mirrors_a_quarter():
-    quarter = np.arange(12.0).reshape(2, 3, 2)
-    whole = unfold(quarter, (True, True))
-    assert whole.shape == (4, 6, 2)
-    assert np.array_equal(whole, whole[::-1, ::-1])
-
-
-def test_a_mirrored_profile_bears_the_same():
-    film = Film("", 0.3, 50.0, x=0.1, y=0.2)
-    mirrored = replace(film, y=-film.y, profile=Mirrored(film.profile))
-    nodes = np.linspace(0, 1, 5)
-    x, y = np.meshgrid(nodes, nodes, indexing="ij")
-    assert mirrored.amplitude(x, y) == pytest.approx(film.amplitude(x, 1 - y), abs=1e-15)
 
 
 # Faults are put into the solver, and the cases that they touch must turn red, no others.

@@ -15,7 +15,6 @@ from physics_facts import (
     CENTRED_N,
     SINC_FAST,
     SINC_SECOND_ORDER,
-    SPRING_AT_20,
     slow_piston,
 )
 
@@ -29,8 +28,6 @@ from numerics.peers import (
 from numerics.peers.yardstick import (
     Amplitude,
     FloatArray,
-    graded_edges,
-    march_to_periodic,
     periods_to_settle,
 )
 from squeezefilm.io.errors import RunError
@@ -73,60 +70,6 @@ def orders(values: list[float], exact: float) -> FloatArray:
     return np.log2(error[:-1] / error[1:])
 
 
-# Tools
-
-
-@pytest.mark.parametrize("interior", [3, 6])
-def test_chebyshev_grid_is_exact_for_polynomials(interior):
-    grid = numpy_periodic.chebyshev_grid(interior)
-    cubic = grid.x**3
-    assert grid.weights @ cubic == pytest.approx(1 / 4, rel=1e-13)
-    assert grid.first @ cubic == pytest.approx(3 * grid.x**2, abs=1e-12)
-    assert grid.second @ cubic == pytest.approx(6 * grid.x, abs=1e-11)
-
-
-def test_a_folded_mesh_is_half_of_the_whole_one():
-    whole, half = (graded_edges(cells=5, folded=folded) for folded in (False, True))
-    assert half == pytest.approx(whole[:6], abs=1e-15)
-    assert (whole[0], whole[5], whole[10]) == pytest.approx((0, 0.5, 1), abs=1e-15)
-
-
-def test_anderson_finds_the_fixed_point_of_a_slow_linear_map():
-    decay = np.array([0.95, 0.8, 0.3])
-
-    def period(state: FloatArray) -> tuple[FloatArray, float]:
-        image = 1 + decay * (state - 1)
-        return image, float(image.sum())
-
-    start = np.zeros(3)
-    _, marched, _ = march_to_periodic(period, start, periods=500, tolerance=1e-10)
-    force, mixed, _ = march_to_periodic(
-        period, start, periods=500, tolerance=1e-10, anderson_depth=5
-    )
-    assert force == pytest.approx(3, abs=1e-8)
-    assert mixed <= 6
-    assert marched > 300
-
-
-def test_transient_decays_at_the_rate_of_the_slowest_mode():
-    sigma = 200.0
-    kept = []
-    for tolerance in (1e-1, 1e-2):
-        force = finite_elements.periodic_force(
-            epsilon=0.1,
-            sigma=sigma,
-            amplitude=sinc,
-            cells=4,
-            steps=16,
-            periods=periods_to_settle(sigma=sigma, tolerance=tolerance),
-            fold=CENTRED,
-        ).force
-        kept.append(abs(force / periodic(0.1, sigma) - 1))
-    assert kept[0] < 0.1
-    assert kept[1] < 0.01
-    assert 5 < kept[0] / kept[1] < 30
-
-
 # The periodic state in NumPy
 
 
@@ -136,11 +79,6 @@ def test_piston_keeps_the_mean_of_h3_p2_everywhere(sigma):
     state = numpy_periodic.periodic_state(epsilon=epsilon, sigma=sigma, amplitude=piston)
     mean = (state.gap**3 * state.pressure**2).mean(axis=0)
     assert mean == pytest.approx(1 + 1.5 * epsilon**2, abs=1e-9)
-
-
-def test_piston_force_at_small_amplitude_is_blechs():
-    limit = small_amplitude(lambda epsilon: periodic(epsilon, 20, piston))
-    assert limit == pytest.approx(5 / 4 * SPRING_AT_20, rel=2e-5)
 
 
 def test_piston_force_at_vanishing_squeeze_number():

@@ -71,16 +71,6 @@ def test_the_pressure_carries_the_force_that_is_simulated(scene, pad):
     assert force_n == pytest.approx(solution.force_n, rel=2e-4)
 
 
-def test_the_film_of_another_pad_has_a_pressure(scene):
-    pad = replace(scene.finger, shape="ellipse", gap=GapShape(bulge_m=1e-6))
-    film = cross_section(replace(scene, finger=pad))
-    assert film["overpressure_kpa"].notna().all()
-    rim = film[film["x_mm"].abs() > 5 - 1e-9]
-    np.testing.assert_allclose(rim["overpressure_kpa"], 0, atol=1e-9)
-    assert film["finger_um"].max() == pytest.approx(6)
-    assert film["finger_um"].min() == pytest.approx(5, abs=0.01)
-
-
 def test_of_a_film_without_a_state_only_the_gap_is_known(scene):
     film = cross_section(replace(scene, finger=replace(scene.finger, speed_x_m_per_s=100.0)))
     assert film["overpressure_kpa"].isna().all()

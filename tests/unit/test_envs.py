@@ -60,10 +60,6 @@ def test_versions_are_those_of_the_lock(environment, locked):
     assert pins.pop("python") == "3.12"
     assert pins == {name: locked[name] for name in pins}
     assert list(pins) == sorted(pins)
-
-
-@pytest.mark.parametrize("environment", ENVIRONMENTS)
-def test_packages_come_from_conda_forge_alone(environment):
     text = (REPOSITORY / "envs" / f"{environment}.yaml").read_text(encoding="utf-8")
     assert yaml.safe_load(text)["channels"] == ["conda-forge", "nodefaults"]
 

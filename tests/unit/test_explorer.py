@@ -93,7 +93,7 @@ def test_a_model_that_the_page_does_not_know_is_refused(study):
         explorer_page(_study(study, fits={}), drawing_library="")
 
 
-def test_the_command_writes_the_page(study, tmp_path, capsys):
+def test_the_command_writes_the_page(study, tmp_path, refused):
     fit = f"{study.root}/fits/screen.json"
     forces = f"screen={study.root}/simulations/screen/forces.csv"
     target = tmp_path / "explorer.html"
@@ -102,7 +102,9 @@ def test_the_command_writes_the_page(study, tmp_path, capsys):
     text = target.read_text(encoding="utf-8")
     assert "two factors, 60 simulations (screen)" in text
     assert "Plotly" in text
-    assert cli.main(["explorer", fit, fit, "--forces", forces, *words]) == 2
-    assert "two fits bear the same name" in capsys.readouterr().err
-    assert cli.main(["explorer", fit, "--forces", forces.partition("=")[2], *words]) == 2
-    assert "is not NAME=PATH" in capsys.readouterr().err
+    assert "two fits bear the same name" in refused(
+        "explorer", fit, fit, "--forces", forces, *words
+    )
+    assert "is not NAME=PATH" in refused(
+        "explorer", fit, "--forces", forces.partition("=")[2], *words
+    )

@@ -45,6 +45,8 @@ def test_the_local_design_is_certified(made):
     assert data["sensitivity"].max() <= 1 + 1e-6
     at_points = data[data["layer"] == "design"]["sensitivity"]
     np.testing.assert_allclose(at_points, 1, atol=1e-4)
+    assert main(["plot", "sensitivity", f"{folder}/m.csv", f"--output={folder}/m.svg"]) == 0
+    assert "sensitivity d/p" in (folder / "m.svg").read_text(encoding="utf-8")
 
 
 def test_efficiencies_are_true_and_their_bounds_below_them(made):
@@ -54,6 +56,10 @@ def test_efficiencies_are_true_and_their_bounds_below_them(made):
     assert (table["lower_bound_alone"] <= table["d_efficiency"] + 1e-12).all()
     assert (table["least_over_ranges"] <= table["mean_over_ranges"]).all()
     assert table.loc["local", "d_efficiency"] == pytest.approx(1)
+    for exact in ("exact-5", "exact-8"):  # without replicates
+        assert table.loc[exact, "scenes"] == table.loc[exact, "points"]
+    if name == "two_factor":
+        assert (table.loc[["pattern A (unit)", "pattern B (unit)"], "d_efficiency"] > 0.999).all()
     model = {"two_factor": TWO_FACTOR, "four_factor": FOUR_FACTOR}[name]
     theta = json.loads((folder / "s.json").read_text())["theta"]
     designs = pd.read_csv(folder / "d.csv")
@@ -69,13 +75,6 @@ def test_efficiencies_are_true_and_their_bounds_below_them(made):
     assert ratio == pytest.approx(listed["exact-8"] / listed["exact-5"], rel=1e-6)
 
 
-def test_exact_designs_have_no_replicates(made):
-    _, folder = made
-    table = pd.read_csv(folder / "p.csv", index_col="plan")
-    for name in ("exact-5", "exact-8"):
-        assert table.loc[name, "scenes"] == table.loc[name, "points"]
-
-
 def test_an_addition_keeps_what_is_there(made, study):
     name, folder = made
     designs = pd.read_csv(folder / "d.csv")
@@ -85,22 +84,6 @@ def test_an_addition_keeps_what_is_there(made, study):
     np.testing.assert_allclose(kept["h0_m"], there["h0_m"])
     added = {"two_factor": 3, "four_factor": 5}[name]
     assert (rows["origin"] == "added").sum() == added
-
-
-def test_patterns_are_judged_by_their_names(made):
-    name, folder = made
-    table = pd.read_csv(folder / "p.csv", index_col="plan")
-    if name == "two_factor":
-        assert table.loc["pattern A (unit)", "d_efficiency"] > 0.999
-        assert table.loc["pattern B (unit)", "d_efficiency"] > 0.999
-
-
-def test_the_sensitivity_is_drawn(made):
-    _, folder = made
-    assert (
-        main(["plot", "sensitivity", str(folder / "m.csv"), "--output", str(folder / "m.svg")]) == 0
-    )
-    assert "sensitivity d/p" in (folder / "m.svg").read_text(encoding="utf-8")
 
 
 def test_a_plan_off_the_centre_is_refused_for_a_centred_model(study, repository, tmp_path, capsys):

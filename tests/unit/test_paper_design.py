@@ -9,7 +9,6 @@ from squeezefilm.designs.paper_design import (
     Design,
     d_efficiency,
     exchange_design,
-    information_determinant,
     inverse_determinant,
     inverse_distances,
     search_design,
@@ -33,47 +32,12 @@ def placed_gradient(points):
     return FOUR_FACTOR.gradient(theta, FOUR_FACTOR.factors(points))
 
 
-def decay(points):
-    """y = exp(-b/x), scaled by a free factor: b = 1500."""
-    value = np.exp(-1500 / points[:, 0])
-    return np.column_stack([value, -value / points[:, 0]])
-
-
-def saturation(points):
-    """Michaelis-Menten, y = V x/(K + x) with V = K = 1."""
-    x = points[:, 0]
-    return np.column_stack([x / (1 + x), -x / (1 + x) ** 2])
-
-
-@pytest.mark.parametrize(
-    ("gradient", "lower", "upper", "best"),
-    [(decay, 212.0, 422.0, [329.344, 422.0]), (saturation, 0.0, 5.0, [5 / 7, 5.0])],
-)
-def test_known_optima(gradient, lower, upper, best):
-    criterion = Criterion(gradient, Box(("x",), (lower,), (upper,)))
-    found = search_design(criterion, 2, seed=1, generations=20)
-    np.testing.assert_allclose(found.points.ravel(), best, rtol=2e-6)
-    checked = exchange_design(criterion, 2, levels=40)
-    np.testing.assert_allclose(checked.points.ravel(), best, rtol=2e-6)
-
-
-def test_the_determinant_is_that_of_the_normal_matrix():
-    rows = np.random.default_rng(1).normal(size=(4, 6, 3))
-    direct = np.linalg.det(rows.swapaxes(-1, -2) @ rows)
-    np.testing.assert_allclose(information_determinant(rows), direct, rtol=1e-12)
-    np.testing.assert_allclose(inverse_determinant(rows), 1 / direct, rtol=1e-12)
-
-
 def test_singular_designs_and_coincident_points_count_as_huge():
     twice = film_gradient(np.array([[5e-6, 2e-6], [5e-6, 2e-6], [10e-6, 0.2e-6]]))
     assert inverse_determinant(twice) > 1e20
     assert inverse_determinant(twice[:2]) > 1e20  # fewer points than parameters
     assert inverse_determinant(np.full((3, 3), np.nan)) > 1e20
     assert inverse_distances([[0.0, 1.0], [0.0, 1.0]]) > 1e20
-
-
-def test_inverse_distances():
-    assert inverse_distances([[0, 0], [3, 4], [0, 4]]) == pytest.approx(1 / 5 + 1 / 4 + 1 / 3)
 
 
 def test_scalings():

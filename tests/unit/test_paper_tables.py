@@ -60,11 +60,8 @@ def test_the_table_for_people_has_every_row_and_states_its_settings(study, numbe
     assert len(rows) == {"1": 4, "2": 4, "3": 6}[number] + 2
     assert len({row.count("|") for row in rows}) == 1
     assert ("simulations at 13 positions" if number == "2" else "test device") in markdown
-
-
-def test_a_parameter_that_is_zero_but_for_rounding_reads_zero(study, tmp_path):
-    _, markdown = made(study, "3", tmp_path)
-    assert "| θ3 | – | 0.016642 | 0 | −0.039971 |" in markdown
+    if number == "3":  # a zero but for rounding reads zero
+        assert "| θ3 | – | 0.016642 | 0 | −0.039971 |" in markdown
 
 
 def test_an_unknown_table_is_refused():

@@ -50,19 +50,18 @@ def test_the_four_factor_plan_has_13_positions_with_5_points(paper):
     assert not plan.drop(columns="point_id").duplicated().any()
 
 
+BOX = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
+
+
 def test_random_points_fill_their_box_and_repeat():
-    box = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
-    plan = random_plan(points=400, seed=1, **box)
-    for name, (low, high) in box.items():
+    plan = random_plan(points=400, seed=1, **BOX)
+    for name, (low, high) in BOX.items():
         assert low <= plan[name].min() < low + 0.02 * (high - low)
         assert high >= plan[name].max() > high - 0.02 * (high - low)
     factors = plan.drop(columns="point_id")
     assert np.abs(np.corrcoef(factors.T) - np.eye(4)).max() < 0.2
-    assert plan.equals(random_plan(points=400, seed=1, **box))
-    assert not plan.equals(random_plan(points=400, seed=2, **box))
-
-
-BOX = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
+    assert plan.equals(random_plan(points=400, seed=1, **BOX))
+    assert not plan.equals(random_plan(points=400, seed=2, **BOX))
 
 
 def sweep_plan(**arguments: Any) -> pd.DataFrame:
@@ -82,16 +81,11 @@ def test_a_sweep_fills_its_box_more_evenly_than_chance():
     assert np.mean(even) < 0.2 * np.mean(random)
 
 
-def test_sweeps_one_after_another_are_one_sweep():
+def test_sweeps_one_after_another_are_one_sweep_whatever_its_pieces(monkeypatch):
     whole = sweep_plan(points=100, first=0, seed=3, **BOX)
+    monkeypatch.setattr(plans, "PIECE", 7)
+    assert len(list(sweep_pieces(points=100, first=0, seed=3, **BOX))) == 15
     parts = [sweep_plan(points=count, first=n, seed=3, **BOX) for n, count in ((0, 37), (37, 63))]
     assert whole.equals(pd.concat(parts, ignore_index=True))
     assert not whole.equals(sweep_plan(points=100, first=0, seed=4, **BOX))
     assert whole["point_id"].is_unique
-
-
-def test_a_sweep_is_the_same_in_pieces_of_any_size(monkeypatch):
-    whole = sweep_plan(points=100, first=5, seed=3, **BOX)
-    monkeypatch.setattr(plans, "PIECE", 7)
-    assert len(list(sweep_pieces(points=100, first=5, seed=3, **BOX))) == 15
-    assert whole.equals(sweep_plan(points=100, first=5, seed=3, **BOX))

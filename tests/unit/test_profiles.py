@@ -18,7 +18,6 @@ from squeezefilm.film.vibration.scan_tables import points_table, summary_of
 from squeezefilm.film.vibration.scans import SmoothedScan, smoothed_scan
 from squeezefilm.film.vibration.shapes import Modes, Profile, Sinc
 from squeezefilm.film.vibration.vibrometer import read_scan
-from squeezefilm.film.vibration.zernike import modes_at, orders_up_to
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
@@ -60,21 +59,17 @@ def raster(points: int = 25) -> tuple[np.ndarray, np.ndarray]:
     return x[inside], y[inside]
 
 
+def bessel(nodal_diameters: int, **settings: float) -> dict[str, Any]:
+    mode = {"wave_number_rad_per_m": 700.0, "edge_share": 0.0, "direction_deg": 20.0}
+    return {"kind": "bessel", "nodal_diameters": nodal_diameters} | mode | settings
+
+
 ANALYTIC = [
     {"kind": "standing-wave", "wavelength_m": 0.012, "direction_deg": 30, "crest_m": 0.002},
     {"kind": "standing-wave", "wavelength_m": 0.08, "direction_deg": 30, "crest_m": 0.015},
     {"kind": "standing-wave", "wavelength_m": 10.0, "direction_deg": 0, "crest_m": -2.5},
     {"kind": "formula", "expression": "3 * cos(500*x) * exp(-(r/0.01)**2)"},
-    *(
-        {
-            "kind": "bessel",
-            "nodal_diameters": n,
-            "wave_number_rad_per_m": 700.0,
-            "edge_share": share,
-            "direction_deg": 20.0,
-        }
-        for n, share in [(0, 0.0), (0, 0.02), (2, 0.0), (3, -0.01)]
-    ),
+    *(bessel(n, edge_share=share) for n, share in [(0, 0.0), (0, 0.02), (2, 0.0), (3, -0.01)]),
 ]
 
 
@@ -87,13 +82,7 @@ def test_the_largest_amplitude_on_the_disc_is_one(settings):
 
 
 def test_a_mode_with_nodal_diameters_turns_its_sign_across_them():
-    shape = profile(
-        kind="bessel",
-        nodal_diameters=2,
-        wave_number_rad_per_m=600.0,
-        edge_share=0.0,
-        direction_deg=10.0,
-    )
+    shape = profile(**bessel(2, wave_number_rad_per_m=600.0, direction_deg=10.0))
     angle = np.radians(10 + np.array([0, 45, 90, 180]))
     values = shape.amplitude(x_m=0.004 * np.cos(angle), y_m=0.004 * np.sin(angle))
     largest = jv(2, np.linspace(0, 6, 100_001)).max()
@@ -104,19 +93,6 @@ def test_a_standing_wave_has_its_length():
     wave = profile(kind="standing-wave", wavelength_m=0.012, direction_deg=90.0, crest_m=0.001)
     y_m = np.array([0.001, 0.004, 0.007])
     assert wave.amplitude(x_m=np.full(3, 0.003), y_m=y_m) == pytest.approx([1, 0, -1], abs=1e-12)
-
-
-def test_zernike_modes_are_orthogonal_on_the_disc():
-    orders = orders_up_to(6, axisymmetric=False)
-    assert len(orders) == 28
-    nodes, weights = np.polynomial.legendre.leggauss(10)
-    r, phi = np.meshgrid(np.sqrt((1 + nodes) / 2), 2 * np.pi * np.arange(16) / 16, indexing="ij")
-    modes = modes_at(orders, x=(r * np.cos(phi)).ravel(), y=(r * np.sin(phi)).ravel())
-    products = modes.T @ (np.repeat(weights / 32, 16)[:, None] * modes)
-    norms = [(1 if m == 0 else 0.5) / (n + 1) for n, m in orders]
-    assert products == pytest.approx(np.diag(norms), abs=1e-12)
-    rim = modes_at([(4, 0), (5, 3)], x=np.array([1.0]), y=np.array([0.0]))
-    assert rim == pytest.approx(np.ones((1, 2)))
 
 
 def test_without_noise_the_profile_comes_back(smooth):
@@ -177,41 +153,11 @@ def test_the_stated_error_covers_the_true_one(smooth, axisymmetric):
     assert 0.85 < np.mean(held) <= 1
 
 
-def test_noise_drawn_anew_spreads_as_the_standard_error_says(smooth):
-    smoothed = smooth(scan_text(noise=0.02, missing=0.03, seed=5), axisymmetric=False)
-    place = {"x_m": np.array([0.0075]), "y_m": np.array([0.003])}
-    drawn = smoothed.residual_bootstrap(count=40, seed=1)
-    # Normalised profiles: the peak's own error is taken out of the standard error.
-    spread = np.std([shape.amplitude(**place) for shape in drawn])
-    assert spread == pytest.approx(smoothed.standard_error(**place)[0], rel=0.4)
-    for again, first in zip(smoothed.residual_bootstrap(count=2, seed=1), drawn, strict=False):
-        assert again.coefficients == pytest.approx(first.coefficients, rel=1e-9, abs=1e-12)
-
-
-def test_a_stray_point_is_named(smooth):
-    lines = scan_text(noise=0.01, missing=0, seed=1).splitlines()
-    cells = lines[200].split(",")
-    lines[200] = ",".join([*cells[:2], f"{float(cells[2]) + 0.3:.4f}", cells[3]])
-    smoothed = smooth("\n".join(lines), axisymmetric=False)
-    summary = summary_of(smoothed, noise=0.0, error=0.0)
-    assert summary["outlier_lines"] == [201]
-    rows = points_table(smoothed)
-    assert list(rows.loc[rows["outlier"], "line"]) == [201]
-
-
 def test_forces_of_the_worked_example_are_within_two_percent(repository):
     """The example in config/ is the sinc with 2 % noise: exact forces are known."""
     config = load_config(repository / "config" / "vibrometer.yaml")
-    points = [
-        ScenePoint(f"{h0} {hv} {r} {a}", h0, hv, r, a)
-        for h0, hv, r, a in [
-            (5e-6, 2e-6, 0.0, 0.0),
-            (10e-6, 0.2e-6, 0.0, 0.0),
-            (5e-6, 2e-6, 0.0029, 45.0),
-            (10e-6, 2e-6, 0.0029, 0.0),
-        ]
-    ]
-    measured = [scene_of(point, config) for point in points]
+    places = [(5e-6, 2e-6, 0.0, 0.0), (10e-6, 0.2e-6, 0.0, 0.0), (5e-6, 2e-6, 0.0029, 45.0)]
+    measured = [scene_of(ScenePoint("1", *place), config) for place in places]
     exact = [
         replace(scene, actuator=replace(scene.actuator, profile=Sinc(109.8))) for scene in measured
     ]
@@ -311,16 +257,14 @@ def test_comments_blank_lines_and_byte_order_mark_do_not_matter(tmp_path):
     "settings",
     [
         {"kind": "piston"},
-        {"kind": "bessel", "nodal_diameters": 0, "wave_number_rad_per_m": 200, "edge_share": 0},
-        {"kind": "standing-wave", "wavelength_m": 0.01, "crest_m": 0},
+        bessel(0, wave_number_rad_per_m=200),
+        {"kind": "standing-wave", "wavelength_m": 0.01, "direction_deg": 20, "crest_m": 0},
         {"kind": "measured", "file": "vibrometer.csv", "axisymmetric": False},
     ],
     ids=lambda settings: str(settings["kind"]),
 )
 def test_a_profile_of_any_kind_can_be_drawn(settings, repository):
     """Also without a node line, and flat."""
-    if settings["kind"] in ("bessel", "standing-wave"):
-        settings = {**settings, "direction_deg": 20}
     config = load_config(repository / "config" / "vibrometer.yaml")
     actuator = {**config["actuator"], "profile": settings}
     study = replace(config, sections={**config, "actuator": actuator}).only(fig05.SECTIONS)
@@ -337,6 +281,8 @@ def test_the_scan_is_drawn_with_its_residuals(smooth):
     lines[77] = lines[77].split(",")[0] + ",0.75,2.0,0"
     smoothed = smooth("\n".join(lines), axisymmetric=False)
     summary = summary_of(smoothed, noise=0.01, error=0.01)
+    rows = points_table(smoothed)
+    assert summary["outlier_lines"] == list(rows.loc[rows["outlier"], "line"]) == [78]
     data = profile_figure.build(smoothed, summary)
     module = figure_module("profile")
     assert set(module.COLUMNS) <= set(data.columns)

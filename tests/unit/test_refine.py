@@ -31,13 +31,13 @@ class Refined:
         return json.loads((self.folder / model / "verdict.json").read_text())
 
 
-def study(repository: Path, path: Path, **refine: object) -> Path:
-    """The quick study with other settings of its section `refine`."""
-    values = {key: value for key, value in load_config(repository / "config/quick.yaml").items()}
-    values["refine"] = values["refine"] | refine
+def study(repository: Path, path: Path, **more: dict) -> Path:
+    """The quick study with other settings of some sections."""
+    values = dict(load_config(repository / "config/quick.yaml"))
     values["models"] = {"square": {"expression": "t0*(hv/h0)**2"}}
     values["comparison"] = {"two_factor": ["limit_1"], "four_factor": ["limit_1"]}
-    values["model_control"] = values["model_control"] | {"points": 60}
+    for section, settings in ({"model_control": {"points": 60}} | more).items():
+        values[section] = values[section] | settings
     path.write_text(yaml.safe_dump(values), encoding="utf-8")
     return path
 
@@ -53,7 +53,7 @@ def refine(model: str, folder: Path, config: Path, *more: str) -> int:
 @pytest.fixture(scope="module")
 def refined(repository, tmp_path_factory):
     folder = tmp_path_factory.mktemp("refined")
-    config = study(repository, folder / "study.yaml", worst_error=0.01)
+    config = study(repository, folder / "study.yaml", refine={"worst_error": 0.01})
     for model in ("limit_2", "square"):
         assert refine(model, folder / model, config) == 0
     scenes, forces, limits = (folder / f"{name}.csv" for name in ("scenes", "forces", "limits"))
@@ -139,7 +139,7 @@ def test_the_report_compares_estimates_with_the_truth(refined, tmp_path):
     ],
 )
 def test_what_cannot_be_refined_is_refused(model, settings, message, repository, tmp_path, capsys):
-    config = study(repository, tmp_path / "study.yaml", **settings)
+    config = study(repository, tmp_path / "study.yaml", refine=settings)
     assert refine(model, tmp_path, config) == 2
     assert message in capsys.readouterr().err
 
@@ -165,9 +165,7 @@ def test_a_model_whose_physics_does_not_hold_is_left_out_before_anything_is_simu
         raise AssertionError("a scene is simulated")
 
     monkeypatch.setattr(refined_model, "solve", no_simulation)
-    config = study(repository, tmp_path / "study.yaml")
-    text = config.read_text(encoding="utf-8")
-    config.write_text(text.replace("shape: rectangle", "shape: ellipse"), encoding="utf-8")
+    config = study(repository, tmp_path / "study.yaml", finger={"shape": "ellipse"})
     assert refine("limit_1", tmp_path / "limit_1", config) == 2
     assert refine("limit_1", tmp_path / "limit_1", config, "--keep-going") == 0
     words = ["--forces", str(refined.unseen), "--limits", str(refined.limits)]

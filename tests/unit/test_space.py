@@ -57,6 +57,11 @@ def test_a_grid_has_its_limits_and_each_scene_once(space):
     places = np.round(space.coordinates(points), 12)
     assert len(np.unique(places, axis=0)) == len(points)
     assert len(space.grid(1500, distinct=False)) == 6**4
+    # The first direction of a full circle is its last one.
+    box = Box(space.box.names, (*space.box.lower[:3], 0.0), (*space.box.upper[:3], 360.0))
+    around = replace(space, box=box)
+    points = around.grid(3000, distinct=True)
+    assert len(np.unique(np.round(around.coordinates(points), 9), axis=0)) == len(points)
 
 
 def test_points_go_to_a_table_and_back(space, paper):

@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.designs.box import Box
 from squeezefilm.film.directions import Directions
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
@@ -116,15 +115,6 @@ def test_the_paper_s_positions_are_as_they_were(paper):
     assert finger_positions(paper) == [(0, 0), *((r, angle) for r in radii for angle in angles)]
 
 
-def test_a_rectangle_has_two_axes_and_not_four(quick):
-    config = study(quick, RECTANGLE)
-    along_x, along_y = (
-        scene_of(ScenePoint("1", 5e-6, 2e-6, 0.0015, phi), config) for phi in (0.0, 90.0)
-    )
-    x, y = (solution.force_n for solution in solve([along_x, along_y], tolerance=1e-4))
-    assert abs(x / y - 1) > 0.01
-
-
 @pytest.mark.parametrize("phi_deg", [[0, 90], [0, 45, 90], [180, 270]])
 def test_any_direction_may_be_given(phi_deg, quick, tmp_path):
     sections = {**study(quick, RECTANGLE), "positions": {"phi_r_m": [0.001], "phi_deg": phi_deg}}
@@ -137,14 +127,6 @@ def test_a_pad_that_leaves_the_disc_between_the_directions_given_is_refused(quic
     sections = {**pad, "positions": {"phi_r_m": [0.0017], "phi_deg": [0, 90]}}
     with pytest.raises(InputError, match=r"positions: point \(0\.0017 m, 32\.7\d*°\).* off the"):
         check_study(Config(path=quick.path, sections=sections))
-
-
-def test_the_first_direction_of_a_full_circle_is_not_simulated_twice(quick):
-    space = Space.of(quick, centred=False)
-    box = Box(space.box.names, (*space.box.lower[:3], 0.0), (*space.box.upper[:3], 360.0))
-    points = Space(box, space.scene).grid(3000, distinct=True)
-    places = np.round(Space(box, space.scene).coordinates(points), 9)
-    assert len(np.unique(places, axis=0)) == len(points)
 
 
 @pytest.fixture(scope="module")
@@ -197,12 +179,9 @@ def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle):
     assert np.ptp(simulated) > 0.03 * np.max(simulated)
 
 
-def test_exported_code_says_which_directions_it_takes(rectangle, capsys):
+def test_a_working_point_is_found_in_any_direction_and_code_says_which_it_takes(rectangle, capsys):
     assert cli.main(["export", f"{rectangle}/fit.json", "--language=c"]) == 0
     assert "directions of 0 to 90 deg" in capsys.readouterr().out
-
-
-def test_a_working_point_is_found_in_any_direction(rectangle):
     words = ["working-point", f"{rectangle}/fit.json", "--force=0.3N", "--h0=6um"]
     out = rectangle / "points.csv"
     assert cli.main([*words, "--x=0mm", "--y=-2mm,2mm", f"--output={out}"]) == 0

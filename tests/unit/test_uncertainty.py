@@ -35,12 +35,8 @@ def extrapolated(tables):
     return table[table["claim_id"] == "simulation_at_2.2"].set_index("assumption")
 
 
-def test_every_difference_is_a_claim_of_the_paper(paper):
-    known = {claim.claim_id for claim in CLAIMS}
-    assert {each.claim_id for each in differences(paper)} <= known
-
-
 def test_every_assumption_is_tried_on_every_difference(paper, tables):
+    assert {each.claim_id for each in differences(paper)} <= {claim.claim_id for claim in CLAIMS}
     assert len(tables[0]) == len(ASSUMPTIONS) * len(differences(paper))
     assert tables[0]["because"].str.len().min() > 10
 
@@ -66,11 +62,6 @@ def test_what_only_lowers_the_force_has_no_needed_value(extrapolated):
     slip = extrapolated.loc["mean free path, by slip"]
     assert math.isnan(slip["needed"])
     assert slip["force_low_n"] < slip["force_high_n"] == pytest.approx(CENTRED_N)
-
-
-def test_the_stated_digits_bound_the_amplitude(extrapolated):
-    row = extrapolated.loc["amplitude"]
-    assert (row["plausible_low"], row["plausible_high"]) == pytest.approx((2.15, 2.25))
 
 
 def test_curves_pass_through_our_force(tables):

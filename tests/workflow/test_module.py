@@ -78,22 +78,9 @@ def test_a_module_s_prefix_is_for_its_results(outer):
     assert done.returncode == 0, done.stdout
 
 
-@pytest.mark.parametrize(
-    ("edit", "message"),
-    [
-        (lambda study: study.pop("gas"), "top level: missing 'gas'"),
-        (lambda study: study["solver"].update(tolerance=7), "solver.tolerance: 7"),
-        (lambda study: study.update(study="../paper"), "study: '../paper'"),
-        (
-            lambda study: study["actuator"].update(
-                profile={"kind": "measured", "file": "scan.csv", "axisymmetric": True}
-            ),
-            "scan.csv: there is no such scan",
-        ),
-    ],
-)
-def test_a_module_s_study_is_checked_as_a_file_is(outer, edit, message):
-    refused(snakemake(outer(edit), SCENES, "--dry-run").stdout, message)
+def test_a_module_s_study_is_checked_as_a_file_is(outer):
+    folder = outer(lambda study: study["solver"].update(tolerance=7))
+    refused(snakemake(folder, SCENES, "--dry-run").stdout, "solver.tolerance: 7")
 
 
 def test_a_module_without_a_study_is_not_the_paper(outer):
@@ -109,9 +96,17 @@ def refused(output: str, *messages: str) -> None:
     assert "Building DAG" not in output
 
 
-@pytest.mark.parametrize("between", [(), ("--configfile",)], ids=["one option", "two options"])
-def test_two_files_are_refused_by_name(repository, tmp_path, between):
-    quick, paper = (str(repository / f"config/{name}.yaml") for name in ("quick", "paper"))
-    words = ("--snakefile", str(repository / "Snakefile"), "--dry-run")
-    done = snakemake(tmp_path, *words, "--configfile", quick, *between, paper)
-    refused(done.stdout, f"--configfile names {quick} and {paper}")
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--configfile", "{quick}", "{paper}"), "--configfile names {quick} and {paper}"),
+        (("--configfile", "{quick}", "--configfile", "{paper}"), "{quick} and {paper}"),
+        (("--config", "study=mine"), "squeezefilm: error:"),
+    ],
+)
+def test_a_mixture_of_studies_is_refused(repository, tmp_path, words, message):
+    files = {name: repository / f"config/{name}.yaml" for name in ("quick", "paper")}
+    start = ("--snakefile", str(repository / "Snakefile"), "--dry-run")
+    done = snakemake(tmp_path, *start, *(word.format(**files) for word in words))
+    assert done.returncode != 0
+    refused(done.stdout, message.format(**files))

@@ -12,8 +12,6 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
 from modulefinder import ModuleFinder
@@ -24,10 +22,7 @@ from typing import Any
 import pytest
 import yaml
 
-from squeezefilm.io.errors import InputError
 from squeezefilm.runs.code import DECIDES_NOTHING
-from squeezefilm.studies.config import SCHEMA_PATH, load_config
-from squeezefilm.studies.study import check_study
 
 from .conftest import (
     EVERYTHING,
@@ -146,17 +141,6 @@ def test_all_that_a_job_uses_is_its_basis_and_nothing_else(jobs):
         assert listed == job.code, (job.outputs, listed ^ job.code)
 
 
-def test_every_solver_file_is_in_use(jobs):
-    used = set().union(*(job.code for job in jobs))
-    for name in (
-        "reynolds/periodic/periodic.cl",
-        "reynolds/periodic/launch.py",
-        "models/fitting/fit.py",
-        "designs/paper_design.py",
-    ):
-        assert LIBRARY / name in used
-
-
 def edited(path: Path, folder: Path) -> str:
     mark = {".py": "\nEDITED = True\n", ".cl": "\n#define EDITED 1\n"}.get(path.suffix, "\n# new\n")
     return (folder / path).read_text(encoding="utf-8") + mark
@@ -201,66 +185,30 @@ def test_an_edit_of_what_only_people_read_makes_nothing_anew(planner):
     assert planner.made_anew(*EVERYTHING, edits=edits) == set()
 
 
-def leaves(values: dict[str, Any], place: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """The keys of a study that commands read; a profile is one, its keys belong together."""
-    for key, value in values.items():
-        if isinstance(value, dict) and key not in ("profile", "models"):
-            yield from leaves(value, (*place, key))
-        elif key not in ("study", "seconds_per_job"):
-            yield (*place, key)
-
-
-def words_of(schema: Any) -> Iterator[str]:
-    """All words that some key may have."""
-    if isinstance(schema, dict):
-        yield from schema.get("enum", [])
-        for part in schema.values():
-            yield from words_of(part)
-
-
-WORDS = sorted(set(words_of(yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8")))))
 STUDY = yaml.safe_load((REPOSITORY / "config/quick.yaml").read_text(encoding="utf-8"))
 
 
-def others(value: Any) -> Iterator[Any]:
-    """Values to try instead of one."""
-    if isinstance(value, dict):
-        yield {"kind": "piston"}
-        yield {**value, "another": deepcopy(next(iter(value.values())))}
-    elif isinstance(value, bool):
-        yield not value
-    elif isinstance(value, list):
-        yield value[:-1]
-        yield [*value, 7]
-    elif isinstance(value, int | float) or value[:1].isdigit():
-        number = float(value) if isinstance(value, str) else value
-        yield from (number * 1.001, number * 0.999, number + 1, number - 1, 1e-3, 1e-7)
-    else:
-        yield from (*WORDS, "pocl")
-
-
-def is_number(place: tuple[str, ...]) -> bool:
-    value: Any = STUDY
-    for key in place:
-        value = value[key]
-    return isinstance(value, int | float) or (isinstance(value, str) and value[:1].isdigit())
-
-
-# One key of each section, a number if it has one: a job has whole sections in its basis.
-PLACES = {place[0]: place for place in sorted(leaves(STUDY), key=is_number)}
-
-
-@pytest.mark.parametrize("section", PLACES)
+@pytest.mark.parametrize("section", sorted(STUDY.keys() - {"study", "simulation"}))
 def test_what_reads_a_section_of_the_study_has_it_as_its_basis(section, jobs):
     read = {o for job in jobs if section in job.trace.sections for o in job.outputs}
     listed = {o for job in jobs if section in job.basis for o in job.outputs}
     assert with_dependents(listed, jobs) == with_dependents(read, jobs)
 
 
-@pytest.mark.parametrize("section", ["gas", "positions", "fit", "validation"])
-def test_an_edit_of_the_study_makes_anew_what_reads_its_section(section, jobs, planner, tmp_path):
-    text = edited_study(planner.folder / "config/quick.yaml", PLACES[section], tmp_path)
-    made = planner.made_anew(*EVERYTHING, edits={Path("config/quick.yaml"): text})
+@pytest.mark.parametrize(
+    ("section", "old", "new"),
+    [
+        ("gas", "1.81e-5", "1.82e-5"),
+        ("positions", "[0.002, 0.0029]", "[0.001, 0.0029]"),
+        ("fit", "bounds: [100]", "bounds: [90]"),
+        ("validation", "relative_error_band: 0.15", "relative_error_band: 0.16"),
+    ],
+)
+def test_an_edit_of_the_study_makes_anew_what_reads_its_section(section, old, new, jobs, planner):
+    text = (planner.folder / "config/quick.yaml").read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    edits = {Path("config/quick.yaml"): text.replace(old, new)}
+    made = planner.made_anew(*EVERYTHING, edits=edits)
     read = {o for job in jobs if section in job.trace.sections for o in job.outputs}
     assert undivided(made) == undivided(with_dependents(read, jobs))
 
@@ -287,29 +235,6 @@ def test_jobs_of_another_length_make_anew_what_is_divided_otherwise(jobs, planne
     }
     expected = {name for name in with_dependents(gathered, jobs) if "/chunks/" not in name}
     assert made - chunks == expected
-
-
-def edited_study(path: Path, place: tuple[str, ...], folder: Path) -> str:
-    """The study with another valid value at one place."""
-    value: Any = load_config(path)
-    for key in place:
-        value = value[key]
-    for other in others(value):
-        study = dict(load_config(path))
-        section = study
-        for key in place[:-1]:
-            section[key] = section = dict(section[key])
-        section[place[-1]] = other
-        if other == value:
-            continue
-        text = yaml.safe_dump(study)
-        (folder / "study.yaml").write_text(text, encoding="utf-8")
-        try:
-            check_study(load_config(folder / "study.yaml"))
-        except InputError:
-            continue
-        return text
-    pytest.fail(f"no other valid value for {'.'.join(place)}")
 
 
 def test_after_all_edits_are_undone_nothing_is_made_anew(planner):
