@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from reference_forces import reference_table
+from reference_forces import FOUR_FACTOR_THETA, reference_table
 
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.fitting.fit import fit_model
@@ -16,9 +16,6 @@ from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks import physics_limits as limits
 from squeezefilm.studies.tasks.physics_limits import with_limits
-
-FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)
-"""Where the search for the paper's form (14) ends on the 65 points (see test_fit.py)."""
 
 
 def limits_of(table: pd.DataFrame, paper: Config) -> pd.DataFrame:

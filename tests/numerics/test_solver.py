@@ -12,11 +12,8 @@ from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.explain import explain
-from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import refinement
-from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.study import scene_of
 
@@ -184,23 +181,6 @@ def test_result_does_not_depend_on_the_other_scenes(paper_scenes):
     alone = [solve([scene], tolerance=1e-6)[0] for scene in scenes]
     assert together == backwards == alone
     assert len({solution.force_n for solution in together}) == len(scenes)
-
-
-def test_what_is_done_can_be_judged_while_the_device_is_at_the_next():
-    """Results are fetched as soon as their launch is done, not behind the one that followed."""
-    import pyopencl as cl
-
-    def launched(grid: Grid, scenes: int) -> Launch:
-        like = [film(epsilon=0.5, sigma=100.0)] * scenes
-        batch = Batch([grid], [problems_of(like, grid, tolerance=1e-12)])
-        return launch([batch], device=choose_device())
-
-    launched(Grid(4, 4, 8, True, True), 1).states()  # the kernels are built
-    small = launched(Grid(4, 4, 8, True, True), 1)
-    large = launched(Grid(32, 32, 32, False, False), 16)
-    assert small.states()[0][0].status.tolist() == [0]
-    assert large.done.command_execution_status != cl.command_execution_status.COMPLETE
-    assert set(large.states()[0][0].status) == {0}
 
 
 def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved():

@@ -147,19 +147,6 @@ def chebyshev(**given: Any) -> float:
     return chebyshev_march.periodic_force(**settings | given).force
 
 
-@pytest.mark.parametrize(
-    ("force", "rel"),
-    [
-        (lambda epsilon: elements(epsilon=epsilon, steps=128), 3e-4),
-        (lambda epsilon: volumes(epsilon=epsilon, cells=16), 3e-3),
-        (lambda epsilon: chebyshev(epsilon=epsilon), 1e-5),
-    ],
-    ids=["finite elements", "method of lines", "Chebyshev march"],
-)
-def test_marched_sinc_force_at_small_amplitude(force, rel):
-    assert small_amplitude(force) == pytest.approx(SINC_SECOND_ORDER[20], rel=rel)
-
-
 def test_crank_nicolson_is_of_second_order_in_time(converged):
     found = [elements(cells=6, steps=steps) for steps in (16, 32, 64)]
     assert orders(found, converged) == pytest.approx(2, abs=0.2)

@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
+from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model, make_model
 from squeezefilm.models.working_point import amplitude_for_force
 
 THETA = {
-    TWO_FACTOR: np.array([7.624, 1.9166, -1.0013]),
-    FOUR_FACTOR: np.array([7.361, 2.077, -1.0003, 0.0166, -81.1]),
+    TWO_FACTOR: np.array(SCREEN_THETA),
+    FOUR_FACTOR: np.array(FOUR_FACTOR_THETA),
 }
 MODELS = pytest.mark.parametrize("model", [TWO_FACTOR, FOUR_FACTOR], ids=lambda m: m.name)
 

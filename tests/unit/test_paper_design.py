@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.designs.box import Box, coordinates, corners, pair_distances
 from squeezefilm.designs.paper_design import (
@@ -24,12 +25,11 @@ PLACED = Box(
 
 
 def film_gradient(points):
-    return TWO_FACTOR.gradient([7.6240, 1.91659, -1.00131], TWO_FACTOR.factors(points))
+    return TWO_FACTOR.gradient(SCREEN_THETA, TWO_FACTOR.factors(points))
 
 
 def placed_gradient(points):
-    theta = [7.36091, 2.07664, -1.00025, 0.01664, -81.1153]
-    return FOUR_FACTOR.gradient(theta, FOUR_FACTOR.factors(points))
+    return FOUR_FACTOR.gradient(FOUR_FACTOR_THETA, FOUR_FACTOR.factors(points))
 
 
 def test_singular_designs_and_coincident_points_count_as_huge():

@@ -56,9 +56,7 @@ def test_only_a_plausible_value_explains(extrapolated):
     # A pressure would, but not one that is plausible.
     assert np.isfinite(extrapolated["needed"]["ambient pressure"])
     assert extrapolated["force_high_n"]["ambient pressure"] < 0.985
-
-
-def test_what_only_lowers_the_force_has_no_needed_value(extrapolated):
+    # What only lowers the force has no value that would.
     slip = extrapolated.loc["mean free path, by slip"]
     assert math.isnan(slip["needed"])
     assert slip["force_low_n"] < slip["force_high_n"] == pytest.approx(CENTRED_N)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
@@ -24,8 +25,8 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
 THETA = {
-    "two_factor": (7.6240, 1.91659, -1.001314),
-    "four_factor": (7.3609, 2.07664, -1.000252, 0.016642, -81.115),
+    "two_factor": SCREEN_THETA,
+    "four_factor": FOUR_FACTOR_THETA,
     "polynomial_5": (4.5632, 2.3185, -1.3051, -5.497e4, -8e3),
     "limit_2": (112.1, -634.6),
 }

@@ -51,19 +51,20 @@ def test_the_default_target_is_everything(fresh):
     assert everything == fresh.made_anew("paper")
     for name in ("two_factor", "four_factor", "figures", "tables", "claims"):
         assert fresh.made_anew(name) < everything
-    assert plans_of(fresh.rows()) == TWO_FACTOR | FOUR_FACTOR
 
 
-def test_two_factors_need_no_simulation_of_four(fresh):
-    assert plans_of(fresh.rows("two_factor")) == TWO_FACTOR
-
-
-def test_a_figure_needs_its_own_simulations_alone(fresh):
-    assert plans_of(fresh.rows("fig07")) == set()
-    assert plans_of(fresh.rows("fig08")) == {"screen"}
-    # A fit is judged on all its sets of points in one job.
-    judged = {"screen", "error_map", "extrapolation"}
-    assert plans_of(fresh.rows("fig13")) == {"two_factor_design", *judged}
+@pytest.mark.parametrize(
+    ("target", "plans"),
+    [
+        ("paper", TWO_FACTOR | FOUR_FACTOR),
+        ("two_factor", TWO_FACTOR),
+        ("fig07", set()),
+        ("fig08", {"screen"}),
+        ("fig13", TWO_FACTOR),  # a fit is judged on all its sets of points in one job
+    ],
+)
+def test_a_target_needs_its_own_simulations_alone(target, plans, fresh):
+    assert plans_of(fresh.rows(target)) == plans
 
 
 def test_the_paper_is_the_default_study(fresh):
