@@ -66,9 +66,19 @@ def edited(repository, tmp_path):
     return edited
 
 
+def pytest_collection_modifyitems(items):
+    """The longest chain of tests begins first, and next what else starts Snakemake."""
+
+    def late(item: pytest.Item) -> tuple[bool, bool]:
+        file = item.nodeid.partition("::")[0]
+        return file not in SHARING_ONE_RUN, not file.startswith("tests/workflow/")
+
+    items.sort(key=late)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Files stay whole, and those that share a finished run of the workflow stay together."""
+    """Files stay whole and in order; those that share a finished run of the workflow are one."""
     from xdist.scheduler import LoadScopeScheduling
 
     class TogetherScheduling(LoadScopeScheduling):
@@ -76,4 +86,5 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
             file = nodeid.partition("::")[0]
             return "one run" if file in SHARING_ONE_RUN else file
 
+    config.option.loadscopereorder = False
     return TogetherScheduling(config, log)

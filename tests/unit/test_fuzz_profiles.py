@@ -32,37 +32,28 @@ NAMES += ["phase_deg", "sign", "sign_m", "time_s", "", "x_mm_mm", "_mm", "amplit
 
 def mutated(lines: list[str], draw: random.Random) -> str:
     """A table with up to three things done to it."""
-    table = [line.split(",") for line in lines]
-    text = None
+    lines = list(lines)
     for _ in range(draw.randint(0, 3)):
-        row = draw.randrange(len(table))
-        kind = draw.randrange(10)
-        if kind <= 2 and table[row]:
-            table[row][draw.randrange(len(table[row]))] = draw.choice(CELLS)
-        elif kind == 3:
-            table[0][draw.randrange(len(table[0]))] = draw.choice(NAMES)
-        elif kind == 4:
-            table[row] = table[row] + [draw.choice(CELLS)]
-        elif kind == 5:
-            del table[row][-1:]
-        elif kind == 6:
-            table = table[: max(1, draw.randrange(len(table)))]
-        elif kind == 7:
-            column = draw.randrange(len(table[0]))
-            table = [cells[:column] + cells[column + 1 :] for cells in table]
-        elif kind == 8:
-            table.insert(row, list(table[draw.randrange(len(table))]))
+        row = draw.choice([0, draw.randrange(len(lines))])
+        cells, what = lines[row].split(","), draw.randrange(7)
+        column = draw.randrange(len(cells))
+        if what <= 1:
+            cells[column] = draw.choice(CELLS if row else NAMES)
+        elif what == 2:
+            cells.append(draw.choice(CELLS))
+        elif what == 3:
+            del cells[column]
+        elif what == 4:
+            cells[column] += draw.choice(['"', "\r", "\x00", "\n", "é"])
+        elif what == 5:
+            lines = lines[: row + 1]
         else:
-            place = draw.randrange(200)
-            text = "\n".join(",".join(cells) for cells in table)
-            odd = draw.choice(['"', "\r", "\x00", ",", "\n", "é"])
-            text = text[:place] + odd + text[place + 1 :]
-            table = [line.split(",") for line in text.split("\n")]
-        table = [cells for cells in table if cells] or [[""]]
-    return "\n".join(",".join(cells) for cells in table)
+            lines.append(lines[row])
+        lines[row] = ",".join(cells)
+    return "\n".join(lines)
 
 
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(2))
 def test_a_scan_runs_or_is_refused(block, tmp_path):
     draw = random.Random(block)
     path = tmp_path / "scan.csv"
@@ -72,15 +63,11 @@ def test_a_scan_runs_or_is_refused(block, tmp_path):
     for _ in range(60):
         path.write_text(mutated(draw.choice([SCAN, RADIAL]), draw), encoding="utf-8", newline="")
         smoothed_scan.cache_clear()
+        axisymmetric = draw.random() < 0.7
         try:
-            smoothed = smoothed_scan(
-                path, surface_radius_m=RADIUS_M, axisymmetric=draw.random() < 0.7
-            )
+            smoothed = smoothed_scan(path, surface_radius_m=RADIUS_M, axisymmetric=axisymmetric)
         except InputError as error:
             message = str(error)
-        else:
-            message = ""
-        if message:
             assert "scan.csv" in message
             if "finite number" in message or "cells" in message:
                 assert re.search(r"line \d+", message)
@@ -122,7 +109,7 @@ def study(repository: Path) -> dict[str, Any]:
     return {**load_config(repository / "config" / "paper.yaml")}
 
 
-@pytest.mark.parametrize("block", range(4))
+@pytest.mark.parametrize("block", range(2))
 def test_a_profile_and_a_finger_run_or_are_refused(block, repository, tmp_path):
     draw = random.Random(block)
     (tmp_path / "scan.csv").write_text("\n".join(SCAN), encoding="utf-8")
