@@ -225,19 +225,15 @@ def test_a_full_disk_is_told_and_then_made_room(checkout, mount):
     assert checkout.same()
 
 
-def test_a_disk_that_was_full_from_the_start_is_told_before_anything_runs(checkout, mount):
-    mount(checkout.folder / "results", "size=4k")
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [("size=4k", "No space left on device"), ("size=50m,ro", "Read-only file system")],
+)
+def test_a_disk_that_takes_nothing_is_told_before_anything_runs(checkout, mount, options, reason):
+    mount(checkout.folder / "results", options)
     done = checkout.snakemake()
     assert done.returncode == 2
-    assert "cannot be written: No space left on device" in done.stdout
-    assert "Compile the kernels" not in done.stdout
-
-
-def test_results_that_may_only_be_read_are_told_before_anything_runs(checkout, mount):
-    mount(checkout.folder / "results", "size=50m,ro")
-    done = checkout.snakemake()
-    assert done.returncode == 2
-    assert "cannot be written: Read-only file system" in done.stdout
+    assert f"cannot be written: {reason}" in done.stdout
     assert "Compile the kernels" not in done.stdout
     mount(checkout.folder / "results", "size=50m,rw", again=True)
     checkout.resume()

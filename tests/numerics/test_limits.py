@@ -1,15 +1,12 @@
 """Methods without time steps against known values, the periodic solver and their own errors."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
-from films import PISTON, SINC, film, mean_overpressure
-from physics_facts import SINC_CONVERGED, SINC_FAST, SINC_SECOND_ORDER, fast_piston
+from films import PISTON, SINC, film, limit, mean_overpressure
+from physics_facts import SINC_CONVERGED, fast_piston
 
-from squeezefilm.film.vibration.shapes import Profile, Sinc
+from squeezefilm.film.vibration.shapes import Sinc
 from squeezefilm.reynolds.limits.forces import (
-    LimitForces,
     boundary_layer,
     boundary_layer_limit,
     closed_form,
@@ -19,34 +16,6 @@ from squeezefilm.reynolds.limits.forces import (
     matched_limit,
     small_amplitude,
 )
-
-FINE = 31
-
-
-def limit(
-    method: Callable[..., LimitForces],
-    *,
-    epsilon: list[float] | np.ndarray,
-    sigma: list[float] | np.ndarray,
-    profile: Profile = SINC,
-    x: float = 0.0,
-    y: float = 0.0,
-    aspect: float = 1.0,
-    points: int = FINE,
-    slip: float = 0.0,
-) -> LimitForces:
-    """A method applied to films under one finger."""
-    nodes = limit_axis(points).all_nodes
-    along_x, along_y = np.meshgrid(nodes, nodes, indexing="ij")
-    scene = film(epsilon=0.1, sigma=1.0, profile=profile, x=x, y=y, aspect=aspect)
-    s = scene.amplitude(along_x, along_y)
-    return method(
-        epsilon=np.array(epsilon),
-        sigma=np.array(sigma),
-        amplitude=np.repeat(s[None], len(epsilon), axis=0),
-        aspect=aspect,
-        slip=slip,
-    )
 
 
 @pytest.mark.parametrize(
@@ -76,11 +45,6 @@ def test_the_stored_table_of_the_boundary_layer_can_be_made_again_at_and_between
     d, g = boundary_layer.integrals(np.array([0.53]))
     assert (d[0] / 0.53**2, g[0] / 0.53) == pytest.approx(boundary_layer.compute(0.53), rel=1e-8)
     assert np.isnan(boundary_layer.integrals(np.array([0.99]))[0]).all()
-
-
-def test_fast_limit_of_the_sinc():
-    forces = limit(fast_limit, epsilon=list(SINC_FAST), sigma=[1e9, 1e9])
-    assert forces.mean == pytest.approx(list(SINC_FAST.values()), rel=1e-6)
 
 
 @pytest.mark.parametrize("aspect", [1.0, 0.3])
@@ -127,13 +91,6 @@ def test_order_of_the_limits_in_the_squeeze_number():
         orders.append(np.log(errors[:-1] / errors[1:]) / np.log(4))
     assert orders[0] == pytest.approx(0.5, abs=0.05)
     assert orders[1] == pytest.approx(1.0, abs=0.1)
-
-
-def test_second_order_of_the_sinc():
-    sigma = list(SINC_SECOND_ORDER)
-    forces = limit(small_amplitude, epsilon=[0.01] * 3, sigma=sigma, points=47)
-    expected = np.array(list(SINC_SECOND_ORDER.values()))
-    assert forces.mean == pytest.approx(expected * 0.01**2, rel=1e-8)
 
 
 def test_composite_is_second_order_at_small_amplitude_and_boundary_layer_at_large_sigma():

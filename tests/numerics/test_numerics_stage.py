@@ -9,8 +9,6 @@ import pytest
 from physics_facts import (
     CUT_OFF_SIGMA,
     SINC_CONVERGED,
-    SINC_FAST,
-    SINC_SECOND_ORDER,
     SLOW_SPRING,
     SPRING_AT_20,
     SPRING_AT_CUT_OFF,
@@ -61,19 +59,6 @@ def test_blech_s_stiffness_of_the_square(sigma, stiffness):
 def test_a_very_long_rectangle_is_langlois_strip():
     long = analytic.blech_stiffness(sigma=20.0, aspect=1e5)
     assert long == pytest.approx(strip_spring(20.0), rel=1e-5)
-
-
-@pytest.mark.parametrize(("sigma", "limit"), SINC_SECOND_ORDER.items())
-def test_small_amplitudes_of_the_centred_sinc(sigma, limit):
-    film = Film("", 1.0, sigma)
-    found = analytic.small_amplitude(epsilon=1.0, sigma=sigma, amplitude=film.amplitude)
-    assert found == pytest.approx(limit, rel=1e-9)
-
-
-def test_fast_films_of_the_centred_sinc():
-    film = Film("", 0.44, 1.0)
-    found = analytic.fast(epsilon=0.44, amplitude=film.amplitude)
-    assert found == pytest.approx(SINC_FAST[0.44], rel=1e-8)
 
 
 def test_the_explicit_march_is_stable_up_to_its_theory():

@@ -7,12 +7,9 @@ from physics_facts import (
     CUT_OFF_SIGMA,
     DAMPING_AT_CUT_OFF,
     SINC_CONVERGED,
-    SINC_FAST,
-    SINC_SECOND_ORDER,
     SPRING_AT_20,
     SPRING_AT_CUT_OFF,
     piston_response,
-    slow_piston,
 )
 
 
@@ -60,42 +57,6 @@ def test_mean_force_of_a_piston_grows_like_five_quarters_of_the_spring_number():
     ]
     orders = np.log2(np.divide(differences[:-1], differences[1:]))
     assert orders == pytest.approx(2.0, abs=0.1)
-
-
-@pytest.mark.parametrize(("sigma", "second_order"), SINC_SECOND_ORDER.items())
-def test_mean_force_of_the_sinc_at_small_amplitude(sigma, second_order):
-    """F/ε² extrapolated to ε = 0 is the second-order perturbation solution."""
-    at = {
-        epsilon: mean_overpressure(
-            film(epsilon=epsilon, sigma=sigma), points=40, instants=12, fold=True
-        )
-        / epsilon**2
-        for epsilon in (0.02, 0.04)
-    }
-    assert (4 * at[0.02] - at[0.04]) / 3 == pytest.approx(second_order, rel=1e-6)
-
-
-@pytest.mark.parametrize("epsilon", [0.1, 0.5])
-def test_slow_motion_of_a_piston_gives_the_incompressible_limit(epsilon):
-    scene = film(epsilon=epsilon, sigma=1e-3, profile=PISTON)
-    force = mean_overpressure(scene, points=16, instants=32, fold=True)
-    assert force == pytest.approx(slow_piston(epsilon, 1e-3), rel=1e-5)
-
-
-@pytest.mark.parametrize(("epsilon", "limit"), SINC_FAST.items())
-def test_fast_motion_approaches_the_limit_without_time_like_the_layer_width(epsilon, limit):
-    """F − F∞ falls with 1/√σ, and its extrapolation to σ = ∞ is the Laplace solution."""
-    sigmas = np.array([1e4, 4e4, 16e4])
-    forces = np.array(
-        [
-            mean_overpressure(film(epsilon=epsilon, sigma=sigma), points=96, instants=16, fold=True)
-            for sigma in sigmas
-        ]
-    )
-    steps = np.diff(forces)
-    assert np.log2(steps[0] / steps[1]) == pytest.approx(1.0, abs=0.05)
-    extrapolated = 2 * forces[2] - forces[1]
-    assert extrapolated == pytest.approx(limit, rel=3e-6)
 
 
 @pytest.mark.parametrize(("sigma", "force"), SINC_CONVERGED.items())

@@ -13,9 +13,6 @@ import pytest
 from physics_facts import (
     ASIDE_N,
     CENTRED_N,
-    SINC_FAST,
-    SINC_SECOND_ORDER,
-    slow_piston,
 )
 
 from numerics.peers import (
@@ -58,12 +55,6 @@ def periodic(epsilon: float, sigma: float, amplitude: Amplitude = sinc, **more: 
     ).force
 
 
-def small_amplitude(force: Callable[[float], float], epsilon: float = 0.1) -> float:
-    """The limit of F / epsilon^2 for epsilon -> 0, its next term removed."""
-    coarse, fine = (force(e) / e**2 for e in (epsilon, epsilon / 2))
-    return (4 * fine - coarse) / 3
-
-
 def orders(values: list[float], exact: float) -> FloatArray:
     """Observed orders of convergence of values that each halve the step of the one before."""
     error = np.abs(np.array(values) - exact)
@@ -79,27 +70,6 @@ def test_piston_keeps_the_mean_of_h3_p2_everywhere(sigma):
     state = numpy_periodic.periodic_state(epsilon=epsilon, sigma=sigma, amplitude=piston)
     mean = (state.gap**3 * state.pressure**2).mean(axis=0)
     assert mean == pytest.approx(1 + 1.5 * epsilon**2, abs=1e-9)
-
-
-def test_piston_force_at_vanishing_squeeze_number():
-    epsilon, sigma = 0.5, 1e-3
-    force = periodic(epsilon, sigma, piston, nt=48, tolerance=1e-13)
-    assert force == pytest.approx(slow_piston(epsilon, sigma), rel=1e-5)
-
-
-@pytest.mark.parametrize(("sigma", "limit"), SINC_SECOND_ORDER.items())
-def test_sinc_force_at_small_amplitude(sigma, limit):
-    found = small_amplitude(
-        lambda epsilon: periodic(epsilon, sigma, nx=28, ny=28, tolerance=1e-13), epsilon=0.02
-    )
-    assert found == pytest.approx(limit, rel=1e-7)
-
-
-@pytest.mark.parametrize(("epsilon", "limit"), SINC_FAST.items())
-def test_sinc_force_tends_to_its_limit_as_one_over_root_sigma(epsilon, limit):
-    missing = [limit - periodic(epsilon, sigma, nx=36, ny=36) for sigma in (2500, 10_000)]
-    assert missing[0] / missing[1] == pytest.approx(2, rel=0.06)
-    assert 2 * missing[1] - missing[0] == pytest.approx(0, abs=2e-4 * limit)
 
 
 @pytest.mark.parametrize(
