@@ -217,15 +217,6 @@ def test_a_tilt_breaks_the_symmetry_along_it_alone():
     assert solved(other, tolerance=1e-4).force_n == pytest.approx(solution.force_n, rel=1e-9)
 
 
-def test_room_at_the_rim_costs_force():
-    forces = [
-        mean(pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(bulge_m=bulge)), tolerance=1e-4)
-        for bulge in (2e-6, 0.0, -2e-6)
-    ]
-    # The same gap in the middle, where the amplitude is, but more room at the rim.
-    assert forces[0] < forces[1] < forces[2]
-
-
 def test_a_pad_that_touches_is_refused():
     touching = pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(tilt_x_m=9e-6))
     with pytest.raises(InputError, match="touches the surface"):

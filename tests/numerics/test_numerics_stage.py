@@ -21,7 +21,6 @@ from numerics.peers.explicit_march import step_limit
 from numerics.peers.numpy_periodic import periodic_state
 from numerics.reference import reference_force
 from numerics.state_checks import check_state
-from numerics.timing import measure
 from numerics.work_precision import FILMS, work_precision
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
@@ -168,14 +167,6 @@ def test_what_is_refused_must_be_documented():
     assert stability.beyond(Film("", 0.4, 583.0)) == ""
     assert "contact" in stability.beyond(Film("", 1.0, 583.0))
     assert "bearing" in stability.beyond(Film("", 0.4, 583.0, bearing=1e4))
-
-
-def test_times_are_medians_and_a_long_run_is_made_once():
-    calls: list[int] = []
-    timed = measure(lambda: calls.append(1), repeats=3)
-    assert (timed.repeats, len(calls)) == (3, 4)
-    timed = measure(lambda: calls.append(1), repeats=3, long_seconds=-1)
-    assert (timed.repeats, len(calls)) == (1, 5)
 
 
 def test_every_method_comes_near_the_reference():

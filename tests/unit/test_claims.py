@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 
@@ -89,11 +88,6 @@ def test_a_fit_that_misses_the_minimum_is_seen(results):
     assert verdict(replace(results, screen_runs=one), "bounds").startswith("differs")
 
 
-def test_an_error_as_large_as_the_papers_agrees(results):
-    coarse = results.design_on_screen | {"global_error": 0.046}
-    assert verdict(replace(results, design_on_screen=coarse), "design_error").startswith("agrees")
-
-
 def slow(seconds: float) -> pd.DataFrame:
     return pd.DataFrame({"point_id": ["1"], "solve_seconds": [seconds]})
 
@@ -104,11 +98,6 @@ def test_run_times_do_not_change_the_table(results, claims):
         pd.testing.assert_frame_equal(again, claims)
     days = judge(replace(results, screen_timings=slow(3 * 86400.0))).set_index("claim_id")
     assert days.loc["seconds", "verdict"].startswith("agrees")
-
-
-def test_small_forces_go_with_the_square_of_the_amplitude(claims):
-    expected_um = 0.2 * np.sqrt(90 / 1833)
-    assert f"hv = {expected_um:.2g} µm" in claims.loc["smallest_force", "explanation"]
 
 
 def test_the_command_writes_both_files_the_same_each_time(study, tmp_path):

@@ -158,19 +158,6 @@ def test_black_dots_lie_outside_the_band(tables):
     np.testing.assert_array_equal(np.sort(black[0].get_ydata()), [-40.0, 40.0])
 
 
-def test_the_edge_of_the_band_is_drawn_where_the_error_reaches_it(tables):
-    data = pd.read_csv(tables["error_map"])
-    thick = 1.8
-
-    def widths() -> list[float]:
-        contours = drawn("error_map", data).axes[0].collections
-        return [float(np.max(contour.get_linewidth())) for contour in contours]
-
-    assert thick not in widths()
-    data["relative_error_percent"] *= 5
-    assert thick in widths()
-
-
 def test_the_error_map_states_global_and_worst_error(tables):
     note = pd.read_csv(tables["error_map"])["note"].iloc[0]
     assert "global error 0.98" in note

@@ -59,14 +59,6 @@ def test_a_second_run_is_refused_until_the_first_is_dead(cards, another_process)
     locks.hold(cards, locks.new_owner()).close()
 
 
-def test_asking_who_holds_a_study_does_not_keep_others_from_it(cards):
-    assert locks.is_held(cards) is False
-    assert not cards.exists()
-    locks.hold(cards, locks.new_owner()).close()
-    assert locks.is_held(cards) is False
-    locks.hold(cards, locks.new_owner()).close()
-
-
 def test_a_lock_goes_only_when_its_owner_is_dead(tmp_path, snakemake_lock, another_process, capsys):
     unlock = ["unlock", "--folder", str(tmp_path)]
     assert main(unlock) == 1

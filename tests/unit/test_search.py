@@ -39,14 +39,3 @@ def test_it_is_pymoos_genetic_algorithm(objective, seed):
     )
     assert np.array_equal(ours.x, theirs.opt[0].X)
     assert ours.value == theirs.opt[0].F[0]
-
-
-def test_the_first_population_is_evaluated_once():
-    calls = []
-
-    def objective(x: np.ndarray) -> np.ndarray:
-        calls.append(len(x))
-        return bumpy(x)
-
-    found = genetic_search(objective, lower=LOWER, upper=UPPER, seed=1, first=900, generations=5)
-    assert found.evaluations == sum(calls) == 900 + 4 * 40

@@ -141,16 +141,11 @@ def test_at_trusted_points_the_simulation_lies_within_the_band(name, kind, paper
     assert np.all(verdict.error_n[chosen] <= MOST_RELATIVE_ERROR * np.abs(force[chosen]))
 
 
-@pytest.fixture(scope="module")
-def paper_fit(paper):
-    return fitted(paper, "finger anywhere")
-
-
-def test_the_page_computes_the_same(repository, paper_fit):
+def test_the_page_computes_the_same(repository, paper):
     node = shutil.which("node")
     if node is None:
         pytest.skip("no node here")
-    model, theta, trust, _ = paper_fit
+    model, theta, trust, _ = fitted(paper, "finger anywhere")
     trust = replace(trust, scan_error=0.01)
     ranges = {"h0_m": (4e-6, 11e-6), "hv_m": (0.1e-6, 2.2e-6)}
     table = random_plan(points=300, seed=3, **ranges, phi_r_m=(0, 2e-3), phi_deg=(0, 50))
@@ -187,12 +182,6 @@ def test_the_page_computes_the_same(repository, paper_fit):
     np.testing.assert_array_equal(found[:, 3] == 1, verdict.trusted)
     np.testing.assert_array_equal(found[:, 4] > 0, [bool(each) for each in trust.outside(factors)])
     assert 20 < np.sum(verdict.trusted) < 280
-
-
-def test_a_fit_is_read_with_its_evidence(paper_fit):
-    trust = replace(paper_fit[2], scan_error=0.01)
-    again = Trust.from_dict(json.loads(json.dumps(trust.to_dict())), place="test")
-    assert again.to_dict() == trust.to_dict()
 
 
 def evidence(count: int, *, error_n: float = 1e-3) -> tuple[Factors, Unseen]:
