@@ -45,6 +45,7 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any] | None, tuple[float, float
     "tilted along y": (tilted(0, 1e-6), None, (90, 270)),
     "tilted along the diagonal": (tilted(1e-6, 1e-6), None, (45, 225)),
     "tilted otherwise": (tilted(1e-6, 5e-7), None, (0, 360)),
+    "tilted circle": ({**CIRCLE, **tilted(1e-6, 1e-6)}, None, (45, 225)),
     "wave": ({}, WAVE, (0, 90)),
     "wave at an angle": ({}, ASKEW, (0, 180)),
     "wave off its crest": ({}, {**WAVE, "crest_m": 0.001}, (0, 180)),
