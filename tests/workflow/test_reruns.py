@@ -62,18 +62,37 @@ class Job:
     basis: frozenset[str]
 
 
+class Direct(ModuleFinder):
+    """Follows what one file imports, and not what is imported there."""
+
+    def __init__(self, file: Path, checkout: Path) -> None:
+        super().__init__(path=[str(checkout / "workflow")])
+        self.file = str(file)
+        self.load_file(self.file)
+
+    def scan_code(self, co: CodeType, m: Any) -> None:
+        if m.__file__ == self.file:
+            super().scan_code(co, m)
+
+
 @cache
-def imported_by(module: Path, checkout: Path) -> frozenset[Path]:
-    """The files that a module can load: modules by modulefinder, and data that their code names."""
-    finder = ModuleFinder(path=[str(checkout / "workflow")])
-    finder.load_file(str(checkout / module))
-    modules = [found for found in finder.modules.values() if found.__file__]
-    texts = set().union(*(texts_in(found.__code__) for found in modules if found.__code__))
-    names = {text.rpartition("/")[2] for text in texts}
-    data = {path for path in CODE if path.suffix != ".py" and path.name in names}
-    while more := {path for path in CODE if path.name in includes_of(data, checkout)} - data:
-        data |= more
-    return frozenset(data.union(Path(found.__file__).relative_to(checkout) for found in modules))
+def loads(path: Path, checkout: Path) -> frozenset[Path]:
+    """The files that a file loads itself: modules by modulefinder, and data that its code names."""
+    if path.suffix != ".py":
+        return frozenset(each for each in CODE if each.name in includes_of(path, checkout))
+    modules = [each for each in Direct(checkout / path, checkout).modules.values() if each.__file__]
+    names = {text.rpartition("/")[2] for text in texts_in(modules[0].__code__)}
+    data = {each for each in CODE if each.suffix != ".py" and each.name in names}
+    return frozenset(data.union(Path(each.__file__).relative_to(checkout) for each in modules))
+
+
+def imported_by(module: Path, checkout: Path) -> set[Path]:
+    """The files that a module can load, at any depth."""
+    reached, waiting = set(), {module}
+    while waiting:
+        reached |= waiting
+        waiting = set().union(*(loads(path, checkout) for path in waiting)) - reached
+    return reached
 
 
 def texts_in(constant: Any) -> set[str]:
@@ -85,9 +104,9 @@ def texts_in(constant: Any) -> set[str]:
     return set().union(*map(texts_in, constant)) if isinstance(constant, tuple) else set()
 
 
-def includes_of(kernels: set[Path], checkout: Path) -> set[str]:
-    """The names of the files that kernels include."""
-    lines = (line for path in kernels for line in (checkout / path).read_text().splitlines())
+def includes_of(kernel: Path, checkout: Path) -> set[str]:
+    """The names of the files that a kernel includes."""
+    lines = (checkout / kernel).read_text(encoding="utf-8").splitlines()
     return {line.split('"')[1] for line in lines if line.startswith('#include "')}
 
 
