@@ -54,6 +54,7 @@ class Term:
         HOOKS: those of HOOKS that these sources fill, by functions ``HOOK_NAME``.
         UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
+        ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
     """
 
@@ -67,6 +68,7 @@ class Term:
     HOOKS: ClassVar[tuple[str, ...]] = ()
     UNKNOWN_FIELDS: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
+    ESTIMATE_MARGIN: ClassVar[float] = 1.0
     CARRYING: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
