@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -40,6 +40,7 @@ class Films:
     s: np.ndarray
     aspect: np.ndarray
     slip: np.ndarray
+    reynolds: np.ndarray
 
     @property
     def x(self) -> Axis:
@@ -52,11 +53,25 @@ class Films:
     @property
     def coarser(self) -> Films:
         """The same films on every other node."""
-        return Films(self.epsilon, self.sigma, self.s[:, ::2, ::2], self.aspect, self.slip)
+        return replace(self, s=self.s[:, ::2, ::2])
+
+    def take(self, which: np.ndarray) -> Films:
+        """Some of the films, by a mask (B,)."""
+        own = (self.epsilon, self.sigma, self.s, self.aspect, self.slip, self.reynolds)
+        return Films(*(values[which] for values in own))
 
     def mean(self, field: np.ndarray) -> np.ndarray:
         """Mean over the finger, shape (B,)."""
         return (field @ all_weights(self.y)) @ all_weights(self.x)
+
+    def gradient(self, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives along x and y."""
+        along_y = field @ self.y.derivative.T / wide(self.aspect)
+        return self.x.derivative @ field, along_y
+
+    def divergence(self, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:
+        across = along_y @ self.y.derivative.T / wide(self.aspect)
+        return self.x.derivative @ along_x + across
 
     def laplacian(self, field: np.ndarray) -> np.ndarray:
         along_y = (field @ _second_derivative(self.y.points).T) / wide(self.aspect) ** 2
@@ -75,6 +90,19 @@ class Films:
     def on_rim(self, field: np.ndarray) -> np.ndarray:
         sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
         return np.concatenate(sides, axis=1)
+
+    def from_rim(self, values: np.ndarray) -> np.ndarray:
+        """A smooth field with these values on the rim, blended between opposite sides (Coons)."""
+        nx, ny = self.x.points + 2, self.y.points + 2
+        left, right, low, high = np.split(values, [ny, 2 * ny, 2 * ny + nx], axis=1)
+        x, y = self.x.all_nodes[:, None], self.y.all_nodes
+        corners = (1 - x) * (_row(left[:, :1]) * (1 - y) + _row(left[:, -1:]) * y) + x * (
+            _row(right[:, :1]) * (1 - y) + _row(right[:, -1:]) * y
+        )
+        between_x = (1 - x) * _row(left) + x * _row(right)
+        between_y = (1 - y) * _column(low) + y * _column(high)
+        field: np.ndarray = between_x + between_y - corners
+        return field
 
     def inward(self, field: np.ndarray) -> np.ndarray:
         """Derivative along the inward normal, on the rim."""
@@ -131,8 +159,7 @@ class Films:
     @property
     def layer_remainder(self) -> np.ndarray:
         """Error of the boundary-layer limit: slopes and curvature of s, corners, meeting layers."""
-        along_x = self.x.derivative @ self.s
-        along_y = self.s @ self.y.derivative.T / wide(self.aspect)
+        along_x, along_y = self.gradient(self.s)
         uneven = along_x**2 + along_y**2 + np.abs(self.s * self.curvature)
         sigma = self.layer_number
         meeting = np.exp(-np.sqrt(sigma / 2) * np.minimum(1, self.aspect))
@@ -155,13 +182,20 @@ class Films:
 
 
 def films_of(
-    epsilon: np.ndarray, sigma: np.ndarray, amplitude: np.ndarray, aspect: Numbers, slip: Numbers
+    epsilon: np.ndarray,
+    sigma: np.ndarray,
+    amplitude: np.ndarray,
+    *,
+    aspect: Numbers,
+    slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
 ) -> Films:
     for points in amplitude.shape[1:]:
         limit_axis(points - 2)
-    numbers = (np.asarray(value, dtype=float) for value in (epsilon, sigma, aspect, slip))
-    epsilon, sigma, aspect, slip = np.broadcast_arrays(*numbers)
-    return Films(epsilon, sigma, amplitude, aspect, slip)
+    given = (epsilon, sigma, aspect, slip, reynolds)
+    numbers = (np.asarray(value, dtype=float) for value in given)
+    epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(*numbers)
+    return Films(epsilon, sigma, amplitude, aspect, slip, reynolds)
 
 
 def grid_error(
@@ -176,6 +210,14 @@ def grid_error(
     half = films.coarser
     change = films.mean(fine) - half.mean(coarse) + rest
     return np.maximum(np.abs(change), DENSITY_SHARE * half.mean(np.abs(fine[:, ::2, ::2] - coarse)))
+
+
+def _row(values: np.ndarray) -> np.ndarray:
+    return values[:, None, :]
+
+
+def _column(values: np.ndarray) -> np.ndarray:
+    return values[:, :, None]
 
 
 def wide(values: np.ndarray) -> np.ndarray:

@@ -25,14 +25,22 @@ to three nodes under the finger, aspects 0.2–5; each is about twice what the w
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, log10
 
 import numpy as np
 
-from squeezefilm.reynolds.limits import boundary_layer
-from squeezefilm.reynolds.limits.expansions import expand, match, second_order
-from squeezefilm.reynolds.limits.films import Films, Numbers, films_of, grid_error, limit_axis
+from squeezefilm.reynolds.limits import boundary_layer, inertial, viscous
+from squeezefilm.reynolds.limits.expansion import Expansion, Part, SecondOrder, joined
+from squeezefilm.reynolds.limits.films import (
+    Films,
+    Numbers,
+    films_of,
+    grid_error,
+    limit_axis,
+    wide,
+)
 
 __all__ = [
     "LimitForces",
@@ -82,7 +90,7 @@ def closed_form(*, epsilon: np.ndarray, sigma: np.ndarray, aspect: Numbers = 1.0
     mean = 2.5 * epsilon**2 / (root * (mass + root))
     rim = 2 * (1 + 1 / aspect)
     layer = np.abs(boundary_layer.integrals(epsilon)[0]) * rim / np.sqrt(sigma)
-    films = Films(epsilon, sigma, np.ones((len(epsilon), 7, 7)), aspect, np.zeros_like(aspect))
+    films = films_of(epsilon, sigma, np.ones((len(epsilon), 7, 7)), aspect=aspect)
     return _forces(films, mean=mean, error=1.05 * layer + films.layer_remainder)
 
 
@@ -93,13 +101,14 @@ def fast_limit(
     amplitude: np.ndarray,
     aspect: Numbers,
     slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
 ) -> LimitForces:
     """The film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the rim.
 
     The error is the boundary-layer correction and that one's error.
     """
-    films = films_of(epsilon, sigma, amplitude, aspect, slip)
-    fine, coarse = expand(films), expand(films.coarser)
+    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    fine, coarse = _expand(films), _expand(films.coarser)
     error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_share * fine.gross
     error = error + grid_error(films, fine.density, coarse.density)
     return _forces(films, mean=films.mean(fine.density), error=error)
@@ -112,13 +121,14 @@ def boundary_layer_limit(
     amplitude: np.ndarray,
     aspect: Numbers,
     slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
 ) -> LimitForces:
     """The fast limit with the rim's boundary layer, correct to 1/√σ (see boundary_layer.py).
 
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude.
     """
-    films = films_of(epsilon, sigma, amplitude, aspect, slip)
-    fine, coarse = expand(films), expand(films.coarser)
+    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    fine, coarse = _expand(films), _expand(films.coarser)
     error = films.layer_remainder + films.slip_share * fine.gross
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, rest=rest)
@@ -132,19 +142,22 @@ def small_amplitude(
     amplitude: np.ndarray,
     aspect: Numbers,
     slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
 ) -> LimitForces:
     """Second order in ε at any σ: linear pressure p̂, then the mean flow that it drives.
 
     (1 + slip)∇²p̂ − iσp̂ = iσs and ∇²v = −(3/2)(1 + 2 slip/3)/(1 + slip) ∇·(s ∇Re p̂), zero on the
     rim; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)).
     """
-    films = films_of(epsilon, sigma, amplitude, aspect, slip)
-    flow, loss = second_order(films)
-    coarse_flow, coarse_loss = second_order(films.coarser)
+    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    fine, coarse = _second_order(films), _second_order(films.coarser)
     square = films.epsilon**2
-    error = films.amplitude_remainder * films.mean(np.abs(flow) + loss)
-    error = error + grid_error(films, flow - loss, coarse_flow - coarse_loss)
-    return LimitForces(mean=square * films.mean(flow - loss), error=square * error)
+    error = films.amplitude_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss))
+    error = error + grid_error(
+        films, fine.flow - fine.loss, coarse.flow - coarse.loss, rest=fine.rim - coarse.rim
+    )
+    mean = films.mean(fine.flow - fine.loss) + fine.rim
+    return LimitForces(mean=square * mean, error=square * error)
 
 
 def matched_limit(
@@ -154,14 +167,15 @@ def matched_limit(
     amplitude: np.ndarray,
     aspect: Numbers,
     slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
 ) -> LimitForces:
     """The boundary-layer limit with its part of order ε² replaced by the exact one.
 
     The additive composite of two expansions (Van Dyke, Perturbation Methods in Fluid Mechanics,
     1975): what is left is of order ε⁴/σ.
     """
-    films = films_of(epsilon, sigma, amplitude, aspect, slip)
-    fine, coarse = match(films), match(films.coarser)
+    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    fine, coarse = _match(films), _match(films.coarser)
     square = films.epsilon**2
     error = (
         2 * square * np.sqrt(films.depth) * np.abs(fine.change)
@@ -171,6 +185,47 @@ def matched_limit(
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, rest=rest)
     return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+
+
+@dataclass(frozen=True)
+class _Composite(Expansion):
+    """An expansion, and what its second order differs by from another's."""
+
+    change: np.ndarray
+
+
+def _match(films: Films) -> _Composite:
+    """The composite: order ε² by order ε² exchanged for the exact one."""
+    full, exact, square = _expand(films), _second_order(films), films.epsilon**2
+    second = _either(films, viscous.expand_second_order, inertial.expand_second_order)
+    density = exact.flow - exact.loss - second.density
+    layer = exact.rim - second.layer
+    return _Composite(
+        density=full.density + wide(square) * density,
+        layer=full.layer + square * layer,
+        gross=full.gross,
+        change=square * (films.mean(density) + layer),
+    )
+
+
+def _expand(films: Films) -> Expansion:
+    return _either(films, viscous.expand, inertial.expand)
+
+
+def _second_order(films: Films) -> SecondOrder:
+    return _either(films, viscous.second_order, inertial.second_order)
+
+
+def _either(
+    films: Films, without: Callable[[Films], Part], with_inertia: Callable[[Films], Part]
+) -> Part:
+    """Each film by the expansion that its Reynolds number asks for."""
+    still = films.reynolds == 0
+    if still.all():
+        return without(films)
+    if not still.any():
+        return with_inertia(films)
+    return joined(still, without(films.take(still)), with_inertia(films.take(~still)))
 
 
 def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> LimitForces:

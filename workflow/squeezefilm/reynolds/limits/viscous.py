@@ -1,32 +1,18 @@
-"""Mean overpressures as expansions in 1/√σ and in ε: their terms, field by field."""
+"""Expansions of the mean overpressure for a gas without inertia, with or without slip."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
 
 from squeezefilm.reynolds.limits import boundary_layer
+from squeezefilm.reynolds.limits.expansion import Expansion, SecondOrder, layer_correction
 from squeezefilm.reynolds.limits.films import Films, wide
 
 # d(a)/a² and g(a)/a of the boundary layer at a = 0.
 D_LINEAR = -5 * sqrt(2) / 8
 G_LINEAR = 3 / sqrt(2)
-
-
-@dataclass(frozen=True)
-class Expansion:
-    """A mean overpressure to order 1/√σ: the mean of ``density`` over the finger and ``layer``.
-
-    ``gross`` is what ``layer`` is made of without cancellation, ``change`` what the composite's
-    second order differs by.
-    """
-
-    density: np.ndarray
-    layer: np.ndarray
-    gross: np.ndarray
-    change: np.ndarray | float = 0.0
 
 
 def expand(films: Films) -> Expansion:
@@ -43,7 +29,10 @@ def expand(films: Films) -> Expansion:
     density = (rise / (total + thick) + gap_square / (1 + root)) / root
     d, g = boundary_layer.integrals(films.epsilon[:, None] * films.rim)
     layer, gross = layer_correction(
-        films, weight=1 / (2 * total * root), d=d, g=films.epsilon[:, None] * g
+        films,
+        d=d,
+        change=films.slope * films.epsilon[:, None] * g,
+        influence=-films.inward(films.solve(1 / (2 * total * root))),
     )
     return Expansion(density=density, layer=layer, gross=gross)
 
@@ -55,27 +44,16 @@ def expand_second_order(films: Films) -> Expansion:
     rise = (0.5 + thick) * films.s**2 + 2 * inner
     weight = np.broadcast_to(1 / (2 * thick), films.s.shape)
     layer, gross = layer_correction(
-        films, weight=weight, d=D_LINEAR * films.rim**2, g=G_LINEAR * films.rim
+        films,
+        d=D_LINEAR * films.rim**2,
+        change=films.slope * G_LINEAR * films.rim,
+        influence=-films.inward(films.solve(weight)),
     )
     return Expansion(density=rise / (2 * thick) + films.s**2 / 2, layer=layer, gross=gross)
 
 
-def layer_correction(
-    films: Films, *, weight: np.ndarray, d: np.ndarray, g: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """(∮ d dl + ∫ u weight dA) / (√σ area), u harmonic with g ∂s/∂n on the rim; net and gross.
-
-    u jumps at corners, so it is never computed: with ∇²χ = weight, χ = 0 on the rim, Green's
-    identity turns ∫ u weight dA into −∮ u ∂χ/∂n dl, n inward.
-    """
-    influence = -films.inward(films.solve(weight)) * films.slope * g
-    scale = 1 / np.sqrt(films.layer_number)
-    net = films.rim_integral(d + influence) * scale
-    return net, films.rim_integral(np.abs(d) + np.abs(influence)) * scale
-
-
-def second_order(films: Films) -> tuple[np.ndarray, np.ndarray]:
-    """Densities v and |p̂|²/(4 (1 + slip)): the mean over ε² is that of their difference."""
+def second_order(films: Films) -> SecondOrder:
+    """Densities v and |p̂|²/(4 (1 + slip)) of the mean over ε² (see ``forces.small_amplitude``)."""
     thick, number = 1 + wide(films.slip), wide(films.layer_number)
     linear = films.solve(1j * number * films.s, shift=1j * number)
     # 2 s∇Re p̂ = ∇(s Re p̂) + (s∇Re p̂ − Re p̂ ∇s): the first part is integrated by itself and the
@@ -84,18 +62,4 @@ def second_order(films: Films) -> tuple[np.ndarray, np.ndarray]:
     drive = 0.75 * (1 + 2 * thick) / (3 * thick)
     flow = -drive * (films.s * linear.real + rest)
     loss = np.abs(linear) ** 2 / (4 * thick)
-    return flow, loss
-
-
-def match(films: Films) -> Expansion:
-    """The composite: order ε² by order ε² exchanged for the exact one."""
-    full, second = expand(films), expand_second_order(films)
-    flow, loss = second_order(films)
-    square = films.epsilon**2
-    density = flow - loss - second.density
-    return Expansion(
-        density=full.density + wide(square) * density,
-        layer=full.layer - square * second.layer,
-        gross=full.gross,
-        change=square * (films.mean(density) - second.layer),
-    )
+    return SecondOrder(flow=flow, loss=loss, rim=np.zeros_like(films.epsilon))
