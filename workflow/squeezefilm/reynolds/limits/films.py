@@ -14,6 +14,7 @@ from squeezefilm.reynolds.spectral import Axis, axis
 RIM_SLOPES, INNER_CURVATURE, CORNERS, MEETING = 4.5, 3.0, 0.9, 4.5
 STIFF, FREE, FREE_SIGMA = 0.8, 6.0, 6.0
 SLIP_SHARE = 0.5
+INERTIA_SLOPES, INERTIA_CORNERS, INERTIA_SQUARE = 1.8, 1.2, 2.0
 # Forces on two grids can agree by cancellation where the densities do not.
 DENSITY_SHARE = 0.1
 
@@ -146,6 +147,12 @@ class Films:
         return self.sigma / (1 + self.slip)
 
     @property
+    def decay_number(self) -> np.ndarray:
+        """Squeeze number of a layer that decays as fast: with inertia, waves reach farther."""
+        ratio = self.reynolds / 10
+        return self.layer_number * (np.hypot(1, ratio) - ratio)
+
+    @property
     def slip_share(self) -> np.ndarray:
         """Share of the layer by which slip may change it beyond its thickness."""
         return SLIP_SHARE * self.slip
@@ -159,15 +166,29 @@ class Films:
     @property
     def layer_remainder(self) -> np.ndarray:
         """Error of the boundary-layer limit: slopes and curvature of s, corners, meeting layers."""
-        along_x, along_y = self.gradient(self.s)
-        uneven = along_x**2 + along_y**2 + np.abs(self.s * self.curvature)
         sigma = self.layer_number
-        meeting = np.exp(-np.sqrt(sigma / 2) * np.minimum(1, self.aspect))
-        return self.corner_remainder + self.epsilon**2 * (
-            RIM_SLOPES * np.sqrt(self.depth) * self.rim_integral(self.on_rim(uneven)) / sigma**1.5
+        meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
+        remainder = self.corner_remainder + np.sqrt(self.depth) * self.inertia_remainder
+        return remainder + self.epsilon**2 * (
+            RIM_SLOPES * np.sqrt(self.depth) * self.rim_unevenness / sigma**1.5
             + INNER_CURVATURE * np.sqrt(self.depth) * self.mean(self.curvature**2) / sigma**2
             + MEETING * self.rim_integral(self.rim**2) * meeting / np.sqrt(sigma)
         )
+
+    @property
+    def inertia_remainder(self) -> np.ndarray:
+        """Error of the boundary-layer limit by inertia: of order ε²/σ, at corners ε² ln σ/σ."""
+        corners = (self.s[:, [0, 0, -1, -1], [0, -1, 0, -1]] ** 2).sum(axis=1) / self.aspect
+        spread = np.maximum(np.log(self.sigma) - 2.2, 0.5)
+        uneven = INERTIA_SLOPES * self.rim_unevenness + INERTIA_CORNERS * spread * corners
+        return self.epsilon**2 * uneven * self.reynolds / 10 / self.decay_number
+
+    @cached_property
+    def rim_unevenness(self) -> np.ndarray:
+        """Integral along the rim of |∇s|² + |s ∇²s|, over the area."""
+        along_x, along_y = self.gradient(self.s)
+        uneven = along_x**2 + along_y**2 + np.abs(self.s * self.curvature)
+        return self.rim_integral(self.on_rim(uneven))
 
     @property
     def amplitude_remainder(self) -> np.ndarray:
@@ -176,7 +197,7 @@ class Films:
         From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
         mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``).
         """
-        effective = self.layer_number / (1 + self.aspect**-2.0)
+        effective = self.decay_number / (1 + self.aspect**-2.0)
         free = 1 / (1 + (effective / FREE_SIGMA) ** 2)
         return self.epsilon**2 * (STIFF + FREE * free) * self.depth ** (1 + 3.5 * free)
 

@@ -34,6 +34,7 @@ import numpy as np
 from squeezefilm.reynolds.limits import boundary_layer, inertial, viscous
 from squeezefilm.reynolds.limits.expansion import Expansion, Part, SecondOrder, joined
 from squeezefilm.reynolds.limits.films import (
+    INERTIA_SQUARE,
     Films,
     Numbers,
     films_of,
@@ -157,7 +158,7 @@ def small_amplitude(
         films, fine.flow - fine.loss, coarse.flow - coarse.loss, rest=fine.rim - coarse.rim
     )
     mean = films.mean(fine.flow - fine.loss) + fine.rim
-    return LimitForces(mean=square * mean, error=square * error)
+    return LimitForces(mean=square * mean, error=_known(films, square * error))
 
 
 def matched_limit(
@@ -180,6 +181,7 @@ def matched_limit(
     error = (
         2 * square * np.sqrt(films.depth) * np.abs(fine.change)
         + films.corner_remainder
+        + INERTIA_SQUARE * square * films.depth * films.inertia_remainder
         + square * films.depth * films.slip_share * fine.gross
     )
     rest = fine.layer - coarse.layer
@@ -230,5 +232,11 @@ def _either(
 
 def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> LimitForces:
     """With an infinite error where layers are too thick or the table of the layer ends."""
-    thin = films.layer_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
-    return LimitForces(mean=mean, error=np.where(thin & np.isfinite(error), error, np.inf))
+    thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
+    return LimitForces(mean=mean, error=_known(films, np.where(thin, error, np.inf)))
+
+
+def _known(films: Films, error: np.ndarray) -> np.ndarray:
+    """Nothing was derived for slip and inertia together, nor where a number is missing."""
+    both = (films.slip != 0) & (films.reynolds != 0)
+    return np.where(np.isfinite(error) & ~both, error, np.inf)
