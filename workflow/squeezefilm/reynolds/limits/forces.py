@@ -15,18 +15,21 @@ Arguments they share:
         shape (B, nx + 2, ny + 2); nx and ny odd, at least 5. See ``limit_points``.
     aspect: finger's length along y over that along x, a number or shape (B,).
     slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
+    reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
 
 An error has two parts: what the limit leaves out, estimated from the profile's slopes, its values
 on the rim and at the corners, ε and σ; and what the grid leaves out, the change against every other
 of its nodes. Where a limit does not apply the error is infinite. The constants of the first part
 were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ 0.1–1e6, pistons and sincs with up
 to three nodes under the finger, aspects 0.2–5; each is about twice what the worst film needed.
+Those of inertia were fitted to its second order in ε on such films and to strips at any ε. Layers
+with inertia are known up to Re = 10 and excursions that depend on it (inertial_layer.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, log10
 
 import numpy as np
@@ -106,13 +109,11 @@ def fast_limit(
 ) -> LimitForces:
     """The film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the rim.
 
-    The error is the boundary-layer correction and that one's error.
+    With inertia core and rim are others (inertial.py). The error is the boundary-layer correction
+    and that one's error.
     """
     films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
-    fine, coarse = _expand(films), _expand(films.coarser)
-    error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_share * fine.gross
-    error = error + grid_error(films, fine.density, coarse.density)
-    return _forces(films, mean=films.mean(fine.density), error=error)
+    return _together(films, _fast)
 
 
 def boundary_layer_limit(
@@ -126,14 +127,11 @@ def boundary_layer_limit(
 ) -> LimitForces:
     """The fast limit with the rim's boundary layer, correct to 1/√σ (see boundary_layer.py).
 
-    With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude.
+    With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
+    inertia the next order is ε²/σ (inertial_layer.py), without it ε²/σ^(3/2).
     """
     films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
-    fine, coarse = _expand(films), _expand(films.coarser)
-    error = films.layer_remainder + films.slip_share * fine.gross
-    rest = fine.layer - coarse.layer
-    error = error + grid_error(films, fine.density, coarse.density, rest=rest)
-    return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+    return _together(films, _with_layer)
 
 
 def small_amplitude(
@@ -148,17 +146,10 @@ def small_amplitude(
     """Second order in ε at any σ: linear pressure p̂, then the mean flow that it drives.
 
     (1 + slip)∇²p̂ − iσp̂ = iσs and ∇²v = −(3/2)(1 + 2 slip/3)/(1 + slip) ∇·(s ∇Re p̂), zero on the
-    rim; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)).
+    rim; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)). With inertia, see inertial.py.
     """
     films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
-    fine, coarse = _second_order(films), _second_order(films.coarser)
-    square = films.epsilon**2
-    error = films.amplitude_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss))
-    error = error + grid_error(
-        films, fine.flow - fine.loss, coarse.flow - coarse.loss, rest=fine.rim - coarse.rim
-    )
-    mean = films.mean(fine.flow - fine.loss) + fine.rim
-    return LimitForces(mean=square * mean, error=_known(films, square * error))
+    return _together(films, _small)
 
 
 def matched_limit(
@@ -176,6 +167,36 @@ def matched_limit(
     1975): what is left is of order ε⁴/σ.
     """
     films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    return _together(films, _matched)
+
+
+def _fast(films: Films) -> LimitForces:
+    fine, coarse = _expand(films), _expand(films.coarser)
+    error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_share * fine.gross
+    error = error + grid_error(films, fine.density, coarse.density)
+    return _forces(films, mean=films.mean(fine.density), error=error)
+
+
+def _with_layer(films: Films) -> LimitForces:
+    fine, coarse = _expand(films), _expand(films.coarser)
+    error = films.layer_remainder + films.slip_share * fine.gross
+    rest = fine.layer - coarse.layer
+    error = error + grid_error(films, fine.density, coarse.density, rest=rest)
+    return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+
+
+def _small(films: Films) -> LimitForces:
+    fine, coarse = _second_order(films), _second_order(films.coarser)
+    square = films.epsilon**2
+    error = films.amplitude_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss))
+    error = error + grid_error(
+        films, fine.flow - fine.loss, coarse.flow - coarse.loss, rest=fine.rim - coarse.rim
+    )
+    mean = films.mean(fine.flow - fine.loss) + fine.rim
+    return LimitForces(mean=square * mean, error=_known(square * error))
+
+
+def _matched(films: Films) -> LimitForces:
     fine, coarse = _match(films), _match(films.coarser)
     square = films.epsilon**2
     error = (
@@ -233,10 +254,31 @@ def _either(
 def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> LimitForces:
     """With an infinite error where layers are too thick or the table of the layer ends."""
     thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
-    return LimitForces(mean=mean, error=_known(films, np.where(thin, error, np.inf)))
+    return LimitForces(mean=mean, error=_known(np.where(thin, error, np.inf)))
 
 
-def _known(films: Films, error: np.ndarray) -> np.ndarray:
-    """Nothing was derived for slip and inertia together, nor where a number is missing."""
-    both = (films.slip != 0) & (films.reynolds != 0)
-    return np.where(np.isfinite(error) & ~both, error, np.inf)
+def _together(films: Films, method: Callable[[Films], LimitForces]) -> LimitForces:
+    """Forces of films that may have slip, inertia or both.
+
+    Both together: that with slip, and the change by inertia in a film without slip whose gas flows
+    as freely, σ/(1 + slip) and Re (1 + 2 slip/3), as it is for small motion of dense gas.
+    """
+    if not np.any((films.slip != 0) & (films.reynolds != 0)):
+        return method(films)
+    none = np.zeros_like(films.slip)
+    alike = replace(
+        films,
+        sigma=films.layer_number,
+        slip=none,
+        reynolds=films.reynolds * (1 + 2 / 3 * films.slip),
+    )
+    slipping = method(replace(films, reynolds=none))
+    moving, still = method(alike), method(replace(alike, reynolds=none))
+    change = moving.mean - still.mean
+    error = np.maximum(slipping.error, moving.error) + films.slip_share * np.abs(change)
+    return LimitForces(mean=slipping.mean + change, error=_known(error))
+
+
+def _known(error: np.ndarray) -> np.ndarray:
+    """Infinite where a number is missing."""
+    return np.where(np.isfinite(error), error, np.inf)
