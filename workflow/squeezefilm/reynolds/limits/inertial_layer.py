@@ -25,9 +25,9 @@ COLUMNS = (
     *("d_over_a_squared", "g_over_a", "h_over_a_squared"),
 )
 MOST_REYNOLDS = 10.0
-REYNOLDS_ROWS, ROWS = 14, 14
+REYNOLDS_ROWS, ROWS = 14, 18
 # Nodes across the layer and, from small excursions to the largest, over the period.
-NODES, INSTANTS = 72, (12, 40)
+NODES, INSTANTS = 88, (12, 48)
 
 
 @dataclass(frozen=True)
