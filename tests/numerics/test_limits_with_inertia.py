@@ -200,6 +200,28 @@ def test_inertia_at_small_amplitude_on_the_square(
 
 
 @pytest.mark.parametrize(
+    ("h0_m", "hv_m", "force_n", "fast", "layer", "matched"),
+    [
+        (5e-6, 2.2e-6, 0.981542, 1.7e-3, 5e-4, 1.2e-4),
+        (10e-6, 2e-6, 0.200885, 2.1e-3, 6.5e-3, 3e-4),
+    ],
+)
+def test_limits_of_the_papers_scenes_with_inertia(
+    h0_m: float, hv_m: float, force_n: float, fast: float, layer: float, matched: float
+) -> None:
+    """Nothing fitted, nothing solved in time; inertia is 2.0 % and 8.0 % of these forces."""
+    rate, viscosity, pressure, side = 2 * np.pi * 43.27e3, 1.81e-5, 101325.0, 0.01
+    sigma = 12 * viscosity * rate * side**2 / (pressure * h0_m**2)
+    film = {"epsilon": hv_m / h0_m, "sigma": sigma, "reynolds": 1.204 * rate * h0_m**2 / viscosity}
+    methods = {fast_limit: fast, boundary_layer_limit: layer, matched_limit: matched}
+    for method, error in methods.items():
+        forces = on_square(method, **film, points=61)
+        found_n = forces.mean[0] * pressure * side**2
+        assert found_n == pytest.approx(force_n, rel=error)
+        assert abs(found_n - force_n) < forces.error[0] * pressure * side**2
+
+
+@pytest.mark.parametrize(
     ("epsilon", "sigma", "reynolds"), [(0.4, 2331.0, 0.45), (0.2, 583.0, 1.81)]
 )
 def test_slip_and_inertia_together(epsilon: float, sigma: float, reynolds: float) -> None:

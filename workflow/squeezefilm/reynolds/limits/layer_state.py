@@ -165,10 +165,10 @@ class Layer:
         # Far inside the core's own flux goes on: −ψ (A ∂ψ/∂n − ψ B ∂a/∂n), A and B as in
         # inertial_core.py.
         rates = np.diag(1 / self.gap) + self.reynolds / 10 * psi * grid.time.derivative
-        answer = np.linalg.solve(rates, np.ones(grid.time.points))
-        by_slope = self._linear(state, 0.0, 0.0, psi**2 * (answer - 1) / self.a)
+        mobility = np.linalg.solve(rates, np.ones(grid.time.points))
+        by_slope = self._linear(state, 0.0, 0.0, psi**2 * (mobility - 1) / self.a)
         by_slope = by_slope - grid.xi[:, None] * sine * flux / self.gap - mass**2 * sine
-        by_core = self._linear(state, grid.xi[:, None], 1.0, -psi * answer)
+        by_core = self._linear(state, grid.xi[:, None], 1.0, -psi * mobility)
         changes = []
         for forcing in (by_slope, by_core):
             forcing[0] = 0.0  # P = 1 on the rim
