@@ -124,6 +124,13 @@ def test_table_says_where_it_ends() -> None:
     assert np.isnan(rim_values(np.array([[0.1]]), np.array([10.1])).g).all()
 
 
+def test_a_layer_whose_waves_the_instants_do_not_show_is_refused(monkeypatch) -> None:
+    monkeypatch.setattr(inertial_layer, "NODES", 40)
+    monkeypatch.setattr(inertial_layer, "INSTANTS", (12, 12))
+    with pytest.raises(ArithmeticError, match=r"a = 0\.4, Re = 9 is not resolved"):
+        inertial_layer.compute(9.0, np.array([0.4]))
+
+
 def test_layer_converges_like_a_spectral_method() -> None:
     """Half the nodes again, and the error falls by more than any fixed order tells."""
     exact = seen_by_core(0.3, 2.0, nodes=72).mass_square

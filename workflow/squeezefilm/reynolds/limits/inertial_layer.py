@@ -28,6 +28,8 @@ MOST_REYNOLDS = 10.0
 REYNOLDS_ROWS, ROWS = 14, 18
 # Nodes across the layer and, from small excursions to the largest, over the period.
 NODES, INSTANTS = 88, (12, 48)
+# Share of the shortest waves in time from which on a state is not to be relied on.
+MOST_UNRESOLVED = 5e-3
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,11 @@ def table_nodes() -> np.ndarray:
 
 
 def compute(reynolds: float, excursions: np.ndarray) -> np.ndarray:
-    """Rows of the table at one Reynolds number and rising a > 0, shape (len(excursions), 6)."""
+    """Rows of the table at one Reynolds number and rising a > 0, shape (len(excursions), 6).
+
+    Raises:
+        ArithmeticError: where no state is found or it is not resolved.
+    """
     from squeezefilm.reynolds.limits.layer_state import Layer, LayerGrid, LayerState
 
     rows = []
@@ -85,6 +91,8 @@ def compute(reynolds: float, excursions: np.ndarray) -> np.ndarray:
         instants = 2 * round((INSTANTS[0] + (INSTANTS[1] - INSTANTS[0]) * share) / 2)
         layer = Layer(a, reynolds, LayerGrid(NODES, reynolds, period(instants)))
         last = layer.solve(last)
+        if last.unresolved > MOST_UNRESOLVED:
+            raise ArithmeticError(f"the layer at a = {a:g}, Re = {reynolds:g} is not resolved")
         seen = layer.seen(last)
         rise = (seen.mass_square - 1) / a**2
         rows.append((reynolds, a, rise, seen.d / a**2, seen.g / a, seen.h / a**2))
