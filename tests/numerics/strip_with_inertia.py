@@ -4,8 +4,6 @@ With w = HP = ∂X/∂x and flux w ū = −∂X/∂T mass is conserved by itself
 equation is one equation for X between the rim, where P = 1, and the middle, where X = 0.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from squeezefilm.reynolds.limits.boundary_layer import all_weights

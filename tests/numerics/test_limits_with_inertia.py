@@ -4,8 +4,6 @@ The strip's reference values were found by marching a resolved velocity profile 
 those of the square by an independent program of the second-order theory.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -15,6 +15,7 @@ TOLERANCES = (1e-10, 0.1)
 @dataclass(frozen=True)
 class SolverSettings:
     tolerance: float
+    model_tolerance: float
     method: str
 
 
@@ -35,4 +36,8 @@ def solver_settings(options: argparse.Namespace, config: Config) -> SolverSettin
         raise InputError(
             f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
         )
-    return SolverSettings(tolerance=tolerance, method=options.method or config["solver"]["method"])
+    return SolverSettings(
+        tolerance=tolerance,
+        model_tolerance=config["solver"]["model_tolerance"],
+        method=options.method or config["solver"]["method"],
+    )

@@ -38,8 +38,11 @@ from squeezefilm.io.tables import (
 from squeezefilm.io.typed_units import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, choose_device, describe
+from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.budget import budgets
+from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.reynolds.regime import regime_notes
+from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.solver_settings import (
@@ -98,8 +101,13 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         phi_r_m=quantity(options.phi_r, option="--phi-r", unit="m"),
         phi_deg=quantity(options.phi, option="--phi", unit="deg"),
     )
-    scene = scene_of(point, config)
     device = choose_device(config["solver"]["device"], option=options.device)
+    (scene,) = decided(
+        [scene_of(point, config)],
+        model_tolerance=settings.model_tolerance,
+        method=settings.method,
+        device=device,
+    )
     (solution,) = solve(
         [scene], tolerance=settings.tolerance, method=settings.method, device=device
     )
@@ -115,7 +123,9 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         f"{solution.krylov_iterations} Krylov iterations; left out: {solution.left_out}; "
         f"{device.name}"
     )
-    for note in regime_notes(scene):
+    (budget,) = budgets([scene], device=device)
+    print(f"beyond the equation: {budget_text(budget)}")
+    for note in notes_of(scene):
         print(f"note: {note}")
     if solution.status != "ok":
         raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
@@ -164,6 +174,7 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
             solutions = solve(
                 scenes,
                 tolerance=settings.tolerance,
+                model_tolerance=settings.model_tolerance,
                 method=settings.method,
                 device=device,
                 report=bar.update,
