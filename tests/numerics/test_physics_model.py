@@ -1,6 +1,7 @@
 """The physics limit as a force model: nothing fitted, better than the paper's fitted formula."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -108,3 +109,23 @@ def test_with_inertia_too_it_needs_no_fitted_parameter(paper) -> None:
         for name in ("limit_1", "limit_2"):
             theta = fit_model(get_model(name), plan, plan_n).theta
             assert global_error(name, theta, (factors, force_n)) < 1.5e-4
+
+
+def test_inertia_to_be_decided_is_in_the_limits(paper) -> None:
+    table = reference_table("screen").head(4)
+    scenes = [scene_of(point, paper) for point in scene_points(table)]
+    known = {}
+    for choice in ("none", "auto", "included"):
+        theirs = [replace(each, gas=replace(each.gas, inertia=choice)) for each in scenes]
+        known[choice] = with_limits(table, theirs)
+    pd.testing.assert_frame_equal(known["auto"], known["included"])
+    assert np.all(known["included"]["limit_n"] > 1.01 * known["none"]["limit_n"])
+
+
+def test_table_of_limits_with_inertia_states_its_error(paper, monkeypatch) -> None:
+    """It has more gaps: inertia grows like the square of the gap. Here for a centred finger."""
+    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
+    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
+    gas = paper["gas"] | {"inertia": "auto"}
+    study = Config(path=paper.path, sections=paper.sections | {"gas": gas})
+    assert limits.limit_table_of(study).error < 1e-6

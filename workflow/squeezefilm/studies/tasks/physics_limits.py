@@ -3,7 +3,7 @@
 `fast_limit_n` is the force at infinite squeeze number, `limit_n` the same with the boundary layer
 at the finger's rim, correct to 1/√σ, `limit_error_n` the estimate of what that leaves out. With the
 gas' inertia the next order is ε²/σ, without it ε²/σ^(3/2): there `limit_n` is the composite that
-is exact to ε².
+is exact to ε². A scene whose inertia is `auto` counts as having it, for limits cost the same.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ CHECK_POINTS, CHECK_SEED = 500, 3
 
 def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
+    scenes = [_with_inertia(scene) for scene in scenes]
     needs = [needs_of(scene) for scene in scenes]
     columns = {"sigma": np.array([scene.sigma for scene in scenes])}
     errors: dict[str, np.ndarray] = {}
@@ -76,8 +77,14 @@ def _results(
     return results
 
 
+def _with_inertia(scene: Scene) -> Scene:
+    """The scene with inertia where that is to be decided."""
+    auto = scene.gas.inertia == "auto"
+    return replace(scene, gas=replace(scene.gas, inertia="included")) if auto else scene
+
+
 def _has_inertia(scene: Scene) -> bool:
-    return any("reynolds" in term.limit_numbers(scene) for term in terms_of(scene))
+    return any("reynolds" in term.limit_numbers(scene) for term in terms_of(_with_inertia(scene)))
 
 
 def limit_table_of(config: Config) -> LimitTable:
