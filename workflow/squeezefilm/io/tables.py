@@ -31,6 +31,8 @@ ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", 
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out"}
 PARQUET = ".parquet"
+# What a budget is of, where it is of the scene itself.
+THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 
 
