@@ -51,7 +51,7 @@ def saturation(points):
 )
 def test_known_optima(gradient, lower, upper, best) -> None:
     criterion = Criterion(gradient, Box(("x",), (lower,), (upper,)))
-    found = search_design(criterion, 2, seed=1, generations=20)
+    found = search_design(criterion, 2, seed=1)
     np.testing.assert_allclose(found.points.ravel(), best, rtol=2e-6)
     checked = exchange_design(criterion, 2, levels=40)
     np.testing.assert_allclose(checked.points.ravel(), best, rtol=2e-6)
@@ -158,23 +158,23 @@ def test_distinct_scenes_cost_little_information() -> None:
     criterion = Criterion(placed_gradient, PLACED, apart=scenes, separation=0.25)
     found = search_design(criterion, 5, seed=0)
     assert pair_distances(scenes(found.points)).min() > 0.25 - 1e-8
-    best = exchange_design(criterion, 5, levels=7, starts=2)
+    best = exchange_design(criterion, 5, levels=7)
     assert d_efficiency(placed_gradient(found.points), placed_gradient(best.points)) >= 0.999
-    free = exchange_design(Criterion(placed_gradient, PLACED), 5, levels=7, starts=2)
+    free = exchange_design(Criterion(placed_gradient, PLACED), 5, levels=7)
     loss = d_efficiency(placed_gradient(found.points), placed_gradient(free.points))
     assert 0.97 < loss < 0.999
 
 
 def test_equal_seeds_give_equal_designs() -> None:
     criterion = Criterion(film_gradient, FILM)
-    first, second = (search_design(criterion, 3, seed=4, generations=10) for _ in range(2))
+    first, second = (search_design(criterion, 3, seed=4) for _ in range(2))
     np.testing.assert_array_equal(first.points, second.points)
 
 
 def test_bad_requests_are_refused() -> None:
     criterion = Criterion(film_gradient, FILM, coordinates("unit", FILM))
     with pytest.raises(InputError, match="singular"):
-        search_design(criterion, 2, seed=1, generations=2)
+        search_design(criterion, 2, seed=1)
     with pytest.raises(InputError, match="unit, micrometre, metre, scene"):
         coordinates("inch", FILM)
     with pytest.raises(InputError, match="lengths"):

@@ -76,7 +76,7 @@ def _judged(
     predicted = model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
-    summary = summarise(model_n=predicted, simulation_n=simulated, band=band).to_dict()
+    summary = summarise(model_n=predicted, simulation_n=simulated, band=band)
     worst = forces.iloc[summary.pop("worst_index")]
     table = forces[list(SCENE_COLUMNS)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors

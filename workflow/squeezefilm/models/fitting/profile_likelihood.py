@@ -28,6 +28,7 @@ from squeezefilm.models.force_model import ExpressionModel, Factors
 
 Array = NDArray[np.float64]
 
+LEVEL = 0.95
 MOST_STEPS = 60
 """Doublings and halvings of the step away from the estimate before a range counts as open."""
 
@@ -60,8 +61,6 @@ def parameter_ranges(
     factors: Factors,
     force_n: ArrayLike,
     theta: ArrayLike,
-    *,
-    level: float = 0.95,
 ) -> list[ParameterRange]:
     """The range of each parameter of a fit to n points, n above p (see the module).
 
@@ -79,7 +78,7 @@ def parameter_ranges(
     again = sum_of_squares(model, factors, force_n, local_fit(model, factors, force_n, theta))
     if again < least * (1 - 1e-3):
         raise InputError(f"profile: the parameters of {model.name} are not those of the best fit")
-    allowed = least * (1 + float(fdtri(1, spare, level)) / spare)
+    allowed = least * (1 + float(fdtri(1, spare, LEVEL)) / spare)
     slopes = model.gradient(theta, factors)
     spread = _standard_errors(slopes) * np.sqrt(least / spare)
     # Next to the fit the points may say nothing of a parameter, or describe it without a residual.

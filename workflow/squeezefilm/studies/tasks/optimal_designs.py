@@ -163,7 +163,6 @@ def _anywhere(study: FittedSpace, layers: slice) -> ContinuousDesign:
         points=study.everywhere[used],
         weights=found.weights[used] / found.weights[used].sum(),
         derivatives=derivatives[:, used],
-        prior=np.full(len(derivatives), 1 / len(derivatives)),
         efficiency_bound=found.efficiency_bound,
     )
 
