@@ -16,10 +16,9 @@ import argparse
 from squeezefilm.io.atomic import whole_file
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.models.generated_code import c_source, python_source
+from squeezefilm.models.generated_code import LANGUAGES, source
 
 SECTIONS: tuple[str, ...] = ()
-LANGUAGES = {"c": c_source, "python": python_source}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,9 +34,9 @@ def run(options: argparse.Namespace) -> None:
             f"{options.fit}: the model {fit.model} uses the physics limit, which code without "
             "dependencies cannot solve for; fit it with --limit-table, and its table is exported"
         )
-    source = LANGUAGES[options.language](fit)
+    text = source(fit, options.language)
     if options.output:
         with whole_file(options.output) as part:
-            part.write_text(source, encoding="utf-8")
+            part.write_text(text, encoding="utf-8")
     else:
-        print(source, end="")
+        print(text, end="")
