@@ -25,7 +25,7 @@ def library(tmp_path: Path) -> Path:
         "__main__.py": "from squeezefilm.cli.main import main",
         "cli/__init__.py": "",
         "cli/main.py": "import importlib",
-        "cli/use/__init__.py": "COMMANDS = {'press': 'press a finger'}",
+        "cli/use/__init__.py": "",
         "cli/use/press.py": (
             "SECTIONS: tuple[str, ...] = ('gas', 'finger')\n"
             "import squeezefilm.solver.core as core, os.path\n"
@@ -63,6 +63,7 @@ def names(library: Path, *words: str) -> set[str]:
 PRESS = {
     "__init__.py",
     "cli/__init__.py",
+    "cli/use/__init__.py",
     "cli/use/press.py",
     "cli/use/helper.py",
     "late.py",
@@ -85,9 +86,21 @@ def test_a_module_loaded_by_name_is_added(library: Path) -> None:
     assert names(library, "helper", "squeezefilm.plugin") == {
         "__init__.py",
         "cli/__init__.py",
+        "cli/use/__init__.py",
         "cli/use/helper.py",
         "plugin.py",
         "late.py",
+    }
+
+
+def test_modules_that_are_found_in_a_package_are_followed(library: Path) -> None:
+    (library / "late.py").write_text("peers = modules_in('squeezefilm.peers')")
+    for name in ("__init__.py", "one.py", "two.py", "deep/__init__.py", "deep/three.py"):
+        (library / "peers" / name).parent.mkdir(parents=True, exist_ok=True)
+        (library / "peers" / name).write_text("")
+    found = names(library, "press") - PRESS
+    assert found == {
+        f"peers/{name}" for name in ("__init__.py", "one.py", "two.py", "deep/__init__.py")
     }
 
 
@@ -106,6 +119,7 @@ def test_sections_are_read_without_running_the_module(library: Path) -> None:
     assert code.sections("press", "squeezefilm.late") == ("gas", "finger")
     assert code.sections("helper", key="a") == ("gas",)
     assert code.sections("helper", key="b") == ()
+    assert code.sections("helper", "squeezefilm.late", key="b") == ()
     with pytest.raises(InputError, match="SECTIONS must be a literal"):
         code.sections("helper", key="c")
     (library / "cli/use/press.py").write_text("SECTIONS = tuple(range(3))")
@@ -253,8 +267,9 @@ def test_every_module_that_a_command_loads_is_among_its_code(
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_says_which_sections_it_reads(command: str) -> None:
-    name, _ = COMMANDS[command]
-    sections = importlib.import_module(name).SECTIONS
+    module = importlib.import_module(COMMANDS[command])
+    assert hasattr(module, "SECTIONS") == hasattr(module, "load_config")
+    sections = getattr(module, "SECTIONS", ())
     for key in sections if isinstance(sections, dict) else [None]:
         expected = tuple(sections if key is None else sections[key])
         assert CODE.sections(command, key=key) == expected

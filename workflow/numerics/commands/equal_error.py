@@ -15,8 +15,6 @@ from numerics.equal_error import equal_error
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import write_table
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("table", metavar="WORK_PRECISION.csv")

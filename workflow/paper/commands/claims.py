@@ -14,8 +14,6 @@ from squeezefilm.io.markdown import write_markdown
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("inputs", metavar="NAME=PATH", nargs="*", help="the results")

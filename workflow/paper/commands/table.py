@@ -15,8 +15,6 @@ from squeezefilm.io.markdown import write_markdown
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("number", metavar="NUMBER", help="1, 2 or 3")

@@ -7,7 +7,6 @@ it shows and what it is made from (``reporting.rooms``); ``build(inputs)`` makes
 from __future__ import annotations
 
 import importlib
-import pkgutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ import pandas as pd
 
 from reporting.pages.notes import simulations_note
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.found import modules_in
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, number
@@ -46,10 +46,10 @@ def table_module(number: str) -> ModuleType:
     Raises:
         InputError: for a number that no table has.
     """
-    known = sorted(found.name.removeprefix("table") for found in pkgutil.iter_modules(__path__))
+    known = {name.removeprefix("table"): module for name, module in modules_in(__name__).items()}
     if number not in known:
         raise InputError(f"there is no table {number!r}; the tables are {', '.join(known)}")
-    return importlib.import_module(f"{__name__}.table{number}")
+    return importlib.import_module(known[number])
 
 
 def parameters(fits: dict[str, tuple[FittedModel, float]], *, control: str) -> pd.DataFrame:

@@ -12,8 +12,6 @@ from reporting.pages.page import to_html
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import write_markdown
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("markdown", nargs="+", type=Path, metavar="PAGE.md")

@@ -11,8 +11,6 @@ import argparse
 
 from reporting.figures import HELP, check_formats, draw, figure_module
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("figure", metavar="FIGURE", help=HELP)

@@ -34,7 +34,6 @@ from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import ExpressionModel, Factors
 
-SECTIONS: tuple[str, ...] = ()
 TABLE_COLUMNS = (
     "model",
     "parameters",

@@ -11,8 +11,6 @@ from pathlib import Path
 from reporting.pages.history import to_markdown
 from squeezefilm.io.markdown import write_markdown
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("cards", type=Path, metavar="RUN_CARDS", help="the study's run cards")

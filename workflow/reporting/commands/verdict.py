@@ -10,8 +10,6 @@ from pathlib import Path
 
 from reporting.check.show import on_screen, read_check, status
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("table", type=Path, metavar="CHECK.csv", help="written by `check`")

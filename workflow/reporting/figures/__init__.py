@@ -24,12 +24,12 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
-import pkgutil
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.found import modules_in
 from squeezefilm.io.sources import read_columns
 
 ENTRY_POINTS = "squeezefilm.figures"
@@ -40,12 +40,8 @@ HELP = "fig05, overview, …; an unknown name is answered with all that there ar
 def installed() -> dict[str, str]:
     """The dotted name of every figure's module by its own: ours, and those above by entry point."""
     above = sorted(point.value for point in importlib.metadata.entry_points(group=ENTRY_POINTS))
-    return {
-        found.name: f"{package}.figures.{found.name}"
-        for package in ("reporting", *above)
-        for found in pkgutil.iter_modules(importlib.import_module(f"{package}.figures").__path__)
-        if not found.ispkg
-    }
+    packages = (modules_in(f"{package}.figures") for package in ("reporting", *above))
+    return {name: module for found in packages for name, module in found.items()}
 
 
 def figure_module(name: str) -> ModuleType:

@@ -1,10 +1,10 @@
 """What decides the numbers of a command: found by reading the code, without running it.
 
 Snakemake follows neither imports nor kernels. What decides a command's numbers are the modules that
-it imports, directly or not, at the top of a module or inside a function, and the data files and
-OpenCL kernels that such a module names by a text constant, with whatever a kernel includes; each by
-a digest that comments, docstrings and help texts do not change. What is in DECIDES_NOTHING is left
-out.
+it imports, directly or not, at the top of a module or inside a function, those of a package whose
+modules it finds by ``modules_in("package")``, and the data files and OpenCL kernels that such a
+module names by a text constant, with whatever a kernel includes; each by a digest that comments,
+docstrings and help texts do not change. What is in DECIDES_NOTHING is left out.
 """
 
 from __future__ import annotations
@@ -29,8 +29,6 @@ COMMANDS = ("squeezefilm/cli/*", "*/commands")
 DECIDES_NOTHING = {
     "*/__main__.py": "starts the command line",
     "squeezefilm/cli/main.py": "finds the command and hands it its words",
-    "squeezefilm/cli/*/__init__.py": "names commands, with a line about each",
-    "*/commands/__init__.py": "names commands, with a line about each",
     "squeezefilm/io/job.py": "keeps a job's record, and ends a job that nobody wants any more",
     "squeezefilm/io/progress.py": "shows how far a command is",
     "squeezefilm/runs/locks.py": "says who makes a study",
@@ -120,10 +118,11 @@ class Code:
     def sections(self, command: str, *modules: str, key: str | None = None) -> tuple[str, ...]:
         """The sections of the configuration that a command and some modules may read.
 
-        They are the modules' ``SECTIONS``, plain literals; ``key`` chooses where one is a mapping.
+        They are the modules' ``SECTIONS``, plain literals, none where a module has none; ``key``
+        chooses where one is a mapping.
 
         Raises:
-            InputError: when the command has no such literal, or no such key.
+            InputError: when it is no literal, or the command's has no such key.
         """
         own = self._module(self.command_module(command))
         found: list[str] = []
@@ -178,6 +177,9 @@ class Code:
             elif isinstance(node, ast.ImportFrom):
                 base = self._absolute(node, path)
                 names = [base, *(f"{base}.{name.name}" for name in node.names)]
+            elif _callee(node) == "modules_in":
+                places = [getattr(each, "value", "") for each in getattr(node, "args", ())]
+                names = [f"{place}.*" for place in places if isinstance(place, str)]
             yield from (name for name in names if name.partition(".")[0] in self._packages)
 
     def _absolute(self, node: ast.ImportFrom, path: Path) -> str:
@@ -196,8 +198,15 @@ class Code:
             dotted = {".".join(each[:end]) for each in pieces for end in range(1, len(each) + 1)}
             data = (file for name in part.files for file in self._data.get(name, ()))
             found = {self._modules[name] for name in dotted if name in self._modules}
+            for name in part.modules:
+                if name.endswith(".*"):
+                    found |= {self._modules[each] for each in self._in_package(name[:-2])}
             self._named[path] = frozenset(found.union(data))
         return self._named[path]
+
+    def _in_package(self, package: str) -> list[str]:
+        """The names of a package's modules, without those of packages in it."""
+        return [name for name in self._modules if name.rpartition(".")[0] == package]
 
     def _dotted(self, path: Path) -> str:
         parts = path.relative_to(self.root).with_suffix("").parts
@@ -282,7 +291,7 @@ def _file_names(nodes: Iterable[ast.AST]) -> list[str]:
 
 
 def _sections(tree: ast.Module) -> Any:
-    """The literal ``SECTIONS`` of a module; None if it has none."""
+    """The literal ``SECTIONS`` of a module, empty if it has none; None if it is no literal."""
     for node in tree.body:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
         if any(isinstance(target, ast.Name) and target.id == "SECTIONS" for target in targets):
@@ -291,7 +300,7 @@ def _sections(tree: ast.Module) -> Any:
                 return json.loads(json.dumps(value))  # as it is when remembered
             except ValueError:
                 return None
-    return None
+    return []
 
 
 def _sha256(text: str) -> str:

@@ -26,7 +26,6 @@ from squeezefilm.io.tables import (
     table_writer,
 )
 
-SECTIONS: tuple[str, ...] = ()
 NAMED = 100  # failed points, at most, in a message
 
 

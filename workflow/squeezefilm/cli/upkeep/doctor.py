@@ -20,8 +20,6 @@ from squeezefilm.reynolds.device import (
 from squeezefilm.runs import locks
 from squeezefilm.runs.provenance import versions
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(

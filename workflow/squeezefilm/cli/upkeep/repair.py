@@ -20,8 +20,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.runs import locks
 from squeezefilm.runs.run_card import made_files
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(

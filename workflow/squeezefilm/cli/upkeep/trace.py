@@ -17,8 +17,6 @@ from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.runs.run_card import Made, made_files
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help="a result, or a copy of one")

@@ -11,8 +11,6 @@ from pathlib import Path
 from squeezefilm.io.errors import RunError
 from squeezefilm.runs import locks
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(

@@ -17,7 +17,6 @@ from squeezefilm.film.vibration.shapes import Sinc
 from squeezefilm.io.atomic import whole_file
 from squeezefilm.io.errors import InputError
 
-SECTIONS: tuple[str, ...] = ()
 PROFILE = Sinc(wave_number_per_m=109.8)
 RADIUS_MM, STEP_MM = 9.9, 0.75
 PEAK_UM = 1.2

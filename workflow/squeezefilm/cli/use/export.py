@@ -18,8 +18,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.generated_code import LANGUAGES, source
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", metavar="FIT.json", help="the fitted model")

@@ -18,7 +18,6 @@ from pathlib import Path
 from squeezefilm.io.atomic import whole_file
 from squeezefilm.io.errors import InputError
 
-SECTIONS: tuple[str, ...] = ()
 EXAMPLES = Path(__file__).resolve().parents[4] / "config"
 EXAMPLE = "vibrometer"
 LONGEST = 60

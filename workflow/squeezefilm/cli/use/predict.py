@@ -31,8 +31,6 @@ from squeezefilm.cli.points import (
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import expected_error, read_judged_fit
 
-SECTIONS: tuple[str, ...] = ()
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", metavar="FIT.json", help="the fitted model")

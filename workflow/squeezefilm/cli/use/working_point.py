@@ -29,7 +29,6 @@ from squeezefilm.io.typed_units import quantity
 from squeezefilm.models.fitted import expected_error, read_judged_fit
 from squeezefilm.models.working_point import working_point
 
-SECTIONS: tuple[str, ...] = ()
 GAPS = 6
 
 
