@@ -248,9 +248,9 @@ def test_what_has_no_style_is_refused_and_not_left_out(name: str, row: dict[str,
 
 
 def test_every_method_that_is_measured_has_a_style() -> None:
-    film = measured.COLD_FILM
-    methods = {*measured.OWN, *(peer(film, 0)[0] for peer in measured.PEERS)}
-    assert methods == {method for method, _, _ in figure_module("work_precision").STYLES}
+    assert {*measured.OWN, *measured.peers()} == {
+        method for method, _, _ in figure_module("work_precision").STYLES
+    }
 
 
 def test_error_estimates_are_never_rounded_down() -> None:
