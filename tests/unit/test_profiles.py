@@ -343,7 +343,6 @@ def test_the_scan_is_drawn_with_its_residuals(smooth: Smooth) -> None:
     summary = summary_of(smoothed, noise=0.01, error=0.01)
     data = profile_figure.build(smoothed, summary)
     module = figure_module("profile")
-    assert set(module.COLUMNS) <= set(data.columns)
     assert set(data["layer"]) == {"points", "outliers", "profile"}
     assert "1 far from the rest, left out (line 78)" in data["note"].iloc[0]
     with style.settings():

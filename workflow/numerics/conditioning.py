@@ -17,16 +17,6 @@ from squeezefilm.models.force_model import TWO_FACTOR, Factors
 
 FORCE_ERRORS = tuple(10.0**-k for k in range(2, 9))
 SUCCESS = 1e-6  # relative, on the global error of the best fit
-COLUMNS = (
-    "quantity",
-    "points",
-    "force_error",
-    "draws",
-    "value",
-    "theta0",
-    "theta1",
-    "theta2",
-)
 
 
 def conditioning(
@@ -43,7 +33,7 @@ def conditioning(
     seeds: int,
     log: Callable[[str], None],
 ) -> pd.DataFrame:
-    """Rows of COLUMNS: `quantity` says what `value` is, `points` on which forces.
+    """Rows in which `quantity` says what `value` is, `points` on which forces.
 
     theta: the fit on the screen; triplets: D-optimal designs of three points each, (3, 2), in
     metres, found for it; scaling: of the distances in their criterion; seeds: draws of force
@@ -77,7 +67,7 @@ def conditioning(
     for bound in bounds:
         log(f"fits within ±{bound:g}")
         rows.append(_success_rate(screen, screen_force_n, bound=bound, seeds=seeds))
-    return pd.DataFrame(rows).reindex(columns=list(COLUMNS))
+    return pd.DataFrame(rows)
 
 
 def _information(points: str, theta: np.ndarray, factors: Factors) -> Iterator[dict[str, Any]]:

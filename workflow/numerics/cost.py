@@ -16,18 +16,6 @@ import pandas as pd
 
 from squeezefilm.io.errors import RunError
 
-COLUMNS = (
-    "axis",
-    "method",
-    "size",
-    "scenes",
-    "cpu_seconds",
-    "wall_seconds",
-    "peak_bytes",
-    "exponent",
-    "exponent_from",
-    "device",
-)
 # Random operating points of the paper's experimental space, as a user's plan has them.
 PRELUDE = """
 import json, resource, time
@@ -122,7 +110,7 @@ def cost(
     device_name: str,
     log: Callable[[str], None],
 ) -> pd.DataFrame:
-    """A row of COLUMNS per size; seconds and bytes of the whole run, exponents of the processor
+    """A row per size; seconds and bytes of the whole run, exponents of the processor
     time, or of the wall time along the axis of cores.
 
     Raises RunError when a process fails.
@@ -143,7 +131,7 @@ def cost(
                 "device": device_name,
             }
         )
-    table = pd.DataFrame(rows).reindex(columns=list(COLUMNS))
+    table = pd.DataFrame(rows)
     for (axis, _), line in table.groupby(["axis", "method"]):
         seconds = "wall_seconds" if axis == "cores" else "cpu_seconds"
         start, exponent = _exponent(line["size"], line[seconds])

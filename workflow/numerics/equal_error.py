@@ -6,6 +6,7 @@ import pandas as pd
 
 from numerics.work_precision import CHOSEN, OWN
 
+NEEDED = ("scene", "method", "path", "start", "status", "relative_error", "cpu_seconds")
 COLUMNS = (
     "scene",
     "method",

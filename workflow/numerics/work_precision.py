@@ -43,27 +43,6 @@ COLD_FILM = FILMS[4]
 COLD_PEERS = {"periodic_numpy": 5, "chebyshev_anderson": 3, "elements_anderson": 2}
 """Methods that are started cold, each with its rung."""
 NUMPY = "NumPy, SciPy"
-COLUMNS = (
-    "scene",
-    "epsilon",
-    "sigma",
-    "method",
-    "path",
-    "batch",
-    "start",
-    "settings",
-    "status",
-    "force",
-    "reference",
-    "reference_uncertainty",
-    "relative_error",
-    "estimated_error",
-    "cpu_seconds",
-    "wall_seconds",
-    "repeats",
-    "device",
-    "model_error",
-)
 # Methods by their keys; what a reader sees is the figure's matter.
 PERIODIC = "periodic"
 # Other methods of the solver, each with its own region of validity.
@@ -111,7 +90,7 @@ def work_precision(
     device: Device,
     log: Callable[[str], None],
 ) -> pd.DataFrame:
-    """Rows of COLUMNS: each film by each method, forces in units of p0 l0^2, seconds per film.
+    """Rows: each film by each method, forces in units of p0 l0^2, seconds per film.
 
     repeats, longest_seconds: timings per rung, and the CPU seconds beyond which a path ends;
     batch: films solved together; rungs: the most of any path; model_error: relative error of the
@@ -129,8 +108,7 @@ def work_precision(
                 rows.append(row)
                 if row["cpu_seconds"] * rung.batch > longest_seconds:
                     break
-    table = pd.DataFrame(rows).assign(model_error=model_error)
-    return table[list(COLUMNS)]
+    return pd.DataFrame(rows).assign(model_error=model_error)
 
 
 def _row(

@@ -30,25 +30,6 @@ PAPER_DESIGN_ERROR = 0.046
 PAPER_FORCE_N = 0.99
 BAND = 0.15
 SMALL_HV_M = 0.4e-6  # our reading of "very small hv"
-COLUMNS = (
-    "variant",
-    "kind",
-    "periods",
-    "status",
-    "screen_fit_error",
-    "design_fit_error",
-    "points",
-    "outside_band",
-    "outside_band_beyond_small_hv",
-    "largest_hv_outside_band_m",
-    "extrapolated_force_n",
-    "error_of_forces",
-    "smallest_force_n",
-    "paper_screen_error",
-    "paper_design_error",
-    "paper_force_n",
-    "reproduces",
-)
 
 
 Forces = Callable[[Scene], np.ndarray]
@@ -152,7 +133,7 @@ class Chain:
 def paper_signature(
     chosen: Sequence[Family], chain: Chain, *, log: Callable[[str], None]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """A row of COLUMNS per variant, the converged simulation first; and for each variant and
+    """A row per variant, the converged simulation first; and for each variant and
     point of the screen the relative errors of the force and of the five-point fit."""
     rows, points = [], []
 
@@ -186,7 +167,7 @@ def paper_signature(
             continue
         for index, (name, periods) in enumerate(zip(family.names, family.periods, strict=True)):
             add(name, family.kind, periods, (screen[:, index], design[:, index], beyond[:, index]))
-    return pd.DataFrame(rows).reindex(columns=list(COLUMNS)), pd.concat(points, ignore_index=True)
+    return pd.DataFrame(rows), pd.concat(points, ignore_index=True)
 
 
 def _judge(

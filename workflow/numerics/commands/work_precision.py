@@ -16,7 +16,7 @@ import sys
 import pandas as pd
 
 from numerics.peers import freefem
-from numerics.work_precision import COLUMNS, FILMS, cold_starts, work_precision
+from numerics.work_precision import FILMS, cold_starts, work_precision
 from squeezefilm.io import job
 from squeezefilm.io.tables import write_table
 from squeezefilm.models.fitted import read_fit
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> None:
         log=lambda text: print(text, file=sys.stderr, flush=True),
     )
     cold = cold_starts(device=device, compiling=full).assign(model_error=model_error)
-    table = pd.concat([warm, cold], ignore_index=True)[list(COLUMNS)]
+    table = pd.concat([warm, cold], ignore_index=True)
     write_table(table.assign(note=_note(settings["repeats"], device.name)), options.output)
 
 

@@ -21,7 +21,6 @@ from squeezefilm.studies.study import finger_of
 
 INPUTS: dict[str, str] = {}
 SECTIONS = ("actuator", "finger")
-COLUMNS = ("layer", "radius_mm", "angle_deg", "x_mm", "y_mm", "amplitude_ratio", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

@@ -16,7 +16,6 @@ from squeezefilm.studies.config import Config
 
 INPUTS: dict[str, str] = {}
 SECTIONS = ("actuator",)
-COLUMNS = ("layer", "radius_mm", "angle_deg", "x_mm", "y_mm", "amplitude_ratio", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

@@ -17,7 +17,6 @@ from squeezefilm.studies.config import Config
 INPUTS = {
     "plan": "simulations/screen/scenes.csv",
 }
-COLUMNS = ("h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -35,16 +34,7 @@ def draw(data: pd.DataFrame) -> Figure:
     """One dot per simulation."""
     figure = style.new_figure()
     axes = figure.subplots()
-    axes.plot(
-        data["h0_um"],
-        data["hv_um"],
-        "o",
-        markersize=4,
-        color=style.BLUE,
-        markeredgecolor="black",
-        markeredgewidth=0.5,
-        clip_on=False,
-    )
+    plane.dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
     plane.set_up(axes, data)
     style.add_note(figure, data)
     return figure

@@ -22,7 +22,6 @@ INPUTS = {
     "searches": "designs/two_factor_searches.csv",
     "summary": "designs/two_factor.json",
 }
-COLUMNS = ("scaling", "search", "pattern", "h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
 _LOOKS = (
     (style.BLUE, "o"),
     (style.VERMILLION, "^"),

@@ -26,7 +26,6 @@ INPUTS = {
     "validation": "validation/two_factor_design_on_screen.json",
     "device": "simulations/device.json",
 }
-COLUMNS = ("h0_um", "hv_um", "relative_error_percent", "in_band", "band_percent", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

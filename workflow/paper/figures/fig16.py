@@ -24,18 +24,6 @@ INPUTS = {
     "design": "designs/four_factor.csv",
     "distinct": "designs/four_factor_distinct.csv",
 }
-COLUMNS = (
-    "form",
-    "point",
-    "h0_um",
-    "hv_um",
-    "phi_r_mm",
-    "phi_deg",
-    *plane.LIMIT_COLUMNS,
-    "phi_r_max_mm",
-    "phi_max_deg",
-    "note",
-)
 _LOOKS: tuple[dict[str, Any], ...] = (
     {"marker": "o", "color": style.BLUE, "markersize": 8, "markerfacecolor": "none"},
     {"marker": "D", "color": style.VERMILLION, "markersize": 4},

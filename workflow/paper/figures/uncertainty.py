@@ -23,21 +23,6 @@ INPUTS = {
     "curves": "tables/uncertainty_curves.csv",
 }
 SHOWN = "simulation_at_2.2"
-COLUMNS = (
-    "layer",
-    "assumption",
-    "change_percent",
-    "plausible",
-    "force_n",
-    "force_low_n",
-    "force_high_n",
-    "verdict",
-    "paper_n",
-    "paper_low_n",
-    "paper_high_n",
-    "ours_n",
-    "note",
-)
 COLOURS = (style.VERMILLION, style.BLUE, style.GREEN, style.ORANGE, style.PURPLE, "black")
 
 

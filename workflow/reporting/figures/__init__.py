@@ -12,7 +12,6 @@ and has
 
 - ``build(inputs, config)``: the one tidy table that it is drawn from. A figure without it is drawn
   from its one input as it stands, the table of another stage;
-- ``COLUMNS``: the columns that its table must have;
 - ``draw(data)``: the table drawn as a matplotlib Figure, from nothing else.
 
 Column names carry the unit that the axis shows, so nothing is converted while drawing. ``layer``
@@ -69,9 +68,17 @@ def check_formats(paths: Sequence[str]) -> None:
 
 
 def draw(module: ModuleType, table: Path | str, paths: Sequence[str]) -> None:
-    """Draw a figure's table as read back from its file, in the formats that the names ask for."""
+    """Draw a figure's table as read back from its file, in the formats that the names ask for.
+
+    Raises:
+        InputError: naming the table and what it lacks.
+    """
     from reporting.figures.parts import style  # matplotlib: only when something is drawn
 
-    data = read_columns(table, columns=module.COLUMNS)
+    data = read_columns(table, columns=("note",))
     with style.settings():
-        style.save(module.draw(data), paths)
+        try:
+            figure = module.draw(data)
+        except KeyError as error:
+            raise InputError(f"{table}: not a table of this figure: no {error}") from None
+        style.save(figure, paths)

@@ -13,7 +13,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/conditioning.csv",
 }
-COLUMNS = ("quantity", "points", "force_error", "value", "note")
 LINES = {
     ("parameter_move", "screen"): (style.BLUE, "o-", "parameters, 60 points"),
     ("parameter_move", "design"): (style.BLUE, "o:", "parameters, five points"),

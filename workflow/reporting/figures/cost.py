@@ -19,18 +19,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/cost.csv",
 }
-COLUMNS = (
-    "axis",
-    "method",
-    "size",
-    "scenes",
-    "cpu_seconds",
-    "wall_seconds",
-    "peak_bytes",
-    "exponent",
-    "exponent_from",
-    "note",
-)
 COLOURS = {"auto": "black", "periodic": style.BLUE}
 LABELS = {"auto": "method chosen", "periodic": "periodic state"}
 PANELS = {

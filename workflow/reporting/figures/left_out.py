@@ -15,7 +15,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/left_out.csv",
 }
-COLUMNS = ("put_back", "tolerance", "cpu_ratio", "worst_error")
 AS_NEEDED = "nothing (as needed)"
 COLOURS = (style.ORANGE, style.GREEN, style.BLUE)
 

@@ -19,15 +19,6 @@ from reporting.figures.parts import plane, style
 INPUTS = {
     "table": "models/{space}_errors.csv",
 }
-COLUMNS = (
-    "model",
-    "parameters",
-    "control_error_percent",
-    "h0_um",
-    "hv_um",
-    "relative_error_percent",
-    "note",
-)
 ACROSS = 4
 DECADES = 5
 

@@ -17,17 +17,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "figures/profile.csv",
 }
-COLUMNS = (
-    "layer",
-    "r_mm",
-    "amplitude_um",
-    "residual_um",
-    "lowest_um",
-    "highest_um",
-    "error_um",
-    "noise_um",
-    "note",
-)
 
 
 def draw(data: pd.DataFrame) -> Figure:

@@ -20,22 +20,6 @@ from reporting.figures.parts import plane, style
 INPUTS = {
     "table": "refine/{space}_figure.csv",
 }
-COLUMNS = (
-    "model",
-    "verdict",
-    "layer",
-    "simulations",
-    "global_error_percent",
-    "global_lower_percent",
-    "global_upper_percent",
-    "worst_error_percent",
-    "relative_error_percent",
-    "h0_um",
-    "hv_um",
-    "x_mm",
-    "y_mm",
-    "note",
-)
 LINEAR = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
 

@@ -28,14 +28,6 @@ CHECKS = {
     "scrambled_difference": "sums\nreordered",
     "single_precision_difference": "single\nprecision",
 }
-COLUMNS = (
-    "case",
-    "verdict",
-    *CHECKS,
-    "lowest_pressure",
-    "krylov_iterations",
-    "note",
-)
 VERDICTS = {
     "solved": ("o", style.GREEN),
     "refused": ("s", style.GREY),

@@ -21,18 +21,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/work_precision.csv",
 }
-COLUMNS = (
-    "scene",
-    "method",
-    "path",
-    "batch",
-    "start",
-    "relative_error",
-    "reference_uncertainty",
-    "cpu_seconds",
-    "model_error",
-    "note",
-)
 SKY = "#56B4E9"
 Key = tuple[str, str, bool]
 """Method, path, and whether it is in a batch."""

@@ -16,7 +16,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json, read_scenes
 
-COLUMNS = ("layer", "epsilon", "h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
 SEARCH_COLUMNS = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
 
 
@@ -87,9 +86,7 @@ def draw(data: pd.DataFrame) -> Figure:
     for _, line in style.rows(data, "ridge").groupby("epsilon"):
         axes.plot(line["h0_um"], line["hv_um"], color="0.55", linestyle=(0, (4, 2)), linewidth=0.9)
     design = style.rows(data, "design")
-    axes.plot(
-        design["h0_um"], design["hv_um"], "o", color="black", markersize=6, clip_on=False, zorder=3
-    )
+    plane.dots(axes, design, fill="black", markersize=6, zorder=3)
     plane.set_up(axes, data, headroom=0.3)
     labels = [
         f"({h0:.3g}, {hv:.3g}) µm\n$h_v/h_0$ = {epsilon:.3f}"
