@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import pandas as pd
 from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.designs.paper_design import Criterion, descend
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.progress import say
 from squeezefilm.models.fitting.fit import fit_model
 from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import TWO_FACTOR, Factors
@@ -31,7 +32,6 @@ def conditioning(
     scaling: str,
     bounds: Sequence[float],
     seeds: int,
-    log: Callable[[str], None],
 ) -> pd.DataFrame:
     """Rows in which `quantity` says what `value` is, `points` on which forces.
 
@@ -47,7 +47,7 @@ def conditioning(
         best = local_fit(TWO_FACTOR, factors, force, theta)
         rows += list(_information(points, best, factors))
         for size in FORCE_ERRORS:
-            log(f"{points}, force error {size:g}")
+            say(f"{points}, force error {size:g}")
             rows += list(
                 _moved(points, factors, force, best, size=size, draws=seeds, screen=screen)
             )
@@ -65,7 +65,7 @@ def conditioning(
             }
         )
     for bound in bounds:
-        log(f"fits within ±{bound:g}")
+        say(f"fits within ±{bound:g}")
         rows.append(_success_rate(screen, screen_force_n, bound=bound, seeds=seeds))
     return pd.DataFrame(rows)
 

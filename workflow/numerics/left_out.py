@@ -7,15 +7,16 @@ A term is put back by a coefficient so small that it changes nothing but has to 
 
 from __future__ import annotations
 
-import time
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from statistics import median
 from typing import Any
 
 import numpy as np
 
+from numerics import timing
+from numerics.timing import Timed
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
@@ -93,28 +94,17 @@ def measure(
         }
         base = 0.0
         for put_back, way in ways.items():
-            solutions, cpu, wall = _timed(
-                partial(way, scenes, tolerance=tolerance, device=device), repeats=repeats
-            )
-            base = base or cpu
-            variants.append(
-                _variant(
-                    put_back, solutions, exact, tolerance=tolerance, cpu=cpu, wall=wall, base=base
-                )
-            )
+            run = partial(way, scenes, tolerance=tolerance, device=device)
+            timed = timing.measure(run, repeats=repeats, long_seconds=math.inf)
+            base = base or timed.cpu_seconds
+            variants.append(_variant(put_back, timed, exact, tolerance=tolerance, base=base))
     return variants
 
 
 def _variant(
-    put_back: str,
-    solutions: Sequence[Solution],
-    exact: np.ndarray,
-    *,
-    tolerance: float,
-    cpu: float,
-    wall: float,
-    base: float,
+    put_back: str, timed: Timed[list[Solution]], exact: np.ndarray, *, tolerance: float, base: float
 ) -> Variant:
+    solutions = timed.result
     force = np.array([solution.force_n for solution in solutions])
     estimate = np.array([solution.force_error_n for solution in solutions])
     error = np.abs(force - exact)
@@ -124,26 +114,12 @@ def _variant(
         tolerance=tolerance,
         methods="; ".join(f"{name} {names.count(name)}" for name in dict.fromkeys(names)),
         scenes=len(solutions),
-        cpu_seconds=cpu,
-        wall_seconds=wall,
-        cpu_ratio=cpu / base,
+        cpu_seconds=timed.cpu_seconds,
+        wall_seconds=timed.wall_seconds,
+        cpu_ratio=timed.cpu_seconds / base,
         worst_error=float(np.max(error / np.abs(exact))),
         covered=float(np.mean(error <= estimate)),
     )
-
-
-def _timed(
-    run: Callable[[], list[Solution]], *, repeats: int
-) -> tuple[list[Solution], float, float]:
-    """The solutions, and median processor and wall seconds after a call that warms the kernels."""
-    solutions = run()
-    cpu, wall = [], []
-    for _ in range(repeats):
-        start_cpu, start_wall = time.process_time(), time.perf_counter()
-        solutions = run()
-        cpu.append(time.process_time() - start_cpu)
-        wall.append(time.perf_counter() - start_wall)
-    return solutions, median(cpu), median(wall)
 
 
 def _always_periodic(

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -24,6 +23,7 @@ from numerics.state_checks import check_state, unfold
 from squeezefilm.film.scene import check_scene
 from squeezefilm.film.vibration.shapes import Sinc
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.progress import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
@@ -203,12 +203,12 @@ class _Judgement:
             self.broken.append(f"{name} {value:.1e} above {most:.1e}")
 
 
-def stability(chosen: list[Case], *, device: Device, log: Callable[[str], None]) -> pd.DataFrame:
+def stability(chosen: list[Case], *, device: Device) -> pd.DataFrame:
     """A row of COLUMNS for each case, forces in units of p0 times the area."""
     rows = []
     for case in chosen:
         row = _judge(case, device=device)
-        log(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
+        say(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
         rows.append(row)
     return pd.DataFrame(rows).reindex(columns=list(COLUMNS))
 

@@ -25,6 +25,7 @@ from numerics.reference import Reference, reference_force
 from numerics.timing import cold_start, measure
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.found import modules_in
+from squeezefilm.io.progress import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
@@ -88,17 +89,16 @@ def work_precision(
     rungs: int,
     model_error: float,
     device: Device,
-    log: Callable[[str], None],
 ) -> pd.DataFrame:
     """Rows: each film by each method, forces in units of p0 l0^2, seconds per film.
 
     repeats, longest_seconds: timings per rung, and the CPU seconds beyond which a path ends;
     batch: films solved together; rungs: the most of any path; model_error: relative error of the
-    empirical model, noted in every row; log: told of each film.
+    empirical model, noted in every row.
     """
     rows = []
     for film in films:
-        log(film.name)
+        say(film.name)
         reference = reference_force(
             epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, fold=film.fold
         )

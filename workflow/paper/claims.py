@@ -143,7 +143,6 @@ READERS: dict[str, Callable[[Path], Any]] = {
 def read_results(inputs: Mapping[str, Path]) -> Results:
     """Read what the claims need, by the names of READERS.
 
-    Raises:
-        InputError: naming the file and what it lacks.
+    Raises InputError naming the file and what it lacks.
     """
     return Results(**{name: read(inputs[name]) for name, read in READERS.items()})

@@ -21,6 +21,7 @@ import pandas as pd
 from numerics.peers import finite_elements, method_of_lines
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.progress import say
 from squeezefilm.models.fitting.fit import fit_model
 from squeezefilm.models.force_model import TWO_FACTOR, Factors
 
@@ -130,9 +131,7 @@ class Chain:
     extrapolated_force_n: float
 
 
-def paper_signature(
-    chosen: Sequence[Family], chain: Chain, *, log: Callable[[str], None]
-) -> tuple[pd.DataFrame, pd.DataFrame]:
+def paper_signature(chosen: Sequence[Family], chain: Chain) -> tuple[pd.DataFrame, pd.DataFrame]:
     """A row per variant, the converged simulation first; and for each variant and
     point of the screen the relative errors of the force and of the five-point fit."""
     rows, points = [], []
@@ -156,7 +155,7 @@ def paper_signature(
     converged = (chain.screen_force_n, chain.design_force_n, chain.extrapolated_force_n)
     add("converged", "none", math.nan, tuple(map(np.asarray, converged)))
     for family in chosen:
-        log(f"{family.kind}: {', '.join(family.names)}")
+        say(f"{family.kind}: {', '.join(family.names)}")
         try:
             screen, design, beyond = (
                 np.array([family.forces(scene) for scene in scenes])

@@ -169,9 +169,7 @@ def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame
     needed_change_percent, reached_low_n, reached_high_n (over all values tried), verdict, because.
     The curves': claim_id, assumption, change_percent, plausible, force_n, for assumptions that
     can change both ways.
-
-    Raises:
-        RunError: when a film cannot be simulated even with everything as assumed.
+    Raises RunError when a film cannot be simulated even with everything as assumed.
     """
     rows, curves = [], []
     for difference in differences(config):

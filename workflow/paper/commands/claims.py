@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 
 from paper.claims import INPUTS, judge, read_results, to_markdown
-from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
 
@@ -24,4 +24,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     claims = judge(read_results(parse_sources(options.inputs, names=tuple(INPUTS), user="claims")))
     write_table(claims, options.output)
-    write_markdown(to_markdown(claims), options.markdown)
+    write_text(to_markdown(claims), options.markdown)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 
 from paper.tables import table_module
-from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
 
@@ -30,4 +30,4 @@ def run(options: argparse.Namespace) -> None:
     )
     table = module.build(inputs)
     write_table(table.data, options.output)
-    write_markdown(table.to_markdown(), options.markdown)
+    write_text(table.to_markdown(), options.markdown)

@@ -43,8 +43,7 @@ class PaperTable:
 def table_module(number: str) -> ModuleType:
     """The module of a table.
 
-    Raises:
-        InputError: for a number that no table has.
+    Raises InputError for a number that no table has.
     """
     known = {name.removeprefix("table"): module for name, module in modules_in(__name__).items()}
     if number not in known:

@@ -66,8 +66,7 @@ class Drawing:
 def read_drawing(path: Path) -> Drawing:
     """Read an SVG that matplotlib wrote with its text as text.
 
-    Raises:
-        InputError: for a file that is missing or is no such drawing.
+    Raises InputError for a file that is missing or is no such drawing.
     """
     try:
         root = ElementTree.fromstring(path.read_bytes(), ElementTree.XMLParser(target=_builder()))

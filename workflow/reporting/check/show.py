@@ -25,8 +25,7 @@ SHOWN = ("item", "quantity", "expected", "got", "tolerance", "verdict", "worst")
 def read_check(path: Path) -> pd.DataFrame:
     """Read the table of a check.
 
-    Raises:
-        InputError: for a file that is none.
+    Raises InputError for a file that is none.
     """
     try:
         table = pd.read_csv(path, dtype=str, keep_default_na=False)

@@ -9,7 +9,7 @@ import argparse
 from pathlib import Path
 
 from reporting.pages.history import to_markdown
-from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.atomic import write_text
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,4 +18,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    write_markdown(to_markdown(options.cards), options.output)
+    write_text(to_markdown(options.cards), options.output)

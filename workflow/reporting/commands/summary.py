@@ -12,8 +12,8 @@ import argparse
 from pathlib import Path
 
 from reporting.pages.summary import to_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.markdown import write_markdown
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds.regime import regime_notes
 from squeezefilm.studies.config import Config, load_config
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> None:
         claims=results / "claims.csv" if config["paper"] else None,
         device=results / "simulations" / "device.json",
     )
-    write_markdown(text, options.output)
+    write_text(text, options.output)
 
 
 def _notes(config: Config) -> dict[str, list[str]]:

@@ -47,9 +47,7 @@ def figure_module(name: str) -> ModuleType:
     """The module of a figure, by its name or by the whole dotted one, ``paper.figures.fig08``.
 
     Rules give the whole name, so that they need no installation.
-
-    Raises:
-        InputError: for a name that is no figure's, or a module that cannot be loaded.
+    Raises InputError for a name that is no figure's, or a module that cannot be loaded.
     """
     known = {} if "." in name else installed()
     if "." not in name and name not in known:
@@ -70,8 +68,7 @@ def check_formats(paths: Sequence[str]) -> None:
 def draw(module: ModuleType, table: Path | str, paths: Sequence[str]) -> None:
     """Draw a figure's table as read back from its file, in the formats that the names ask for.
 
-    Raises:
-        InputError: naming the table and what it lacks.
+    Raises InputError naming the table and what it lacks.
     """
     from reporting.figures.parts import style  # matplotlib: only when something is drawn
 

@@ -45,8 +45,7 @@ FUNCTIONS = {"abs": "fabs"} | {
 def source(fit: FittedModel, language: str) -> str:
     """The code of one of LANGUAGES for a fitted model.
 
-    Raises:
-        InputError: for a model's name that cannot name a function.
+    Raises InputError for a model's name that cannot name a function.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_]{0,39}", fit.model):
         raise InputError(

@@ -19,8 +19,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from squeezefilm.io.atomic import digest, whole_file
+from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.job import remembered
 
 WORKFLOW = Path(__file__).resolve().parents[2]
 COMMANDS = ("squeezefilm/cli/*", "*/commands")
@@ -59,9 +60,7 @@ class Code:
 
     ``memory`` is a file that keeps what was found in each file, by its content: reading is quick,
     parsing is not.
-
-    Raises:
-        InputError: for a module that is not valid Python.
+    Raises InputError for a module that is not valid Python.
     """
 
     def __init__(self, root: Path = WORKFLOW, *, memory: Path | None = None) -> None:
@@ -87,9 +86,7 @@ class Code:
 
         ``modules`` are those which the command loads by a name made at run time:
         ``"paper.figures.fig08"``.
-
-        Raises:
-            InputError: for a command or module that does not exist.
+        Raises InputError for a command or module that does not exist.
         """
         return self.reached_from(self.command_module(command), *modules)
 
@@ -107,8 +104,7 @@ class Code:
     def command_module(self, command: str) -> str:
         """The dotted name of a command's module, in whichever package it is.
 
-        Raises:
-            InputError: for a command that does not exist.
+        Raises InputError for a command that does not exist.
         """
         for folder in COMMANDS:
             for path in self.root.glob(f"{folder}/{command.replace('-', '_')}.py"):
@@ -120,9 +116,7 @@ class Code:
 
         They are the modules' ``SECTIONS``, plain literals, none where a module has none; ``key``
         chooses where one is a mapping.
-
-        Raises:
-            InputError: when it is no literal, or the command's has no such key.
+        Raises InputError when it is no literal, or the command's has no such key.
         """
         own = self._module(self.command_module(command))
         found: list[str] = []
@@ -139,16 +133,16 @@ class Code:
     def _read(self, paths: list[Path], memory: Path | None) -> dict[Path, Part]:
         """What is in each file, as far as possible from what is remembered."""
         maker = digest(Path(__file__))
-        known = remembered(memory).get(maker, {})
+        known = remembered(memory).get(maker, {}) if memory else {}
         found = {}
         for path in paths:
             content = path.read_bytes()
             key = f"{path.relative_to(self.root)} {hashlib.sha256(content).hexdigest()}"
             found[key] = Part(**known[key]) if key in known else self._parse(path, content)
         if memory and found.keys() != known.keys():
-            with suppress(InputError), whole_file(memory) as part:
-                text = json.dumps({maker: {key: asdict(each) for key, each in found.items()}})
-                part.write_text(text, encoding="utf-8")
+            text = json.dumps({maker: {key: asdict(each) for key, each in found.items()}})
+            with suppress(InputError):
+                write_text(text, memory)
         return dict(zip(paths, found.values(), strict=True))
 
     def _parse(self, path: Path, content: bytes) -> Part:
@@ -216,15 +210,6 @@ class Code:
         if name not in self._modules:
             raise InputError(f"there is no module {name}")
         return self._modules[name]
-
-
-def remembered(memory: Path | None) -> dict[str, Any]:
-    """What is in a memory; nothing where it is damaged, for all of it can be found again."""
-    try:
-        found: dict[str, Any] = json.loads(memory.read_text(encoding="utf-8")) if memory else {}
-        return found
-    except (OSError, ValueError):
-        return {}
 
 
 def _children(node: ast.AST) -> Iterator[tuple[str, Any]]:

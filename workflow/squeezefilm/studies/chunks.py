@@ -25,8 +25,7 @@ CENTRED = ("screen", "error_map")
 def chunk_counts(config: Config) -> dict[str, int]:
     """The number of jobs for each plan, of about ``simulation.seconds_per_job`` each.
 
-    Raises:
-        InputError: when a plan would need more jobs than a workflow can handle.
+    Raises InputError when a plan would need more jobs than a workflow can handle.
     """
     target = config["simulation"]["seconds_per_job"]
     counts = {}

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
+from typing import Any
 
+from squeezefilm.io import job
 from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds.device import Device, choose_device, describe
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import Config
 
 TOLERANCES = (1e-10, 0.1)
 
 
-@dataclass(frozen=True)
-class SolverSettings:
-    tolerance: float
-    method: str
+def device_of(config: Config, *, option: str | None = None) -> Device:
+    """The device that an option or the study asks for; this job's record names it.
+
+    Raises InputError as choose_device does.
+    """
+    device = choose_device(config["solver"]["device"], option=option)
+    job.note(device=describe(device))
+    return device
 
 
 def add_solver_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,15 +30,14 @@ def add_solver_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=METHODS, help="instead of the config's solver.method")
 
 
-def solver_settings(options: argparse.Namespace, config: Config) -> SolverSettings:
-    """What the options and the configuration ask for together.
+def solver_settings(options: argparse.Namespace, config: Config) -> dict[str, Any]:
+    """The tolerance and the method that the options and the configuration ask for together.
 
-    Raises:
-        InputError: for a tolerance that no method is made for.
+    Raises InputError for a tolerance that no method is made for.
     """
     tolerance = config["solver"]["tolerance"] if options.tolerance is None else options.tolerance
     if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
         raise InputError(
             f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
         )
-    return SolverSettings(tolerance=tolerance, method=options.method or config["solver"]["method"])
+    return {"tolerance": tolerance, "method": options.method or config["solver"]["method"]}

@@ -27,8 +27,7 @@ def read_searches(path: Path) -> pd.DataFrame:
 def patterns_found(path: Path) -> tuple[str, int, dict[str, list[dict[str, Any]]]]:
     """The study's own scaling, the number of searches, and the patterns of each scaling.
 
-    Raises:
-        InputError: naming the file and the entry that is missing.
+    Raises InputError naming the file and the entry that is missing.
     """
     summary = read_json(path)
     try:

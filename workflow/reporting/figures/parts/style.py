@@ -119,8 +119,7 @@ def _wrapped(text: str, *, width_pt: float) -> list[str]:
 def check_known(styles: Container[Any], keys: Iterable[Any], *, what: str) -> None:
     """Refuse a table with something that would not be drawn, for no style is known for it.
 
-    Raises:
-        InputError: naming it.
+    Raises InputError naming it.
     """
     unknown = sorted({str(key) for key in keys if key not in styles})
     if unknown:

@@ -82,10 +82,8 @@ def in_order(
     """The parts' tables in the order of the plan, their rows too.
 
     Each is read twice, so that no more than one is held at a time.
-
-    Raises:
-        InputError: for a point that is missing, twice there, or not of the plan, and for parts
-            that are not each a run of the plan's rows.
+    Raises InputError for a point that is missing, twice there, or not of the plan, and for parts
+    that are not each a run of the plan's rows.
     """
     plan = pd.Index(scenes["point_id"])
     rows = {}

@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import (
     FACTOR_COLUMNS,
     SCENE_COLUMNS,
@@ -58,10 +58,8 @@ def run(options: argparse.Namespace) -> None:
         sets, limits, options.output, options.summary, strict=True
     ):
         points = read_ok_forces(forces)
-        try:
+        with naming(f"{options.fit} on {forces}"):
             table, about = _judged(fit, points, limits=limit, band=band)
-        except InputError as error:
-            raise InputError(f"{options.fit} on {forces}: {error}") from None
         write_table(table, output)
         write_json(about, summary)
 

@@ -14,7 +14,7 @@ import argparse
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.reynolds.explain import Explanation, explain
 from squeezefilm.reynolds.regime import regime_notes
@@ -36,17 +36,15 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     settings = solver_settings(options, config)
     points = scene_points(read_scenes(options.scenes))
-    try:
+    with naming(options.scenes):
         scenes = [scene_of(point, config) for point in points]
-    except InputError as error:
-        raise InputError(f"{options.scenes}: {error}") from None
-    explanations = explain(scenes, tolerance=settings.tolerance, method=settings.method)
+    explanations = explain(scenes, **settings)
     table = pd.DataFrame(
         [_row(scene, each) for scene, each in zip(scenes, explanations, strict=True)]
     )
     if options.output is not None:
         write_table(table, options.output)
-    print(_summary(table, tolerance=settings.tolerance))
+    print(_summary(table, tolerance=settings["tolerance"]))
 
 
 def _row(scene: Scene, explanation: Explanation) -> dict[str, object]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import argparse
 
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.generated_code import LANGUAGES, source
@@ -34,7 +34,6 @@ def run(options: argparse.Namespace) -> None:
         )
     text = source(fit, options.language)
     if options.output:
-        with whole_file(options.output) as part:
-            part.write_text(text, encoding="utf-8")
+        write_text(text, options.output)
     else:
         print(text, end="")

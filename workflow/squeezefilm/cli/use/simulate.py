@@ -14,18 +14,18 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import nullcontext
 from functools import partial
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
-from squeezefilm.io import job
-from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
@@ -37,16 +37,12 @@ from squeezefilm.io.tables import (
 )
 from squeezefilm.io.typed_units import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import Device, choose_device, describe
+from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.reynolds.regime import regime_notes
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.solver_settings import (
-    SolverSettings,
-    add_solver_arguments,
-    solver_settings,
-)
+from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
@@ -86,7 +82,7 @@ def run(options: argparse.Namespace) -> None:
         _simulate_table(options, config, settings)
 
 
-def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
+def _simulate_one(options: argparse.Namespace, config: Config, settings: dict[str, Any]) -> None:
     if options.scenes is not None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.h0 is None or options.hv is None:
@@ -99,10 +95,8 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         phi_deg=quantity(options.phi, option="--phi", unit="deg"),
     )
     scene = scene_of(point, config)
-    device = choose_device(config["solver"]["device"], option=options.device)
-    (solution,) = solve(
-        [scene], tolerance=settings.tolerance, method=settings.method, device=device
-    )
+    device = device_of(config, option=options.device)
+    (solution,) = solve([scene], **settings, device=device)
     if not isfinite(solution.force_n):
         raise RunError(solution.status)
     print(_force_text(scene, solution, config=config, device=device))
@@ -118,7 +112,7 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
     for note in regime_notes(scene):
         print(f"note: {note}")
     if solution.status != "ok":
-        raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
+        raise RunError(f"{solution.status}, above the tolerance {settings['tolerance']:g}")
 
 
 def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Device) -> str:
@@ -139,7 +133,7 @@ def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Dev
     return text + f"\nwarning: {FOLDED}" * smoothed.folded
 
 
-def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
+def _simulate_table(options: argparse.Namespace, config: Config, settings: dict[str, Any]) -> None:
     if options.scenes is None or options.output is None:
         raise InputError("give a table of scenes and --output, or one scene by --h0 and --hv")
     rows = all_rows if options.chunk is None else partial(chunk_rows, options.chunk)
@@ -148,26 +142,20 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
     for piece in pieces:
         _scenes(piece, config, path=options.scenes)  # refused before anything is solved
     with node_cache.one_build_at_a_time():
-        device = choose_device(config["solver"]["device"], option=options.device)
-        job.note(device=describe(device))
+        device = device_of(config, option=options.device)
         warm(device, _scenes(pieces[0], config, path=options.scenes)[0])
     failures: list[str] = []
     seconds = 0.0
+    timings = table_writer(options.timings) if options.timings else nullcontext(lambda rows: None)
     with (
         progress_bar(len(table), unit="scene", name=str(options.scenes)) as bar,
         table_writer(options.output) as write,
-        _optional_writer(options.timings) as write_timings,
+        timings as write_timings,
     ):
         for piece in pieces:
             scenes = _scenes(piece, config, path=options.scenes)
             start = time.perf_counter()
-            solutions = solve(
-                scenes,
-                tolerance=settings.tolerance,
-                method=settings.method,
-                device=device,
-                report=bar.update,
-            )
+            solutions = solve(scenes, **settings, device=device, report=bar.update)
             wall = time.perf_counter() - start
             seconds += wall
             write(_forces(piece, solutions))
@@ -196,10 +184,8 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
 
 
 def _scenes(rows: pd.DataFrame, config: Config, *, path: str) -> list[Scene]:
-    try:
+    with naming(path):
         return [scene_of(point, config) for point in scene_points(rows)]
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
 
 
 def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
@@ -210,15 +196,6 @@ def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
         if name not in rows.columns
     }
     return rows.assign(**columns)[list(FORCE_COLUMNS)]
-
-
-@contextmanager
-def _optional_writer(path: str | None) -> Iterator[Callable[[pd.DataFrame], None]]:
-    if path is None:
-        yield lambda rows: None
-    else:
-        with table_writer(path) as write:
-            yield write
 
 
 def _work_shares(solutions: Sequence[Solution]) -> list[float]:
@@ -232,8 +209,7 @@ def _work_shares(solutions: Sequence[Solution]) -> list[float]:
 def chunk_rows(text: str, count: int) -> slice:
     """The rows of part I of N for ``I/N``: contiguous parts that differ by at most one row.
 
-    Raises:
-        InputError: when the text is not I/N with 1 ≤ I ≤ N ≤ count.
+    Raises InputError when the text is not I/N with 1 ≤ I ≤ N ≤ count.
     """
     try:
         part, parts = (int(word) for word in text.split("/"))

@@ -35,8 +35,7 @@ def make_profile(*, kind: str, surface_radius_m: float, folder: Path, **settings
         surface_radius_m: radius of the actuator's disc, over which a profile has its maximum.
         folder: where a measured profile's file is looked for: the folder of the configuration.
 
-    Raises:
-        InputError: for a formula or a scan that is no profile, naming the place.
+    Raises InputError for a formula or a scan that is no profile, naming the place.
     """
     if kind == "measured":
         path = folder / settings.pop("file")

@@ -47,8 +47,7 @@ def best_fit(
         path: of the scan, for messages.
         x, y: the points on the unit disc.
 
-    Raises:
-        InputError: where the points determine no profile.
+    Raises InputError where the points determine no profile.
     """
     degrees, orthogonal, triangle = _decomposed(x.tobytes(), y.tobytes(), axisymmetric)
     along = orthogonal.T @ measured

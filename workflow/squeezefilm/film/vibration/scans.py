@@ -129,9 +129,8 @@ def smoothed_scan(
 ) -> SmoothedScan:
     """The smooth profile of a scan's file on a disc; read and fitted once a process.
 
-    Raises:
-        InputError: naming the file and the row or column that is wrong, or what the points do not
-            determine.
+    Raises InputError naming the file and the row or column that is wrong, or what the points do not
+    determine.
     """
     return smoothed(
         read_scan(path), surface_radius_m=surface_radius_m, axisymmetric=axisymmetric, sign=sign
@@ -147,8 +146,7 @@ def smoothed(
         sign: ``unknown`` takes amplitudes without phase or sign as they are although they look
             folded up at a node line; ``measured`` refuses them.
 
-    Raises:
-        InputError: naming the file, and what its points do not determine.
+    Raises InputError naming the file, and what its points do not determine.
     """
     x_m, y_m = _places(scan, surface_radius_m, axisymmetric=axisymmetric)
     in_phase, across, quadrature = _in_one_phase(scan)

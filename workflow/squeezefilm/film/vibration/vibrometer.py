@@ -64,8 +64,7 @@ class Scan:
 def read_scan(path: Path | str) -> Scan:
     """Read a vibrometer's table.
 
-    Raises:
-        InputError: naming the file and the row or column that is wrong, and what is allowed.
+    Raises InputError naming the file and the row or column that is wrong, and what is allowed.
     """
     path = Path(path)
     header, rows = read_cells(path, what="scan", needs=FORM, comments=True)

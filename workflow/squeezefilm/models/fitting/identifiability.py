@@ -22,10 +22,8 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
 
     The rank is taken numerically, with columns scaled to one, at many random theta at which the
     model is defined: what fails at all of them is a property of the model and the points.
-
-    Raises:
-        InputError: naming the parameters that the points cannot tell apart, or a model that is
-            undefined wherever it was tried.
+    Raises InputError naming the parameters that the points cannot tell apart, or a model that is
+    undefined wherever it was tried.
     """
     count = len(model.parameter_names)
     if count == 0:

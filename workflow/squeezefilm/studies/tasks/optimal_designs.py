@@ -52,8 +52,7 @@ class FittedSpace:
     ) -> FittedSpace:
         """The space of a study, for a model fitted to these points, with forces in newtons.
 
-        Raises:
-            InputError: for a model without parameters, or points that do not bound them.
+        Raises InputError for a model without parameters, or points that do not bound them.
         """
         model = fit.force_model
         if not fit.theta:

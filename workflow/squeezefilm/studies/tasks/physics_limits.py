@@ -54,8 +54,7 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
 def limit_table_of(config: Config) -> LimitTable:
     """The table of a study's limits, checked at random points.
 
-    Raises:
-        InputError: where the limits do not hold all over the space.
+    Raises InputError where the limits do not hold all over the space.
     """
     box = box_of(config).ranges
     box.pop("hv_m")

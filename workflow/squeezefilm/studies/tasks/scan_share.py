@@ -14,9 +14,8 @@ def scan_error_of(config: Config, summary: str | None) -> float:
     Args:
         summary: the file that `squeezefilm profile` wrote.
 
-    Raises:
-        InputError: for a study with a scan and no summary, a summary and no scan, or a file that
-            is none.
+    Raises InputError for a study with a scan and no summary, a summary and no scan, or a file that
+    is none.
     """
     if config["actuator"]["profile"]["kind"] == "measured":
         if summary is None:
