@@ -38,7 +38,7 @@ def polar_grid() -> tuple[np.ndarray, np.ndarray]:
 
 
 def profile(**settings: Any) -> Profile:
-    return make_profile(surface_radius_m=RADIUS_M, folder=Path(), **settings)
+    return make_profile(surface_radius_m=RADIUS_M, **settings)
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import nan
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,9 +28,7 @@ def test_dimensionless_numbers_of_the_paper(scene: Scene) -> None:
 
 
 def test_sinc_is_one_in_the_middle_and_zero_at_its_node() -> None:
-    profile = make_profile(
-        kind="sinc", surface_radius_m=0.01, folder=Path(), wave_number_per_m=109.8
-    )
+    profile = make_profile(kind="sinc", surface_radius_m=0.01, wave_number_per_m=109.8)
     assert profile == Sinc(109.8)
     x_m = np.array([0.0, 1 / 109.8, 0.5 / 109.8])
     values = profile.amplitude(x_m=x_m, y_m=np.zeros(3))

@@ -19,7 +19,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.found import modules_in
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import read_json, read_ok_forces
-from squeezefilm.models.fitted import FittedModel, number
+from squeezefilm.models.fitted import FittedModel, number, read_fit
 
 Inputs = Mapping[str, Path]
 
@@ -51,7 +51,25 @@ def table_module(number: str) -> ModuleType:
     return importlib.import_module(known[number])
 
 
-def parameters(fits: dict[str, tuple[FittedModel, float]], *, control: str) -> pd.DataFrame:
+def parameters_table(
+    inputs: Inputs, fits: Mapping[str, tuple[str, str]], *, title: str, control: str, more: str = ""
+) -> PaperTable:
+    """The parameters of a fit to a whole plan, ``first_fit``, and of others beside it.
+
+    fits: by what the table calls them, the names among the inputs of the others and of their
+    validations on that plan, which is called ``control``.
+    """
+    first = read_fit(inputs["first_fit"])
+    judged = {control: (first, first.global_error)} | {
+        name: (read_fit(inputs[fit]), global_error(inputs[validation]))
+        for name, (fit, validation) in fits.items()
+    }
+    data = _parameters(judged, control=f"{first.points} points of the {control}")
+    forces = simulations_note(inputs["device"], read_ok_forces(inputs["forces"]))
+    return PaperTable(title, data, side_by_side(data), forces + more)
+
+
+def _parameters(fits: Mapping[str, tuple[FittedModel, float]], *, control: str) -> pd.DataFrame:
     """A row for each parameter of each fit, and one for its error on the control points."""
     rows = []
     for name, (fit, error) in fits.items():
@@ -83,8 +101,3 @@ def _five_digits(value: float) -> str:
 def global_error(path: Path) -> float:
     """That of a fit on the points of a validation, as a share."""
     return number(read_json(path), "global_error", path)
-
-
-def note(inputs: Inputs) -> str:
-    """How the forces were simulated."""
-    return simulations_note(inputs["device"], read_ok_forces(inputs["forces"]))

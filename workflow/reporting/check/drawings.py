@@ -24,7 +24,6 @@ from squeezefilm.io.errors import InputError
 
 DRAWINGS = "drawings"
 SVG = "{http://www.w3.org/2000/svg}"
-LINK = "{http://www.w3.org/1999/xlink}href"
 SLIDING = ("fig16",)
 """Figures that show where the points of the four-factor design lie, which rounding decides."""
 

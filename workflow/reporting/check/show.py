@@ -19,7 +19,7 @@ WIDTHS = {
     "verdict": 7,
     "worst": 24,
 }
-SHOWN = ("item", "quantity", "expected", "got", "tolerance", "verdict", "worst")
+SHOWN = tuple(WIDTHS)
 
 
 def read_check(path: Path) -> pd.DataFrame:

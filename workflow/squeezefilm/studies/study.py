@@ -27,12 +27,11 @@ def profile_of(config: Config) -> Profile:
 
     Raises InputError naming what is wrong with a formula or a measured profile.
     """
+    smoothed = smoothed_scan_of(config)
+    if smoothed is not None:
+        return smoothed.profile
     actuator = config["actuator"]
-    return make_profile(
-        surface_radius_m=actuator["surface_radius_m"],
-        folder=config.path.parent,
-        **actuator["profile"],
-    )
+    return make_profile(surface_radius_m=actuator["surface_radius_m"], **actuator["profile"])
 
 
 def scan_path(config: Config) -> Path | None:

@@ -133,15 +133,10 @@ def errors_in_study(
     errors = scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
     force_n = np.abs(errors.force_n)
     return pd.DataFrame([asdict(point) for point in points]).assign(
-        force_n=errors.force_n,
-        spread_n=errors.spread_n,
-        noise_n=errors.noise_n,
+        **asdict(errors),
         noise_share=errors.noise_n / force_n,
-        out_of_phase_n=errors.out_of_phase_n,
         scan_error_n=errors.total_n,
         scan_error_share=errors.total_n / force_n,
-        lowest_n=errors.lowest_n,
-        highest_n=errors.highest_n,
     )
 
 
