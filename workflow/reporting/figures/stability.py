@@ -42,7 +42,7 @@ def draw(data: pd.DataFrame) -> Figure:
     style.check_known(VERDICTS, data["verdict"], what="verdict")
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.35 + ROW_IN * len(data))
     axes = figure.subplots()
-    values = data[list(CHECKS)].to_numpy(dtype=float)
+    values = data.reindex(columns=list(CHECKS)).to_numpy(dtype=float)
     shown = np.clip(values, SMALLEST, LARGEST)
     colours = mpl.colormaps["cividis"].with_extremes(bad="white")
     image = axes.imshow(
