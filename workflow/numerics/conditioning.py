@@ -1,7 +1,5 @@
 """How accurate must a simulation be? Force errors, and what they do to the fit and the design."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 

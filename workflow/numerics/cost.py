@@ -1,7 +1,5 @@
 """Run time and memory against the size of the problem, each size in a process of its own."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """Gap and pressure along the middle of a finger over a period, for pictures."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

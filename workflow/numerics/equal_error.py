@@ -1,7 +1,5 @@
 """How many times less processor time the solver takes than another method at equal error."""
 
-from __future__ import annotations
-
 import pandas as pd
 
 from numerics.work_precision import CHOSEN, OWN

@@ -1,7 +1,5 @@
 """Films given by their dimensionless numbers, as scenes for the solver and for the yardsticks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import atan2, ceil, degrees, hypot, log, log10, pi, sqrt
 

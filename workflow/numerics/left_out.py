@@ -5,8 +5,6 @@ back: the mirror halves, a term that is zero, more modes than wanted, time where
 A term is put back by a coefficient so small that it changes nothing but has to be computed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -4,8 +4,6 @@ Verdicts: *solved*, all checks passed; *refused*, the solver says that it cannot
 where that is documented (`beyond`); *failed*, anything else, with the checks that did not pass.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Run times: processor time of all threads, wall time, medians of repeats, cold starts."""
 
-from __future__ import annotations
-
 import os
 import resource
 import statistics

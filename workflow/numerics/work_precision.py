@@ -6,8 +6,6 @@ rung to rung. A rung that takes
 longer than a given time is the last of its path.
 """
 
-from __future__ import annotations
-
 import importlib
 import tempfile
 from collections.abc import Callable, Iterator, Mapping

@@ -5,8 +5,6 @@ intervals were set from what the paper states and with how many digits, and revi
 tuned to make a claim agree. The reasons in ``because`` are what we know; a guess is called a guess.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial

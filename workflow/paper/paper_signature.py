@@ -6,8 +6,6 @@ so found: the fit on the screen, the fit on the five design points, both judged 
 simulated, since the paper's control simulations came from the same model as its fits.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

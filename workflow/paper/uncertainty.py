@@ -5,8 +5,6 @@ difference if a plausible value of it brings the force to the paper's, as far as
 tell it. What is plausible was set from what the paper states, with how many digits, and from air.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

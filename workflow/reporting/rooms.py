@@ -1,7 +1,5 @@
 """What figures and tables say of themselves in literals: read here, without importing them."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import dataclass
 from functools import cache

@@ -7,8 +7,6 @@ The inputs are the forces of the screen and of the five-point design, the fit on
 the searches for D-optimal triplets.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -6,8 +6,6 @@ Every size runs in a process of its own, warm, median of repeats: processor time
 wall time, and the process's largest memory.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from numerics.cost import cost, sizes

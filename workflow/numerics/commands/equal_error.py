@@ -6,8 +6,6 @@ One row for each setting of each other method of the work-precision table, for t
 and in a batch.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from numerics.equal_error import NEEDED, equal_error

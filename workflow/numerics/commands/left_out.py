@@ -3,8 +3,6 @@
 squeezefilm left-out SCENES.csv --config CONFIG.yaml --output LEFT_OUT.csv
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd

@@ -3,8 +3,6 @@
 squeezefilm roofline --config CONFIG.yaml --output ROOFLINE.csv
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd

@@ -7,8 +7,6 @@ grid, the mass balance over the period, analytic limits, other orders of summati
 is 1 when a case failed; the table is written nevertheless, and the message names the cases.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd

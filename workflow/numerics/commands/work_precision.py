@@ -8,8 +8,6 @@ empirical model whose own error is noted beside, for it tells where a solver's e
 matters. Times need a quiet machine, and BLAS with a single thread (OPENBLAS_NUM_THREADS=1).
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd

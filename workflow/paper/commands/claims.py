@@ -5,8 +5,6 @@
 Leave the NAME=PATH out to be told which results are needed.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from paper.claims import INPUTS, judge, read_results, to_markdown

@@ -8,8 +8,6 @@ extrapolated operating point. The screen is simulated anew with coarse meshes, l
 and few periods, and the paper's fits are repeated on what comes out.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -6,8 +6,6 @@ Leave the NAME=PATH out to be told which ones a table needs. The CSV has one row
 Markdown file is for people.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from paper.tables import table_module

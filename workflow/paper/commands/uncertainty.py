@@ -7,8 +7,6 @@ Viscosity, ambient pressure, the finger's side, the profile's wave number, slip 
 changed one at a time and the forces simulated anew. The curves say how the force goes with each.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from paper.uncertainty import compare, to_markdown

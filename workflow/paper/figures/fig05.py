@@ -6,8 +6,6 @@ finger leaving the surface at any angle. The measured amplitudes of the original
 available.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure

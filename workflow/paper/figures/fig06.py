@@ -4,8 +4,6 @@ The model of eq. (2) for the displacement of the actuator's surface, as a mesh. 
 of the original figure are not available.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 

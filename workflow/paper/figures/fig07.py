@@ -4,8 +4,6 @@ Space of the experiment: the simulations of the first plan, a screen in mean gap
 the finger centred.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 

@@ -4,8 +4,6 @@ The force model of eq. (7) fitted to all simulations of the screen (mesh), and t
 (dots).
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 

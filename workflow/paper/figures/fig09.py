@@ -4,8 +4,6 @@ The three points that each search for a D-optimal design ended in, joined to a t
 for each unit in which the distances of criterion (12) can be taken; the outcome depends on it.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

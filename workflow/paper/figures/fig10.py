@@ -4,8 +4,6 @@ First pattern of optimal points. Along the dashed lines of equal excursion ratio
 change.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 
 from paper.figures.parts.patterns import draw, pattern_table

@@ -4,8 +4,6 @@ Second pattern of optimal points, if the searches found one. Along the dashed li
 excursion ratio the model does not change.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 
 from paper.figures.parts.patterns import draw, pattern_table

@@ -4,8 +4,6 @@ The optimal design (black) in the space of the experiment, with the screen (whit
 the patterns that a point is of; a plus marks a point added by augmentation.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 

@@ -4,8 +4,6 @@ The force model fitted to the points of the optimal design alone (mesh; black do
 points of the screen (white dots).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import pandas as pd

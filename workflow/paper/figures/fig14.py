@@ -4,8 +4,6 @@ Relative error of the fit on the optimal design at the screen's points: model mi
 simulation. Dots are white inside the band and black outside.
 """
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 import pandas as pd

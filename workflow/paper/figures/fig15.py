@@ -3,8 +3,6 @@
 Positions of the finger's centre in the four-factor plan. The positions are this study's assumption.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 

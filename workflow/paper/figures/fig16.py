@@ -5,8 +5,6 @@ of angle and radius: by the determinant alone, as in the paper, and with the poi
 distinct. Equal numbers belong to one point.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import pandas as pd

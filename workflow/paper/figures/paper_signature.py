@@ -4,8 +4,6 @@ The screen simulated anew with numerical shortcuts, and the fits repeated: which
 the errors that the paper reports.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

@@ -5,8 +5,6 @@ Left: over its relative change; thick where a value is plausible. Right: over th
 Grey: what the paper's digits may stand for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -4,8 +4,6 @@ A module each, found by being here. Like a figure's it says in its docstring and
 it shows and what it is made from (``reporting.rooms``); ``build(inputs)`` makes it.
 """
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 From all simulations of the screen and from the points of the optimal design alone.
 """
 
-from __future__ import annotations
-
 from paper.tables import Inputs, PaperTable, parameters_table
 
 INPUTS = {

@@ -3,8 +3,6 @@
 From all simulations of the plan and from the points of two optimal designs alone.
 """
 
-from __future__ import annotations
-
 from paper.tables import Inputs, PaperTable, parameters_table
 
 INPUTS = {

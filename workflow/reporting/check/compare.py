@@ -1,7 +1,5 @@
 """Quantities beside their references: one table with a verdict for each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import astuple, dataclass, fields

@@ -6,8 +6,6 @@ device and makes the axes smaller by its lines: places are shares of the axes, a
 the range is compared. In space, where a place on the page is none in the axes, dots are counted.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """References: small stored tables of a study's quantities, one file for each part."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable
 from pathlib import Path

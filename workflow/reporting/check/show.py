@@ -1,7 +1,5 @@
 """The table of a check, for the screen and as Markdown."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

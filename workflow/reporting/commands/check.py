@@ -8,8 +8,6 @@ each item, with its worst quantity, and every quantity that failed; all of them 
 The exit status is 1 when anything failed.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

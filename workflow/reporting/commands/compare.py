@@ -11,8 +11,6 @@ fitted to. ERRORS.csv has the relative error of every model at every control poi
 drawn from it.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path

@@ -6,8 +6,6 @@ A fit bears the name of its file, which is that of the plan it was fitted on; th
 is shown first. The forces are what the models are judged by. The page needs no network.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 squeezefilm pages claims.md table1.md --output claims.html table1.html
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -9,8 +9,6 @@ simulations, LIMITS.csv their physics limits; points that a refinement fitted ar
 FIGURE.csv is what the figure `refine` is drawn from.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 squeezefilm runs results/paper/run_cards --output results/paper/runs.md
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -6,8 +6,6 @@
 RESULTS is the study's folder; the plans, fits and validations are named as the files in it are.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

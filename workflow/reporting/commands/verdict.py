@@ -3,8 +3,6 @@
 squeezefilm verdict results/paper/check/check.csv
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -5,8 +5,6 @@ server. It computes the force itself: model.js is the formula of ``squeezefilm.m
 trust.js the rule of ``squeezefilm.models.trust``.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping, Sequence

@@ -19,8 +19,6 @@ says what a row is (a mesh of the model, simulated points, …); ``note`` is the
 several figures share lies in ``parts``.
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.metadata
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 What random errors in the forces do to the fit and to the design: everything moves in proportion.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 

@@ -4,8 +4,6 @@ Run time and memory against the number of scenes, points, instants and threads, 
 exponents; films of the paper's actuator, whatever the study.
 """
 
-from __future__ import annotations
-
 import math
 
 import pandas as pd

@@ -5,8 +5,6 @@ the design. A thick line would bound the region outside the band of allowed erro
 axis is logarithmic, for the error changes fastest at small amplitudes.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 

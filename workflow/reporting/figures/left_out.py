@@ -4,8 +4,6 @@ The terms and symmetries that the solver leaves out put back one by one: the sam
 cost.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure

@@ -5,8 +5,6 @@ each judged at simulations that no model was fitted to. In brackets the number o
 the name the global error; one scale of colour for all.
 """
 
-from __future__ import annotations
-
 from math import ceil
 
 import numpy as np

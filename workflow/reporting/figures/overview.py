@@ -5,8 +5,6 @@ which simulations teach most are found; the model fitted to these alone is judge
 simulations.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import matplotlib as mpl

@@ -7,8 +7,6 @@ Forces of this study are uncertain by the scan's noise too: the note says by how
 %. The errors in tables of forces are the solver's alone.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 

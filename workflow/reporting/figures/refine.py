@@ -6,8 +6,6 @@ limits, dashed what is wanted, stars the truth on simulations that no refinement
 the best fit errs. Simulations have no scatter; the limits are about where in the space one looks.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -6,8 +6,6 @@ space is better. The table beside it in results, `designs/optimal_*_plans.csv`, 
 of the study's own plans, the screen's among them.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import pandas as pd

@@ -5,8 +5,6 @@ solved, refused for a documented reason, or failed. Single precision is no check
 the same algorithm would lose in float32. The films are the same for every study.
 """
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 import pandas as pd

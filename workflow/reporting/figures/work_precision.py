@@ -7,8 +7,6 @@ that of the empirical model fitted to this study's screen. The films are those o
 actuator, whatever the study.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes

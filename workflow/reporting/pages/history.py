@@ -1,7 +1,5 @@
 """The runs that made a study's present results, on one page: code, settings, machines, files."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

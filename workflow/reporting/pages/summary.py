@@ -1,7 +1,5 @@
 """A study on one page: what was simulated, how accurate it is; the paper's, where it differs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -5,8 +5,6 @@ line of its docstring is what help says of it. Packages above the library add th
 points.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import gc

@@ -1,7 +1,5 @@
 """The points at which a fitted model is asked, as options of a command or as a table."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from itertools import product

@@ -5,8 +5,6 @@ the nearest maximum off the grid, and the optimum is sought again with these poi
 candidates, until the equivalence theorem holds at every peak.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

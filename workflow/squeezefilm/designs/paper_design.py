@@ -7,8 +7,6 @@ to keep them apart. Nothing here knows a particular model: a response enters thr
 a function from points, shape (n, k), to derivatives, shape (n, p).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any

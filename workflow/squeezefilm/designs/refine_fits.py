@@ -1,7 +1,5 @@
 """The points that the refine loop knows of, and fits to those of them that are simulated."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -29,8 +29,6 @@ The loop ends in one of these ways:
 - *budget*: one more round would take more simulations than allowed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """One operating point of a squeeze film, and the dimensionless numbers that govern it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import cos, hypot, isfinite, pi, radians, sin, sqrt
 from typing import TypeVar

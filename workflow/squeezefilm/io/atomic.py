@@ -5,8 +5,6 @@ reads its place finds the old file or the new one, and two jobs that write the s
 same time do not meet. What a killed job leaves is ``.NAME.RANDOM.part``.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import os

@@ -1,7 +1,5 @@
 """The cells of a CSV file as text, each row with its line in the file; and numbers in them."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

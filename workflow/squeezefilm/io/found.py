@@ -1,7 +1,5 @@
 """What is found by being in a package: commands, figures, tables, other people's methods."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 

@@ -4,8 +4,6 @@ The workflow gives each job the run that it belongs to, as ``results/STUDY/run_c
 environment variable SQUEEZEFILM_RUN. Without the variable, by hand, nothing of this happens.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import time

@@ -1,7 +1,5 @@
 """Tables in Markdown, for people to read."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The same task on several processes: a parallel map."""
 
-from __future__ import annotations
-
 import ctypes
 import multiprocessing
 import signal

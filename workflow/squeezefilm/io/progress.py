@@ -1,7 +1,5 @@
 """How far a command is, on a terminal or in a log."""
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tables handed to a command as NAME=PATH, so that no command guesses which file is which."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -4,8 +4,6 @@ A table is CSV, or Parquet where its file name ends in ``.parquet``: for plans s
 would take longer to read than scenes to solve.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

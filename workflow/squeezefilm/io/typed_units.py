@@ -1,7 +1,5 @@
 """Units as they are typed: on a command line, in a column's name, for a formula's parameters."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

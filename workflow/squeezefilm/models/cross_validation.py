@@ -1,7 +1,5 @@
 """How well a model predicts points that it was not fitted to, from the points there are."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -1,7 +1,5 @@
 """The factors of simulated experiments, put together from the tables of forces and of limits."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

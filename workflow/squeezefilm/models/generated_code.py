@@ -5,8 +5,6 @@ file gets into it but numbers, the checked formula, and names of letters, digits
 How a language is written says its file in ``languages``, found by being there.
 """
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Iterable, Mapping

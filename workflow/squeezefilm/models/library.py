@@ -1,7 +1,5 @@
 """The models of a study: those of the library, and its own."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import product
 from typing import Any

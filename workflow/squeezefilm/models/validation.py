@@ -1,7 +1,5 @@
 """How far a fitted model is from simulated forces, point by point and as a whole."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

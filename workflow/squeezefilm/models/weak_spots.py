@@ -1,7 +1,5 @@
 """Where in the space of the experiment a model fails: the share of its squared error by thirds."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray

@@ -10,8 +10,6 @@ an edit gives the jobs another input, and an edit undone gives them back the one
   copied with the results and older than they are; one that an edit brings is newer.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterable, Mapping

@@ -5,8 +5,6 @@ that a run with nothing to do does. So what was found is kept, until the study's
 the code that checks is another one. A study that is refused is never kept.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from contextlib import suppress

@@ -7,8 +7,6 @@ module names by a text constant, with whatever a kernel includes; each by a dige
 docstrings and help texts do not change. What is in DECIDES_NOTHING is left out.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import json

@@ -6,8 +6,6 @@ is, and removes those of others when it ends. So a run holds a lock of the opera
 who it is.
 """
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os

@@ -4,8 +4,6 @@ When a job is done it writes a record beside its run's card (see run_card.py): w
 with their digests, on which host, device and versions. By hand, without a run, it does not.
 """
 
-from __future__ import annotations
-
 import importlib.metadata
 import json
 import os

@@ -6,8 +6,6 @@ next one. The jobs' own records (provenance.py) are put on it. Times stand here 
 that the results of equal runs are equal.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import json

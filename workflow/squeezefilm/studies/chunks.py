@@ -3,8 +3,6 @@
 Only the configuration is asked: the number of jobs is known before any plan is made.
 """
 
-from __future__ import annotations
-
 from math import ceil
 
 from squeezefilm.io.errors import InputError

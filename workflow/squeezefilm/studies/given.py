@@ -1,7 +1,5 @@
 """How a study reaches the rules: a file named to Snakemake, or a mapping from another workflow."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Mapping, Sequence

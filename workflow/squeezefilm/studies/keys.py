@@ -1,7 +1,5 @@
 """The table of a study's keys in config/README.md, made from the schema: ``make keys``."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Which points are simulated: the screen, the four-factor plan, control points and sweeps."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """How a command solves: the study's solver section, unless the command line says otherwise."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The patterns that searches for a D-optimal design ended in, for Figures 9 to 11."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

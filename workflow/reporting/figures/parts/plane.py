@@ -1,7 +1,5 @@
 """The planes in which plans and designs are shown: gap and amplitude, and the finger's position."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the figures have in common: size, type, colour, the note below, and saving."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Container, Iterable
 from contextlib import AbstractContextManager

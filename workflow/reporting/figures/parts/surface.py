@@ -1,7 +1,5 @@
 """A surface in space, drawn as a mesh, with points on it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -12,8 +12,6 @@ factors: the determinant alone (DESIGN.csv), and once more with the points physi
 efficiency against an optimum found by exchange on a fine grid.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

@@ -6,8 +6,6 @@ One scene is the operating point of the study's section `extrapolation`, named `
 Each fit adds the scene at which it expects the wanted force at that gap, named after its file.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

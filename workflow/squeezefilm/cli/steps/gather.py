@@ -6,8 +6,6 @@ The rows come out in the order of the plan. Ends with status 1, names the points
 nothing when a point has no force.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path

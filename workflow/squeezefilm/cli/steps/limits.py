@@ -8,8 +8,6 @@ at the finger's rim, correct to 1/√σ, `limit_error_n` the estimate of what th
 not hold, the numbers are left out and `status` says so.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table

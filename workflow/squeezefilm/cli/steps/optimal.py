@@ -17,8 +17,6 @@ PLANS.csv has the D-efficiency of these and of every plan given, with a lower bo
 need the best design; MAP.csv is what the figure `sensitivity` is drawn from.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 

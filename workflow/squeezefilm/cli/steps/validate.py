@@ -7,8 +7,6 @@ Several sets are given one after the other, each with its files in the same orde
 the physics limit needs the LIMITS.csv of each set as --limits.
 """
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 

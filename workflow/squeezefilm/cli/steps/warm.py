@@ -5,8 +5,6 @@
 Writes which device the study's simulations run on.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from squeezefilm.io.tables import ScenePoint, write_json

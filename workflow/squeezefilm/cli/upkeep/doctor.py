@@ -3,8 +3,6 @@
 Ends with status 1 when there is no OpenCL device that computes in double precision.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 from pathlib import Path

@@ -8,8 +8,6 @@ under the name with ``.damaged`` added. Files that no card names, and studies th
 right now, are left alone.
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import sys

@@ -7,8 +7,6 @@ with status 1 when no run made it, or it was changed since. The device is that o
 that the file was made from.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path

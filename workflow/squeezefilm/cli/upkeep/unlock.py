@@ -3,8 +3,6 @@
 Only when every run in it is dead; otherwise ends with status 1 and says who goes on.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -5,8 +5,6 @@
 Equal options give the same file, byte for byte; without any they give the one in config/.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import io

@@ -7,8 +7,6 @@ Nothing is solved. The expected error is relative, the expected cost in millions
 operations; notes say where the Reynolds equation itself is stretched.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd

@@ -9,8 +9,6 @@ lies in the ranges of the fit. A model that uses the physics limit is written wi
 whose error is stated; one that was fitted without --limit-table cannot be exported.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from squeezefilm.io.atomic import write_text

@@ -9,8 +9,6 @@ is there already. Both run as they are:
     snakemake --configfile config/my-actuator.yaml
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 from pathlib import Path

@@ -14,8 +14,6 @@ point, judged by simulations that the fit never saw: points left out in turn, or
 Where the profile was measured, both contain what its scan leaves open, `scan_percent` of the force.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

@@ -9,8 +9,6 @@ rows are written nevertheless, each with its status. In a table `force_error_n` 
 error; what the noise of a measured profile adds, `squeezefilm profile` says.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

@@ -10,8 +10,6 @@ Where both are empty the point is not to be trusted, and `note` says why, or tha
 contact gives the force.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np

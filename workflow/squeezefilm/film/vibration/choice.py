@@ -1,7 +1,5 @@
 """The profile that a study asks for, by its kind, where it is not a measured one (scans.py)."""
 
-from __future__ import annotations
-
 from math import isfinite
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Least squares on Zernike modes, the degree by cross-validation."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path

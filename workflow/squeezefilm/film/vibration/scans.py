@@ -12,8 +12,6 @@ The largest of a noisy profile is too large on average, by what profiles with mo
 size tell; that much is taken off the maximum to which the profile is scaled.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

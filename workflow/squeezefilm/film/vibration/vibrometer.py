@@ -10,8 +10,6 @@ Units: m, mm, um (or µm) and nm; deg and rad. A row whose amplitude is empty or
 that could not be measured and is left out.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

@@ -9,8 +9,6 @@ looked for, and searches end in false minima. asinh is linear near zero and loga
 every order of magnitude gets its share of the candidates.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """Whether a model's parameters can be told apart at all, by experiments at given points."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Least squares near a known solution."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares

@@ -12,8 +12,6 @@ far a parameter can go while the model describes these points about as well as t
 a measure of what the points fix, not of a scatter.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

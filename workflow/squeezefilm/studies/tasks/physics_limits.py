@@ -4,8 +4,6 @@
 at the finger's rim, correct to 1/√σ, `limit_error_n` the estimate of what that leaves out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

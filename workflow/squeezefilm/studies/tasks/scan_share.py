@@ -1,7 +1,5 @@
 """What a study's scan leaves open of its forces, as `squeezefilm profile` found it."""
 
-from __future__ import annotations
-
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
 from squeezefilm.models.fitted import number
