@@ -2,7 +2,7 @@
 
 Random scenes over the study's four factors are solved as they need, and again with one thing put
 back: the mirror halves, a term that is zero, more modes than wanted, time where a limit would do.
-A term is put back by a coefficient so small that it changes nothing but has to be computed.
+A term is put back, as it says itself, so little that it changes nothing but has to be computed.
 """
 
 import math
@@ -25,12 +25,9 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import TERMS
 
 Solve = Callable[..., list[Solution]]
-NEGLIGIBLE = 1e-14
-SLIDING = {"speed_x_m_per_s": NEGLIGIBLE}
-RAREFIED = {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE * 1e-6}
-HEATED = {"polytropic_exponent": 1 + NEGLIGIBLE}
 # A grid that is fine enough for every scene of the paper's space, and the one it is checked with.
 ONE_FOR_ALL = (
     Grid(nx=28, ny=28, nt=16, fold_x=False, fold_y=False),
@@ -84,11 +81,9 @@ def measure(
         ways: dict[str, Solve] = {"": solve, "time (always periodic)": _always_periodic}
         ways |= {
             "mirror halves": partial(_changed_needs, fold_x=False, fold_y=False),
-            "bearing term": _with(finger=SLIDING),
-            "rarefaction": _with(gas=RAREFIED),
-            "heating": _with(gas=HEATED),
+            **{kind.ABSENT.what: _with(kind.put_back) for kind in TERMS},
             "finest modes for all": _one_grid,
-            "everything": _with(finger=SLIDING, gas=RAREFIED | HEATED, solve=_one_grid),
+            "everything": _with(*(kind.put_back for kind in TERMS), solve=_one_grid),
         }
         base = 0.0
         for put_back, way in ways.items():
@@ -133,24 +128,13 @@ def _changed_needs(
     return solve_periodic(scenes, changed, tolerance=tolerance, device=device)
 
 
-def _with(
-    *,
-    gas: dict[str, Any] | None = None,
-    finger: dict[str, Any] | None = None,
-    solve: Solve = _always_periodic,
-) -> Solve:
-    """The way to solve scenes with another gas or finger."""
+def _with(*changes: Callable[[Scene], Scene], solve: Solve = _always_periodic) -> Solve:
+    """The way to solve scenes that are changed first."""
 
     def changed(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> list[Solution]:
-        others = [
-            replace(
-                scene,
-                gas=replace(scene.gas, **(gas or {})),
-                finger=replace(scene.finger, **(finger or {})),
-            )
-            for scene in scenes
-        ]
-        return solve(others, tolerance=tolerance, device=device)
+        for change in changes:
+            scenes = [change(scene) for scene in scenes]
+        return solve(scenes, tolerance=tolerance, device=device)
 
     return changed
 

@@ -11,15 +11,7 @@ from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, add_limits, micrometres
 from reporting.pages.notes import one_digit
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json, read_scenes
-
-SEARCH_COLUMNS = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
-
-
-def read_searches(path: Path) -> pd.DataFrame:
-    """Every point of every search."""
-    return read_columns(path, columns=SEARCH_COLUMNS)
 
 
 def patterns_found(path: Path) -> tuple[str, int, dict[str, list[dict[str, Any]]]]:

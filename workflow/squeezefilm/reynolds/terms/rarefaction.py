@@ -6,13 +6,13 @@ The mass flux becomes Σ c_k H^(3−k) ρ^(1−k) ∇P; the mean free path's 1/�
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.limits.forces import limit_axis, limit_points, small_amplitude
-from squeezefilm.reynolds.terms.term import LEAST_SHARE, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import LEAST_SHARE, NEGLIGIBLE, LeftOut, Numbers, Term
 
 # Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
 # inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
@@ -55,6 +55,12 @@ class Rarefaction(Term):
                 f"for up to 0.17 (Kn {scene.knudsen:.2g})"
             )
         return _slip_left_out(scene) if scene.gas.rarefaction == "none" else ""
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        path_m = NEGLIGIBLE * 1e-6
+        gas = replace(scene.gas, rarefaction="fukui-kaneko", mean_free_path_m=path_m)
+        return replace(scene, gas=gas)
 
     def numbers(self, scene: Scene) -> Numbers:
         return {"flow": flow_coefficients(scene)}

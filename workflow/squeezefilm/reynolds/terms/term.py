@@ -26,6 +26,9 @@ HOOKS = ("residual", "response", "rate", "rate_response")
 # Of a force, from which on a note says what is left out.
 LEAST_SHARE = 0.005
 
+# What is put back to see what leaving it out saves.
+NEGLIGIBLE = 1e-14
+
 Numbers = Mapping[str, float | tuple[float, ...]]
 Arrays = Mapping[str, np.ndarray]
 
@@ -62,6 +65,11 @@ class Term:
     @classmethod
     def of(cls, scene: Scene) -> Term | None:
         """The term as the scene has it, if it does."""
+        raise NotImplementedError
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        """A scene that has so little of it that nothing changes but the work."""
         raise NotImplementedError
 
     @classmethod
