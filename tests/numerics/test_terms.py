@@ -166,11 +166,11 @@ class Drift(Term):
     def numbers(self, scene: Scene) -> Numbers:
         return {"drift": 5.0}
 
-    def matrices(self, grid: Grid) -> dict[str, np.ndarray]:
+    def matrices(self, grid: Grid, *, aspect: float) -> dict[str, np.ndarray]:
         return {"drift_x": grid.x.first_derivative}
 
     def profile_fields(self, s: np.ndarray, grid: Grid) -> dict[str, np.ndarray]:
-        return {"drift_slope": grid.x.derivative @ s}
+        return {"drift_slope": (grid.x.derivative @ s)[:, 1 : grid.nx + 1, 1 : grid.ny + 1]}
 
 
 def test_a_new_term_is_one_module_and_a_place_in_the_list(

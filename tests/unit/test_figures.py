@@ -233,6 +233,7 @@ def test_an_unknown_figure_is_refused() -> None:
         ("cost", {"axis": "scenes", "method": "magic"}),
         ("conditioning", {"quantity": "magic", "points": "screen", "force_error": 1e-3}),
         ("stability", {"verdict": "magic"}),
+        ("resolved_strip", {"equation": "magic"}),
         ("paper_signature", {"kind": "magic"}),
         ("fig09", {"scaling": "magic"}),
         (

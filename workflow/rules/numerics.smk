@@ -100,6 +100,30 @@ rule left_out:
         "--output {output} >{log} 2>&1"
 
 
+rule resolved_strip:
+    input:
+        code=code("resolved-strip"),
+        config=ancient(CONFIG_FILE),
+    output:
+        table="<results>/numerics/resolved_strip.csv",
+        limits="<results>/numerics/resolved_strip_limits.csv",
+    log:
+        "<logs>/numerics/resolved_strip.log",
+    benchmark:
+        "<benchmarks>/numerics/resolved_strip.tsv"
+    conda:
+        "../../envs/numerics.yaml"
+    resources:
+        mem_mb=1000,
+    params:
+        blas=ONE_BLAS_THREAD,
+    message:
+        "The film equations on a strip beside one resolved across the gap"
+    shell:
+        "{params.blas} python -m numerics resolved-strip --config {input.config} "
+        "--output {output.table} --limits {output.limits} >{log} 2>&1"
+
+
 rule roofline:
     input:
         code=code("roofline"),

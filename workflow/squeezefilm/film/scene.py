@@ -32,6 +32,7 @@ class Gas:
     mean_free_path_m: float
     rarefaction: str
     polytropic_exponent: float
+    inertia: str = "none"
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from squeezefilm.reynolds.terms import Terms
 # Nodes across the finger beyond which none is tried: there rounding begins to show at 1e-6, and a
 # scene takes minutes.
 MOST_SPACE = 320
-# Names of the matrices that interpolate to a finer grid.
+# Names of the matrices that interpolate the pressure to a finer grid.
 CARRYING = ("carry_t", "carry_x", "carry_y")
 
 
@@ -84,18 +84,15 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
         "laplace_y": grid.y.second_derivative / aspect**2,
         "modes_y": vectors_y,
         "to_modes_y": inverse_y,
-        "fourier": grid.t.fourier,
-        "fourier_transposed": grid.t.fourier.T,
         "time_derivative": grid.t.derivative.T,
         "eigenvalues": np.add.outer(values_x, values_y / aspect**2),
         "eigenvalues_y": values_y / aspect**2,
         "weights": np.outer(grid.x.weights, grid.y.weights),
-        "harmonics": np.tile(np.arange(grid.nt // 2), 2),
         "sine": np.sin(grid.t.nodes),
         "cosine": np.cos(grid.t.nodes),
     }
     for term in terms:
-        parts.update(term.matrices(grid))
+        parts.update(term.matrices(grid, aspect=aspect))
     return joined(parts)
 
 
@@ -115,16 +112,19 @@ def instant_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
         "eigenvalues": np.add.outer(values_x, values_y / aspect**2),
     }
     for term in terms:
-        parts.update(term.matrices(grid))
+        parts.update(term.matrices(grid, aspect=aspect))
     return joined(parts)
 
 
 @lru_cache(maxsize=256)
-def carrying_matrices(coarse: Grid, fine: Grid) -> Joined:
+def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> Joined:
     """What interpolates a state to a finer grid."""
     matrices = (
         coarse.t.interpolation_to(fine.t).T,
         coarse.x.interpolation_to(fine.x),
         coarse.y.interpolation_to(fine.y),
     )
-    return joined(dict(zip(CARRYING, matrices, strict=True)))
+    parts = dict(zip(CARRYING, matrices, strict=True))
+    for term in terms:
+        parts.update(term.carrying(coarse, fine))
+    return joined(parts)

@@ -31,9 +31,8 @@ def c_enum(names: Iterable[str]) -> str:
 
 def c_terms(terms: Terms) -> str:
     """Every hook of the equation as the calls of the terms that fill it."""
-    parameters = "(g, film, mass, work, out)"
     lines = []
-    for hook in HOOKS:
+    for hook, parameters in HOOKS.items():
         calls = [f"{hook}_{term.NAME}{parameters};" for term in terms if hook in term.HOOKS]
         lines.append(f"#define TERMS_{hook.upper()}{parameters} {' '.join(calls)}")
     return "\n".join(lines)

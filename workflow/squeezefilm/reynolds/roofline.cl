@@ -41,6 +41,6 @@ __kernel void panel_products(const int which, const int turns, __global const Ro
         else if (which == 1)
             along_y(&g, g.laplace_y, in, out, 0);
         else
-            along_t(&g, g.fourier, in, out, 0);
+            along_t(&g, g.time_modes, in, out, 0);
     }
 }

@@ -24,7 +24,7 @@ from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile, unseen_profile
 from squeezefilm.reynolds.solution import solution_of
-from squeezefilm.reynolds.terms import terms_of
+from squeezefilm.reynolds.terms import first_reason, terms_of
 
 # The methods from cheap to dear; the limits know their own error before anything is solved.
 LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
@@ -244,7 +244,8 @@ def _way(
     if wants_modes(scene):
         refused = galerkin.refused(scene, needs, tolerance=tolerance)
         return Way(galerkin.METHOD, refused=refused)
-    return Way("periodic")
+    refused = first_reason(term.refused_on_grid(scene) for term in needs.terms)
+    return Way("periodic", refused=refused)
 
 
 def by_limits(

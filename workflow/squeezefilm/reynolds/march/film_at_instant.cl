@@ -74,7 +74,7 @@ static void precondition(const Grid *g, const Film *film, field r)
 }
 
 /* out = preconditioned (1 − c df/dy) w. */
-static void apply_jacobian(const Grid *g, const Film *film, field w, field out)
+static void apply_jacobian(const Grid *g, Film *film, field w, field out)
 {
     field4 v = (field4)film->work_a, r = (field4)out;
     matrix4 from = (matrix4)w;

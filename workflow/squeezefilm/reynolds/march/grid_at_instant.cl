@@ -3,7 +3,7 @@
  * the right. A field is stored [x][y], so that both derivatives are products with contiguous rows. */
 
 typedef struct {
-    int nx, ny, ny4, count, count4;
+    int nx, ny, ny4, count, count4, length, length4;
     matrix laplace_x, laplace_y, area, modes_x, to_modes_x, modes_y, to_modes_y, eigenvalues;
 } Grid;
 
@@ -22,7 +22,7 @@ static Grid make_grid(__global const Row *row, matrix values)
 {
     Grid g;
     g.nx = row->nx; g.ny = row->ny; g.ny4 = g.ny / 4;
-    g.count = g.nx * g.ny; g.count4 = g.count / 4;
+    g.count = g.length = g.nx * g.ny; g.count4 = g.length4 = g.count / 4;
     g.laplace_x = values + row->laplace_x;
     g.laplace_y = values + row->laplace_y;
     g.area = values + row->area;

@@ -12,13 +12,16 @@
  *     Σ_k c_k div(H^(3−k) grad g_k) − σ d(Hρ)/dT + what other terms add = 0.
  *
  * Newton's correction is sought as a mass perturbation w = δ(Hρ): the stiff time term then keeps a
- * constant coefficient. GMRES is preconditioned from the left by the inverse of D Δ − σ d/dT with
- * the mean diffusivity D, diagonal in a modal basis of space times the real Fourier basis. Its
- * vectors are stored in that basis, where the time term is diagonal too, so that its residual norm
- * estimates the error in w itself.
+ * constant coefficient. GMRES is preconditioned from the left by the inverse of D Δ − σ A d/dT times
+ * A, where D is the mean diffusivity over the mean gap and A the resistance that it leaves to the
+ * gas (time_modes.py), in a basis of space and time in which it is diagonal. Its vectors are stored
+ * in that basis, where the time term is diagonal too, so that its residual norm estimates the error
+ * in w itself.
  *
  * Compiled after the sources of the scene's terms. One of them may have its own in place of the
- * GAS_LAW or of the PRECONDITIONER here; all add their lines at the hooks TERMS_….
+ * GAS_LAW or of the PRECONDITIONER here; all add their lines at the hooks TERMS_…. A term may have
+ * fields that are unknown beside p: they lie behind p, behind w and behind each residual, and the
+ * term's lines precondition them.
  */
 
 /* H^(a/2) for a = 3 − k. */
@@ -76,12 +79,14 @@ static void add_flow(const Grid *g, const Film *film, int k, field v, field work
     SYNC;
 }
 
-/* Residual of the equation at the state p, in modal coefficients. Also sets the response of each
- * flow term to a mass perturbation and the mean diffusivity for the Jacobian at this state. */
+/* Residual of the equation at the state p, in modal coefficients; behind it, preconditioned, those of
+ * the terms' own unknowns. Also sets the response of each flow term to a mass perturbation and the
+ * mean diffusivity for the Jacobian at this state. */
 static void residual(const Grid *g, Film *film, field modal, __local double *scratch)
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
     field4 v4 = (field4)v, work4 = (field4)work, r4 = (field4)r;
+    matrix4 mean_gap = (matrix4)g->mean_gap;
     double4 diffusivity = (double4)(0.0);
     for (int k = 0; k < FLOW_TERMS; k++) {
         FOR_EACH_POINT(g, row, t, i)
@@ -92,7 +97,7 @@ static void residual(const Grid *g, Film *film, field modal, __local double *scr
                                      (gap * density_slope(film, p));
             v4[i] = film->row->flow[k] * power * flow_potential(film, p, k);
             film->response[k][i] = response;
-            diffusivity += response * power;
+            diffusivity += response * power / mean_gap[t];
         }
         SYNC;
         add_flow(g, film, k, v, work, r);
@@ -106,24 +111,25 @@ static void residual(const Grid *g, Film *film, field modal, __local double *scr
     SYNC;
     along_t(g, g->time_derivative, work, v, 0);
     subtract(r, film->sigma, v, g->count4);
+    film->own_out = modal + g->count;
     TERMS_RESIDUAL(g, film, work, v, r)
     to_modal(g, r, modal);
 }
 
-/* Harmonic k has a cosine coefficient c, at k in a row's first half, and a sine coefficient s in
- * its second half: d/dT (c cos kT + s sin kT) = k s cos kT − k c sin kT. The places for k = 0 hold
- * the mean and the last cosine, which both have no rate. Two harmonics are treated at a time. */
+/* A pair of modes in time has its coefficients c in a row's first half and s in its second half; the
+ * first pair are the mean and the last cosine, which both have no rate. A d/dT maps (c, s) to
+ * (g c + k s, g s − k c), with the pair's decay g and speed k; without inertia g = 0, and with the
+ * mean gap at rest k counts harmonics. Two pairs are treated at a time. */
 #ifndef PRECONDITIONER
-/* Solve (D Δ − σ d/dT) u = (c, s) for two harmonics of a row: two unknowns by two for each. */
-static void solve_harmonics(double diffusion, double2 speed, double2 c, double2 s, pair cosine,
-                            pair sine)
+/* Solve (D Δ − σ A d/dT) u = (c, s) for two pairs of a row: two unknowns by two for each. */
+static void solve_pairs(double2 diffusion, double2 speed, double2 c, double2 s, pair cosine, pair sine)
 {
     const double2 scale = 1.0 / (diffusion * diffusion + speed * speed);
     *cosine = scale * (diffusion * c + speed * s);
     *sine = scale * (diffusion * s - speed * c);
 }
 
-/* Solve (D Δ − σ d/dT) u = modal in place. */
+/* Solve (D Δ − σ A d/dT) u = modal in place. */
 static void precondition(const Grid *g, const Film *film, field modal)
 {
     const int half_row = g->nt / 4;
@@ -132,12 +138,13 @@ static void precondition(const Grid *g, const Film *film, field modal)
         const double diffusion = film->diffusivity * g->eigenvalues[row];
         pair m = (pair)(modal + row * g->nt), n = m + half_row;
         for (int j = 0; j < half_row; j++)
-            solve_harmonics(diffusion, film->sigma * g->harmonics[j], m[j], n[j], m + j, n + j);
+            solve_pairs(diffusion - film->sigma * g->decays[j], film->sigma * g->speeds[j], m[j], n[j],
+                        m + j, n + j);
     }
     SYNC;
 }
 
-/* Solve (D Δ − σ d/dT) u = modal − σ dw/dT in place, in one pass. */
+/* Solve (D Δ − σ A d/dT) u = modal − σ A dw/dT in place, in one pass. */
 static void precondition_with_time_term(const Grid *g, const Film *film, matrix w, field modal)
 {
     const int half_row = g->nt / 4;
@@ -147,17 +154,18 @@ static void precondition_with_time_term(const Grid *g, const Film *film, matrix 
         pair m = (pair)(modal + row * g->nt), n = m + half_row;
         pairs w_cosine = (pairs)(w + row * g->nt), w_sine = w_cosine + half_row;
         for (int j = 0; j < half_row; j++) {
-            const double2 speed = film->sigma * g->harmonics[j];
-            solve_harmonics(diffusion, speed, m[j] - speed * w_sine[j], n[j] + speed * w_cosine[j],
-                            m + j, n + j);
+            const double2 decay = film->sigma * g->decays[j], speed = film->sigma * g->speeds[j];
+            const double2 c = w_cosine[j], s = w_sine[j];
+            solve_pairs(diffusion - decay, speed, m[j] - decay * c - speed * s,
+                        n[j] - decay * s + speed * c, m + j, n + j);
         }
     }
     SYNC;
 }
 #endif
 
-/* out = preconditioned Jacobian times w, both modal. */
-static void apply_jacobian(const Grid *g, const Film *film, field w, field out)
+/* out = preconditioned Jacobian times w, both modal, and both with the terms' own unknowns behind. */
+static void apply_jacobian(const Grid *g, Film *film, field w, field out)
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
     field4 v4 = (field4)v;
@@ -170,6 +178,8 @@ static void apply_jacobian(const Grid *g, const Film *film, field w, field out)
         SYNC;
         add_flow(g, film, k, v, work, r);
     }
+    film->own_in = w + g->count;
+    film->own_out = out + g->count;
     TERMS_RESPONSE(g, film, out, v, r)
     to_modal(g, r, out);
     precondition_with_time_term(g, film, w, out);

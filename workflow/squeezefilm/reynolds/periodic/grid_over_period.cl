@@ -4,19 +4,19 @@
 typedef __global double2 *pair;
 typedef __global const double2 *pairs;
 
-/* Sizes and the matrices that all scenes of a batch share. */
+/* Sizes and matrices; those of the modes in time (time_modes.py) are transposed. */
 typedef struct {
-    int nx, ny, nt, rows, count, nt4, row4, count4;
+    int nx, ny, nt, rows, count, nt4, row4, count4, length, length4;
     matrix laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
     matrix eigenvalues, eigenvalues_y, weights;
-    pairs harmonics;
-    matrix fourier, fourier_transposed, time_derivative;
+    pairs speeds, decays;
+    matrix to_time_modes, time_modes, time_derivative, mean_gap;
     matrix4 sine, cosine;
 } Grid;
 
 /* One scene: its numbers and profile, and the fields of the state that is being improved. What terms
  * have of their own they find through the scene's row: numbers as film->row->NAME, and arrays by
- * ARRAY. */
+ * ARRAY. A vector of the linear system is `length` long: UNKNOWN_FIELDS fields. */
 typedef struct {
     __global const Row *row;
     matrix values;
@@ -25,6 +25,9 @@ typedef struct {
     field4 gap_power[FLOW_TERMS], potential[FLOW_TERMS], response[FLOW_TERMS];
     field4 p;
     field work_a, work_b, work_c;
+    /* Unknowns that terms have of their own, at the state, in a change of it and in what answers to
+     * the change; and room for the terms' fields. */
+    field own, own_in, own_out, own_work;
 } Film;
 
 #define ARRAY(film, name) ((film)->values + (film)->row->name)
@@ -34,6 +37,7 @@ static Grid make_grid(__global const Row *row, matrix values)
     Grid g;
     g.nx = row->nx; g.ny = row->ny; g.nt = row->nt;
     g.rows = g.nx * g.ny; g.count = g.rows * g.nt;
+    g.length = UNKNOWN_FIELDS * g.count; g.length4 = g.length / 4;
     g.nt4 = g.nt / 4; g.row4 = g.ny * g.nt / 4; g.count4 = g.count / 4;
     g.laplace_x = values + row->laplace_x;
     g.modes_x = values + row->modes_x;
@@ -41,13 +45,15 @@ static Grid make_grid(__global const Row *row, matrix values)
     g.laplace_y = values + row->laplace_y;
     g.modes_y = values + row->modes_y;
     g.to_modes_y = values + row->to_modes_y;
-    g.fourier = values + row->fourier;
-    g.fourier_transposed = values + row->fourier_transposed;
+    g.to_time_modes = values + row->to_time_modes;
+    g.time_modes = values + row->time_modes;
+    g.mean_gap = values + row->mean_gap;
     g.time_derivative = values + row->time_derivative;
     g.eigenvalues = values + row->eigenvalues;
     g.eigenvalues_y = values + row->eigenvalues_y;
     g.weights = values + row->weights;
-    g.harmonics = (pairs)(values + row->harmonics);
+    g.speeds = (pairs)(values + row->speeds);
+    g.decays = (pairs)(values + row->decays);
     g.sine = (matrix4)(values + row->sine);
     g.cosine = (matrix4)(values + row->cosine);
     return g;
@@ -69,23 +75,33 @@ static void along_t(const Grid *g, matrix transposed, field in, field out, int a
     multiply(in, g->rows, g->nt, (matrix4)transposed, (field4)out, g->nt4, 1, add);
 }
 
-/* modal = (to_modes_x ⊗ to_modes_y ⊗ fourier) values; `values` is overwritten. */
+/* modal = (to_modes_x ⊗ to_modes_y ⊗ to_time_modes) values; `values` is overwritten. */
 static void to_modal(const Grid *g, field values, field modal)
 {
-    along_t(g, g->fourier_transposed, values, modal, 0);
+    along_t(g, g->to_time_modes, values, modal, 0);
     along_x(g, g->to_modes_x, modal, values, 0);
     along_y(g, g->to_modes_y, values, modal, 0);
 }
 
-/* values = (modes_x ⊗ modes_y ⊗ fourier') modal, by way of `work`. */
+/* values = (modes_x ⊗ modes_y ⊗ time_modes) modal, by way of `work`. */
 static void from_modal(const Grid *g, field modal, field work, field values)
 {
     along_x(g, g->modes_x, modal, values, 0);
     along_y(g, g->modes_y, values, work, 0);
-    along_t(g, g->fourier, work, values, 0);
+    along_t(g, g->time_modes, work, values, 0);
 }
 
 static double4 gap_at(const Grid *g, const Film *film, int row, int t)
 {
     return 1.0 + film->epsilon * film->amplitude[row] * g->sine[t];
+}
+
+/* A field of the coarser grid of another row on g, by the matrices from axis to axis. */
+static void carry_field(const Grid *g, const Film *film, __global const Row *coarser, matrix along_x,
+                        matrix along_y, field coarse, field fine)
+{
+    const int nx = coarser->nx, ny = coarser->ny, nt = coarser->nt;
+    multiply(coarse, nx * ny, nt, (matrix4)ARRAY(film, carry_t), (field4)film->work_a, g->nt4, 1, 0);
+    multiply(along_x, g->nx, nx, (matrix4)film->work_a, (field4)film->work_b, ny * g->nt4, 1, 0);
+    multiply(along_y, g->ny, ny, (matrix4)film->work_b, (field4)fine, g->nt4, g->nx, 0);
 }

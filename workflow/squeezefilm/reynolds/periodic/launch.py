@@ -12,8 +12,9 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, Device, aligned, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
-from squeezefilm.reynolds.problems import Problems, problems_of, profile_fields
-from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.problems import Problems, mean_amplitude, problems_of, profile_fields
+from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
 
 # What stands for no offset.
 NOTHING = -1
@@ -36,7 +37,7 @@ class Batch:
     Attributes:
         grids: each no coarser than the one before.
         problems: the scenes as they are on each of the grids.
-        guess: first guess of the overpressure on the first grid, shape (scenes, nx, ny, nt); the
+        guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
             film at rest if left out.
     """
 
@@ -49,9 +50,18 @@ class Batch:
         return len(self.problems[0])
 
     @property
+    def terms(self) -> Terms:
+        return self.problems[0].terms
+
+    @property
+    def fields(self) -> int:
+        """Fields of a state."""
+        return unknown_fields(self.terms)
+
+    @property
     def count(self) -> int:
         """Number of unknowns, of all scenes on all grids."""
-        return self.scenes * sum(grid.count for grid in self.grids)
+        return self.scenes * self.fields * sum(grid.count for grid in self.grids)
 
     @property
     def workspace_size(self) -> int:
@@ -59,14 +69,15 @@ class Batch:
         flow_terms = self.problems[0].numbers["flow"].shape[1]
         sizes = []
         for grid in self.grids:
-            most = most_krylov(grid)
-            sizes.append(grid.count * (3 * flow_terms + 4 + most) + (most + 4) * (most + 1))
+            most = most_krylov(grid, self.terms)
+            fields = 3 * flow_terms + 3 + own_fields(self.terms) + (most + 1) * self.fields
+            sizes.append(grid.count * fields + (most + 4) * (most + 1))
         return max(sizes)
 
 
-def most_krylov(grid: Grid) -> int:
+def most_krylov(grid: Grid, terms: Terms) -> int:
     """Krylov iterations that a Newton step may take: as many as there is room for."""
-    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count) - 8
+    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
     return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
 
 
@@ -75,7 +86,8 @@ class States:
     """What the device returns, one entry per scene.
 
     Attributes:
-        overpressure: p = P − 1 on the grid, shape (scenes, nx, ny, nt).
+        unknowns: the overpressure p = P − 1 on the grid and the terms' own unknowns, shape
+            (scenes, fields, nx, ny, nt).
         mean: mean of p over film and period, the force in units of p0 × area.
         residual: preconditioned residual, an estimate of the mass error left by the iteration.
         largest: largest |p|.
@@ -85,7 +97,7 @@ class States:
         newton_steps, krylov_iterations: work done.
     """
 
-    overpressure: np.ndarray
+    unknowns: np.ndarray
     mean: np.ndarray
     residual: np.ndarray
     largest: np.ndarray
@@ -94,6 +106,11 @@ class States:
     status: np.ndarray
     newton_steps: np.ndarray
     krylov_iterations: np.ndarray
+
+    @property
+    def overpressure(self) -> np.ndarray:
+        """p = P − 1 on the grid, shape (scenes, nx, ny, nt)."""
+        return self.unknowns[:, 0]
 
     @property
     def mean_in_time(self) -> np.ndarray:
@@ -147,10 +164,10 @@ class Launch:
             last = first + batch.scenes * stages
             states.append([])
             for stage, grid in enumerate(batch.grids):
-                end = at_state + batch.scenes * grid.count
-                overpressure = self.results[at_state:end].reshape(-1, *grid.shape)
+                end = at_state + batch.scenes * batch.fields * grid.count
+                unknowns = self.results[at_state:end].reshape(-1, batch.fields, *grid.shape)
                 own = said[first + stage : last : stages]
-                states[-1].append(States(overpressure, *(own[name] for name in SAID.names or ())))
+                states[-1].append(States(unknowns, *(own[name] for name in SAID.names or ())))
                 at_state = end
             first = last
         return states
@@ -223,8 +240,8 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
                         "nx": grid.nx,
                         "ny": grid.ny,
                         "nt": grid.nt,
-                        "most_krylov": most_krylov(grid),
-                        "state": at_state + grid.count * np.arange(batch.scenes),
+                        "most_krylov": most_krylov(grid, batch.terms),
+                        "state": at_state + batch.fields * grid.count * np.arange(batch.scenes),
                         **_offsets(pile, problems, grid, coarser=coarser),
                     },
                     problems.numbers,
@@ -232,7 +249,7 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
                     tolerance=problems.tolerance * (1 - problems.epsilon),
                 )
             )
-            end = at_state + batch.scenes * grid.count
+            end = at_state + batch.scenes * batch.fields * grid.count
             if coarser is None:
                 results[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
             at_state, coarser = end, grid
@@ -245,14 +262,29 @@ def _offsets(
 ) -> dict[str, int | np.ndarray]:
     """Where what a batch needs on one grid lies in the pile, which it is put on."""
     matrices = grid_matrices(grid, aspect=problems.aspect, terms=problems.terms)
-    offsets: dict[str, int | np.ndarray] = dict.fromkeys(CARRYING, NOTHING)
+    carrying = (*CARRYING, *(name for term in problems.terms for name in term.CARRYING))
+    offsets: dict[str, int | np.ndarray] = dict.fromkeys(carrying, NOTHING)
     if coarser:
-        offsets |= pile.add(carrying_matrices(coarser, grid))
+        offsets |= pile.add(carrying_matrices(coarser, grid, terms=problems.terms))
     offsets |= pile.add(matrices)
     offsets |= pile.add_each(profile_fields(problems, grid), problems.places)
+    offsets |= pile.add_each(*_time_modes(problems, grid))
     for term in problems.terms:
         offsets |= pile.add_each(term.operators(problems.numbers, grid))
     return offsets
+
+
+def _time_modes(problems: Problems, grid: Grid) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """The modes in time that scenes of a batch have, and which of them each scene has."""
+    variations = problems.epsilon * mean_amplitude(problems, grid)
+    each = [
+        time_modes(grid.nt, variation=float(variation), lag=float(lag))
+        for variation, lag in zip(variations, problems.numbers["lag"], strict=True)
+    ]
+    places = {modes: place for place, modes in enumerate(dict.fromkeys(each))}
+    parts = [modes.parts() for modes in places]
+    stacked = {name: np.stack([part[name] for part in parts]) for name in parts[0]}
+    return stacked, np.array([places[modes] for modes in each])
 
 
 def _sources(terms: Terms) -> tuple[str, ...]:
@@ -267,6 +299,8 @@ def _header(terms: Terms, rows: np.ndarray) -> str:
     return "\n".join(
         [
             f"#define FLOW_TERMS {flow_terms}",
+            f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
+            f"#define OWN_FIELDS {own_fields(terms)}",
             c_struct("Row", rows.dtype),
             c_struct("Said", SAID),
             c_enum(ENDINGS),

@@ -34,21 +34,19 @@ static double safe_share(const Grid *g, const Film *film, matrix4 step, __local 
 }
 
 /* The state on the coarser grid of another row as the first guess on g. */
-static void carry(const Grid *g, __global const Row *coarser, field results, const Film *film)
+static void carry(const Grid *g, const Film *film, __global const Row *coarser, field coarse)
 {
-    const int nx = coarser->nx, ny = coarser->ny, nt = coarser->nt;
-    field coarse = results + coarser->state;
-    multiply(coarse, nx * ny, nt, (matrix4)ARRAY(film, carry_t), (field4)film->work_a, g->nt4, 1, 0);
-    multiply(ARRAY(film, carry_x), g->nx, nx, (matrix4)film->work_a, (field4)film->work_b,
-             ny * g->nt4, 1, 0);
-    multiply(ARRAY(film, carry_y), g->ny, ny, (matrix4)film->work_b, film->p, g->nt4, g->nx, 0);
+    carry_field(g, film, coarser, ARRAY(film, carry_x), ARRAY(film, carry_y), coarse,
+                (field)film->p);
+    coarse += coarser->nx * coarser->ny * coarser->nt;
+    TERMS_CARRY(g, film, coarser, coarse)
 }
 
 /* The iteration's rounding error of the mass, relative to the largest overpressure. */
 #define ROUNDING 1e-14
 
-/* Newton's iteration from the guess film->p. `basis` has room for most_krylov + 1 fields, `small`
- * for the numbers of gmres. */
+/* Newton's iteration from the guess film->p. `basis` has room for most_krylov + 1 vectors,
+ * `small` for the numbers of gmres. */
 static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
                   field basis, field small, __local double *scratch)
 {
@@ -56,7 +54,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
     for (; s.newton_steps <= most_newton; s.newton_steps++) {
         residual(g, film, basis, scratch);
         precondition(g, film, basis);
-        s.residual = norm(basis, g->count4, g->nt, scratch);
+        s.residual = norm(basis, g->length4, g->nt, scratch);
         if (!isfinite(s.residual)) {
             s.status = NOT_FINITE;
             break;
@@ -80,6 +78,8 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
             step[i] /= -gap_at(g, film, row, t) * density_slope(film, film->p[i]);
         SYNC;
         const double share = safe_share(g, film, step, scratch);
+        film->own_in = basis + g->count;
+        TERMS_STEP(g, film, film->work_b, share)
         FOR_EACH(i, g->count4) film->p[i] += share * step[i];
         SYNC;
         s.mean = mean_overpressure(g, film, scratch);
@@ -94,8 +94,8 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
  * begins:  per scene its first row in rows and results; a row is the scene on a grid.
  * rows:    sizes, numbers and where the scene's parts lie; carry_t is negative on its first grid.
  * values:  those parts: matrices, profiles, operators.
- * results: per row what is said of it; then, where the row says, its state p (nx, ny, nt), the
- *          first guess on entry. One array, for each that the host waits for costs it as much as a
+ * results: per row what is said of it; then, where the row says, its state, the first guess on
+ *          entry: p (nx, ny, nt) and the terms' own unknowns. One array, for each that the host waits for costs it as much as a
  *          small solve. */
 __kernel void periodic_state(const int scenes, const int most_newton, __global const int *begins,
                              __global const Row *rows, matrix values, field results,
@@ -130,18 +130,20 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             film.work_a = space;
             film.work_b = space + g.count;
             film.work_c = space + 2 * g.count;
-            field basis = space + 3 * g.count;
-            field small = basis + (most_krylov + 1) * g.count;
+            film.own_work = space + 3 * g.count;
+            field basis = film.own_work + OWN_FIELDS * g.count;
+            field small = basis + (most_krylov + 1) * g.length;
             film.epsilon = row->epsilon;
             film.sigma = row->sigma;
             film.amplitude = ARRAY(&film, amplitude);
             film.gradient_squared = ARRAY(&film, gradient_squared);
             film.laplacian = ARRAY(&film, laplacian);
             film.p = (field4)(results + row->state);
+            film.own = results + row->state + g.count;
             if (row->carry_t >= 0 && status == CONVERGED) {
-                carry(&g, row - 1, results, &film);
+                carry(&g, &film, row - 1, results + (row - 1)->state);
             } else if (row->carry_t >= 0) {
-                FOR_EACH(i, g.count4) film.p[i] = (double4)(0.0);
+                FOR_EACH(i, g.length4) film.p[i] = (double4)(0.0);
                 SYNC;
             }
             set_gap(&g, &film);

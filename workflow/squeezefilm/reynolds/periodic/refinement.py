@@ -51,14 +51,14 @@ class _Progress:
 
     Attributes:
         grids: those of the next launch; the last two tell the error.
-        overpressure: the state on the first of them, if it is known already.
+        state: the unknowns on the first of them, if they are known already.
     """
 
     index: int
     scene: Scene
     needs: Needs
     grids: tuple[Grid, ...]
-    overpressure: np.ndarray | None = None
+    state: np.ndarray | None = None
     newton_steps: int = 0
     krylov_iterations: int = 0
     work: float = 0.0
@@ -156,7 +156,7 @@ def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
             current[terms], filled[terms] = defaultdict(list), 0
             launches.append(current[terms])
         filled[terms] += size
-        alike = (progress.grids, progress.overpressure is None, progress.scene.aspect)
+        alike = (progress.grids, progress.state is None, progress.scene.aspect)
         current[terms][alike].append(progress)
     return [list(groups.values()) for groups in launches]
 
@@ -167,7 +167,7 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     left = ITERATION_SHARE * tolerance
     shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * 2
     problems = problems_on(scenes, dict(zip(grids, shares[-len(grids) :], strict=True)))
-    known = [progress.overpressure for progress in group if progress.overpressure is not None]
+    known = [progress.state for progress in group if progress.state is not None]
     return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
 
 
@@ -249,7 +249,7 @@ def _judge_scene(
         return finished(
             status=f"tolerance not reached on the finest grid ({_size(grid)}): {reason}"
         )
-    progress.grids, progress.overpressure = (grid, finer), states.overpressure[position].copy()
+    progress.grids, progress.state = (grid, finer), states.unknowns[position].copy()
     return None
 
 

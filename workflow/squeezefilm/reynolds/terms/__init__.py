@@ -9,13 +9,14 @@ from collections.abc import Iterable
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.bearing import Bearing
+from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 from squeezefilm.reynolds.terms.term import HOOKS, LEAST_SHARE, LeftOut, Numbers, Term
 
 __all__ = ["HOOKS", "LEAST_SHARE", "TERMS", "LeftOut", "Term", "Terms"]
 
-TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic)
+TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic, Inertia)
 Terms = tuple[Term, ...]
 
 
@@ -31,11 +32,15 @@ def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
 
 
 def numbers_of(scene: Scene, terms: Terms) -> Numbers:
-    """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P."""
+    """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P.
+
+    ``lag`` is that of the flow behind what drives it, in units of 1/ω (time_modes.py).
+    """
     numbers: dict[str, float | tuple[float, ...]] = {
         "epsilon": scene.epsilon,
         "sigma": scene.sigma,
         "flow": (1.0,),
+        "lag": 0.0,
     }
     for term in terms:
         numbers.update(term.numbers(scene))
@@ -48,6 +53,16 @@ def stiffness_of(scene: Scene, terms: Terms) -> float:
     for term in terms:
         factor *= term.stiffness(scene)
     return factor
+
+
+def unknown_fields(terms: Terms) -> int:
+    """Fields that the periodic state solves for."""
+    return 1 + sum(term.UNKNOWN_FIELDS for term in terms)
+
+
+def own_fields(terms: Terms) -> int:
+    """Fields that terms need room for beside the unknowns."""
+    return sum(term.OWN_FIELDS for term in terms)
 
 
 def state_refused(scene: Scene, terms: Terms, *, thinnest: float) -> str:

@@ -28,7 +28,7 @@ static void add_time_term(const Grid *g, const Film *film, matrix w, field modal
         pair m = (pair)(modal + row * g->nt);
         pairs from = (pairs)(w + row * g->nt);
         for (int j = 0; j < half_row; j++) {
-            const double2 speed = film->sigma * g->harmonics[j];
+            const double2 speed = film->sigma * g->speeds[j];
             m[j] -= speed * from[half_row + j];
             m[half_row + j] += speed * from[j];
         }
@@ -65,7 +65,7 @@ static void precondition(const Grid *g, const Film *film, field modal)
             const double d = film->diffusivity * triangle[bottom * nx + bottom] + shift;
             pair u = (pair)(m + top * stride), v = (pair)(m + bottom * stride);
             for (int j = 0; j < half_row; j++) {
-                const double2 speed = film->sigma * g->harmonics[j];
+                const double2 speed = film->sigma * g->speeds[j];
                 const double2 u_re = u[j], u_im = -u[half_row + j];
                 if (!coupled) {
                     const double2 scale = 1.0 / (a * a + speed * speed);

@@ -18,10 +18,17 @@ if TYPE_CHECKING:  # for types alone: both ask the terms
     from squeezefilm.reynolds.grid import Grid
     from squeezefilm.reynolds.modes.pad_modes import PadModes
 
-# Where kernels add what terms have to say, as f(g, film, mass, work, out): to the residual of
-# film_over_period.cl and its response to a change of the mass, and to the rate and its response of
-# film_at_instant.cl.
-HOOKS = ("residual", "response", "rate", "rate_response")
+# Where kernels add what terms have to say: to the residual of film_over_period.cl and its response
+# to a change of the mass, to the rate and its response of film_at_instant.cl; and, for unknowns of
+# their own, to a step of Newton's method and to the way from grid to grid (periodic.cl).
+HOOKS = {
+    "residual": "(g, film, mass, work, out)",
+    "response": "(g, film, mass, work, out)",
+    "rate": "(g, film, mass, work, out)",
+    "rate_response": "(g, film, mass, work, out)",
+    "step": "(g, film, step, share)",
+    "carry": "(g, film, coarser, coarse)",
+}
 
 # Of a force, from which on a note says what is left out.
 LEAST_SHARE = 0.005
@@ -51,6 +58,9 @@ class Term:
         BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
         OVER_PERIOD, AT_INSTANT: OpenCL source of its lines for the periodic state and the march.
         HOOKS: those of HOOKS that these sources fill, by functions ``HOOK_NAME``.
+        UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
+        OWN_FIELDS: room that its lines need beside that, in fields.
+        CARRYING: names of the matrices that carry its unknowns from grid to grid.
     """
 
     label: str
@@ -61,6 +71,9 @@ class Term:
     OVER_PERIOD: ClassVar[str] = ""
     AT_INSTANT: ClassVar[str] = ""
     HOOKS: ClassVar[tuple[str, ...]] = ()
+    UNKNOWN_FIELDS: ClassVar[int] = 0
+    OWN_FIELDS: ClassVar[int] = 0
+    CARRYING: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> Term | None:
@@ -69,8 +82,11 @@ class Term:
 
     @classmethod
     def put_back(cls, scene: Scene) -> Scene:
-        """A scene that has so little of it that nothing changes but the work."""
-        raise NotImplementedError
+        """A scene that has so little of it that nothing changes but the work.
+
+        The scene itself where there is no such one: what is left out then is another film.
+        """
+        return scene
 
     @classmethod
     def note(cls, scene: Scene) -> str:
@@ -93,12 +109,22 @@ class Term:
         """Arguments of the limits that know it (limits.py)."""
         return {}
 
-    def matrices(self, grid: Grid) -> Arrays:
-        """What its lines need of a grid, beside the matrices that all have."""
+    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+        """What its lines need of a grid, beside the matrices that all have.
+
+        ``aspect`` is the finger's length along y over that along x, the unit of lengths.
+        """
         return {}
 
     def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
-        """What its lines need of profiles s on all nodes, each shape (places, full nx + 2, …)."""
+        """What its lines need of profiles s (places, full nx + 2, full ny + 2), ends included.
+
+        Each has the shape (places, nx, ny).
+        """
+        return {}
+
+    def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
+        """The matrices of CARRYING between two grids."""
         return {}
 
     def operators(self, numbers: np.ndarray, grid: Grid) -> Arrays:
@@ -115,6 +141,10 @@ class Term:
     def in_modes(self, scene: Scene, modes: PadModes, mass: np.ndarray) -> np.ndarray | float:
         """What it adds to the balance of every mode (galerkin.py); linear in the mass Hρ."""
         return 0.0
+
+    def refused_on_grid(self, scene: Scene) -> str:
+        """Why the periodic state is not solved for a scene that has it; empty where it is."""
+        return ""
 
     def refused_in_modes(self, scene: Scene) -> str:
         """Why the modes of a pad cannot solve a scene that has it; empty where they can."""
