@@ -1,47 +1,84 @@
 """What all tests share."""
 
-from __future__ import annotations
-
+import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.cli.main import main
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
 SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py")
 
 
 @pytest.fixture(scope="session")
-def repository() -> Path:
+def repository():
     """The root of the checkout."""
     return Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture(scope="session")
-def paper(repository: Path) -> Config:
+def paper(repository):
     """The paper's study."""
     return load_config(repository / "config" / "paper.yaml")
 
 
 @pytest.fixture(scope="session")
-def quick(repository: Path) -> Config:
+def quick(repository):
     """The same in small."""
     return load_config(repository / "config" / "quick.yaml")
 
 
 @pytest.fixture(scope="session")
-def scene(paper: Config) -> Scene:
+def scene(paper):
     """The paper's operating point beyond its screen."""
     return scene_of(ScenePoint("1", 5e-6, 2.2e-6, 0.0, 0.0), paper)
 
 
+@pytest.fixture
+def refused(capsys):
+    """A function that runs a command which must end with a message, and gives the message."""
+
+    def refused(*words: object, status: int = 2) -> str:
+        assert main([str(word) for word in words]) == status
+        told = capsys.readouterr().err
+        assert "squeezefilm: error: " in told
+        assert "Traceback" not in told
+        return told
+
+    return refused
+
+
+@pytest.fixture
+def edited(repository, tmp_path):
+    """A function that writes a study of config/ with other values in its sections."""
+
+    def edited(name: str = "quick", /, **sections: dict[str, Any]) -> Path:
+        study = dict(load_config(repository / "config" / f"{name}.yaml"))
+        study |= {key: {**study[key], **values} for key, values in sections.items()}
+        path = tmp_path / "study.yaml"
+        path.write_text(json.dumps(study), encoding="utf-8")  # YAML too, without aliases
+        return path
+
+    return edited
+
+
+def pytest_collection_modifyitems(items):
+    """The longest chain of tests begins first, and next what else starts Snakemake."""
+
+    def late(item: pytest.Item) -> tuple[bool, bool]:
+        file = item.nodeid.partition("::")[0]
+        return file not in SHARING_ONE_RUN, not file.startswith("tests/workflow/")
+
+    items.sort(key=late)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Files stay whole, and those that share a finished run of the workflow stay together."""
+    """Files stay whole and in order; those that share a finished run of the workflow are one."""
     from xdist.scheduler import LoadScopeScheduling
 
     class TogetherScheduling(LoadScopeScheduling):
@@ -49,4 +86,5 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
             file = nodeid.partition("::")[0]
             return "one run" if file in SHARING_ONE_RUN else file
 
+    config.option.loadscopereorder = False
     return TogetherScheduling(config, log)

@@ -4,12 +4,9 @@ pytest tests/browser                             pages of the quick study, made 
 pytest tests/browser --results results/paper     pages that are there already
 """
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,9 +30,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 @pytest.fixture(scope="session")
-def results(
-    request: pytest.FixtureRequest, repository: Path, tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def results(request, repository, tmp_path_factory):
     """The results of a study that has its pages."""
     given = request.config.getoption("--results")
     if given:
@@ -118,9 +113,7 @@ class Browser:
 
 
 @pytest.fixture(scope="session")
-def browser(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Browser]:
+def browser(request, tmp_path_factory):
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 

@@ -1,14 +1,10 @@
 """The explorer shows what the library computes, and can be used with a keyboard and a finger."""
 
-from __future__ import annotations
-
 import math
 import re
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -82,7 +78,7 @@ START = {"h0": 5.0, "hv": 2.0, "phi-r": 0.0, "phi-phi": 0.0, "wanted": 1.0}
 
 
 @pytest.fixture
-def explorer(browser: Browser, results: Path) -> Iterator[Explorer]:
+def explorer(browser, results):
     """The page as it looks when it is opened; it stays open from test to test."""
     page = results / "explorer.html"
     if browser.shown != (page, DESKTOP, False):
@@ -100,7 +96,7 @@ def explorer(browser: Browser, results: Path) -> Iterator[Explorer]:
     assert browser.requests() == []
 
 
-def test_the_page_opens_at_the_edge_of_the_simulated_space(browser: Browser, results: Path) -> None:
+def test_the_page_opens_at_the_edge_of_the_simulated_space(browser, results):
     browser.open(results / "explorer.html")
     explorer = Explorer(browser, results)
     assert {n: float(explorer.element(n).get_attribute("value")) for n in START} == START
@@ -108,12 +104,12 @@ def test_the_page_opens_at_the_edge_of_the_simulated_space(browser: Browser, res
 
 
 @pytest.fixture(scope="session")
-def screen(results: Path) -> pd.DataFrame:
+def screen(results):
     return read_ok_forces(results / "simulations/screen/forces.csv")
 
 
 @pytest.mark.parametrize("name", FITS)
-def test_the_number_shown_is_the_librarys(name: str, explorer: Explorer) -> None:
+def test_the_number_shown_is_the_librarys(name, explorer):
     explorer.choose(name)
     random = np.random.default_rng(1)
 
@@ -128,43 +124,16 @@ def test_the_number_shown_is_the_librarys(name: str, explorer: Explorer) -> None
         assert explorer.force_n == pytest.approx(explorer.library_n(name), rel=0, abs=EXACT)
 
 
-def test_sliders_move_the_number(explorer: Explorer) -> None:
-    explorer.choose("four_factor")
-    explorer.type(phi_r=1.0)
-    before = explorer.force_n
-    for name in FACTOR:
-        slider = explorer.element(name)
-        ActionChains(explorer.browser.driver).drag_and_drop_by_offset(slider, 23, 0).perform()
-        assert explorer.force_n == pytest.approx(
-            explorer.library_n("four_factor"), rel=0, abs=EXACT
-        )
-        assert explorer.force_n != before
-        before = explorer.force_n
-
-
-@pytest.mark.parametrize(
-    ("keys", "steps"),
-    [([Keys.ARROW_RIGHT] * 3, 3), ([Keys.ARROW_LEFT] * 2, -2), ([Keys.ARROW_UP], 1)],
-)
-def test_arrow_keys_move_a_slider_by_its_step(
-    keys: list[str], steps: int, explorer: Explorer
-) -> None:
+def test_arrow_keys_move_a_slider_by_its_step(explorer):
     explorer.type(h0=7.0, hv=1.0)
-    explorer.element("hv").send_keys(*keys)
-    assert explorer.factors()["hv_m"] == pytest.approx(1e-6 + steps * 0.01e-6, rel=1e-12)
+    explorer.element("hv").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT, Keys.ARROW_LEFT)
+    assert explorer.factors()["hv_m"] == pytest.approx(1.01e-6, rel=1e-12)
     assert explorer.force_n == pytest.approx(
         explorer.library_n("two_factor_design"), rel=0, abs=EXACT
     )
 
 
-def test_home_and_end_reach_the_ends(explorer: Explorer) -> None:
-    slider = explorer.element("h0")
-    for key, end in ((Keys.END, "max"), (Keys.HOME, "min")):
-        slider.send_keys(key)
-        assert float(slider.get_attribute("value")) == float(slider.get_attribute(end))
-
-
-def test_the_tab_key_passes_every_control_and_the_focus_is_seen(explorer: Explorer) -> None:
+def test_the_tab_key_passes_every_control_and_the_focus_is_seen(explorer):
     explorer.element("fit").click()
     explorer.element("fit").send_keys(Keys.ESCAPE)
     passed = ["fit"]
@@ -177,7 +146,7 @@ def test_the_tab_key_passes_every_control_and_the_focus_is_seen(explorer: Explor
     assert passed == ["fit", *wanted, "take", "turn"]
 
 
-def test_every_control_has_a_name_for_those_who_do_not_see_it(explorer: Explorer) -> None:
+def test_every_control_has_a_name_for_those_who_do_not_see_it(explorer):
     tree = explorer.browser.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
     roles = {"slider", "spinbutton", "combobox", "button", "image"}
     controls = [node for node in tree if node.get("role", {}).get("value") in roles]
@@ -188,7 +157,7 @@ def test_every_control_has_a_name_for_those_who_do_not_see_it(explorer: Explorer
     assert says == "5 µm"
 
 
-def test_the_wanted_force_is_met(explorer: Explorer) -> None:
+def test_the_wanted_force_is_met(explorer):
     explorer.type(h0=5.0, wanted=1.0)
     explorer.element("take").click()
     assert explorer.force_n == pytest.approx(1, rel=0, abs=1e-8)
@@ -197,17 +166,9 @@ def test_the_wanted_force_is_met(explorer: Explorer) -> None:
     assert explorer.text("amplitude") == f"{1e6 * amplitude_m:.3f} µm for 1 N"
 
 
-def test_no_amplitude_gives_too_large_a_force(explorer: Explorer) -> None:
-    explorer.choose("screen")
-    explorer.type(wanted=0.0)
-    assert explorer.text("amplitude") in ("none gives 0 N", "0.000 µm for 0 N") or re.fullmatch(
-        r"0\.\d{3} µm for 0 N", explorer.text("amplitude")
-    )
-
-
 def test_the_error_is_that_of_the_nearest_simulation_that_the_fit_never_saw(
-    explorer: Explorer, results: Path, screen: pd.DataFrame
-) -> None:
+    explorer, results, screen
+):
     explorer.choose("screen")
     fit = explorer.fit("screen")
     between = read_ok_forces(results / "simulations/error_map/forces.csv")
@@ -234,16 +195,14 @@ def test_the_error_is_that_of_the_nearest_simulation_that_the_fit_never_saw(
         ({"phi_r": 1.0}, "knows a centred finger only"),
     ],
 )
-def test_where_a_model_is_not_to_be_trusted_the_page_says_why(
-    values: dict[str, float], reason: str, explorer: Explorer
-) -> None:
+def test_where_a_model_is_not_to_be_trusted_the_page_says_why(values, reason, explorer):
     explorer.type(**values)
     said = explorer.text("trust")
     assert said.startswith("Not to be trusted" if reason else "Trusted: within ")
     assert reason in said
 
 
-def test_a_touching_surface_has_no_force(explorer: Explorer) -> None:
+def test_a_touching_surface_has_no_force(explorer):
     script = "arguments[0].max = 99; arguments[1].max = 99"
     explorer.browser.run(script, explorer.element("hv"), explorer.element("hv-number"))
     explorer.type(h0=4.0)
@@ -252,7 +211,7 @@ def test_a_touching_surface_has_no_force(explorer: Explorer) -> None:
     assert (explorer.text("force") == "no force") == touching
 
 
-def test_the_mouse_turns_the_surface_and_so_does_its_slider(explorer: Explorer) -> None:
+def test_the_mouse_turns_the_surface_and_so_does_its_slider(explorer):
     eye = "return document.getElementById('space')._fullLayout.scene._scene.getCamera().eye"
     before = explorer.browser.run(eye)
     actions = ActionChains(explorer.browser.driver)
@@ -267,9 +226,7 @@ def test_the_mouse_turns_the_surface_and_so_does_its_slider(explorer: Explorer) 
     assert again["x"] == pytest.approx(-math.hypot(turned["x"], turned["y"]), rel=1e-3)
 
 
-def test_the_drawings_show_the_point_the_curve_and_the_simulations(
-    explorer: Explorer, screen: pd.DataFrame
-) -> None:
+def test_the_drawings_show_the_point_the_curve_and_the_simulations(explorer, screen):
     explorer.choose("screen")
     explorer.type(h0=8.0, hv=1.5, wanted=0.2)
     explorer.browser.settle()
@@ -299,9 +256,7 @@ def test_the_drawings_show_the_point_the_curve_and_the_simulations(
     np.testing.assert_allclose(forces, 0.2, rtol=1e-9)
 
 
-def test_on_a_phone_the_force_stays_in_sight_while_sliders_move(
-    browser: Browser, results: Path
-) -> None:
+def test_on_a_phone_the_force_stays_in_sight_while_sliders_move(browser, results):
     browser.open(results / "explorer.html", size=PHONE)
     explorer = Explorer(browser, results)
     for name in FACTOR:
@@ -315,9 +270,7 @@ def test_on_a_phone_the_force_stays_in_sight_while_sliders_move(
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_text_stands_out_from_what_is_behind_it(
-    dark: bool, browser: Browser, results: Path, luminance: Callable[[str], float]
-) -> None:
+def test_text_stands_out_from_what_is_behind_it(dark, browser, results, luminance):
     """Contrast of 4.5 for text and 3 for lines, as the WCAG ask for."""
     browser.open(results / "explorer.html", dark=dark)
     names = ("paper", "card", "ink", "soft", "blue", "red", "good")
@@ -333,7 +286,7 @@ def test_text_stands_out_from_what_is_behind_it(
 
 
 @pytest.fixture(scope="session")
-def luminance() -> Callable[[str], float]:
+def luminance():
     """The relative luminance of a colour #rrggbb (WCAG 2)."""
 
     def of(colour: str) -> float:

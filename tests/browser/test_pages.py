@@ -1,19 +1,13 @@
 """Both pages open from the disk, on any width, without a word to a server or on the console."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import pytest
 from matplotlib.image import imread
 
-from .conftest import DESKTOP, PAGES, PHONE, SMALL_PHONE, Browser, page_of
+from .conftest import DESKTOP, PAGES, PHONE, SMALL_PHONE, page_of
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_a_page_opens_from_the_disk_and_asks_for_nothing_else(
-    page: str, browser: Browser, results: Path
-) -> None:
+def test_a_page_opens_from_the_disk_and_asks_for_nothing_else(page, browser, results):
     path = page_of(results, page)
     requests = browser.open(path)
     assert [each["url"] for each in requests] == [path.as_uri()]
@@ -25,9 +19,7 @@ def test_a_page_opens_from_the_disk_and_asks_for_nothing_else(
 
 @pytest.mark.parametrize("page", PAGES)
 @pytest.mark.parametrize("size", [PHONE, SMALL_PHONE, DESKTOP], ids=str)
-def test_no_page_is_wider_than_the_window(
-    page: str, size: tuple[int, int], browser: Browser, results: Path
-) -> None:
+def test_no_page_is_wider_than_the_window(page, size, browser, results):
     browser.open(page_of(results, page), size=size)
     wide = browser.run("return document.documentElement.scrollWidth")
     assert wide <= browser.run("return innerWidth") == size[0]
@@ -38,9 +30,7 @@ def test_no_page_is_wider_than_the_window(
     ("name", "size", "dark"),
     [("desktop", DESKTOP, False), ("dark", DESKTOP, True), ("phone", (PHONE[0], 2600), False)],
 )
-def test_a_page_shows_something(
-    page: str, name: str, size: tuple[int, int], dark: bool, browser: Browser, results: Path
-) -> None:
+def test_a_page_shows_something(page, name, size, dark, browser, results):
     browser.open(page_of(results, page), size=size, dark=dark)
     picture = imread(browser.photograph(f"{page}-{name}"))[..., :3]
     assert picture.std() > 0.05

@@ -1,9 +1,5 @@
 """The report opens its pages and figures from within itself."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -40,27 +36,27 @@ class Report:
 
 
 @pytest.fixture
-def report(browser: Browser, results: Path) -> Iterator[Report]:
+def report(browser, results):
     browser.open(page_of(results, "report"))
     yield Report(browser)
     assert browser.complaints() == []
     assert browser.requests() == []
 
 
-def test_what_to_read_first_stands_first(report: Report) -> None:
+def test_what_to_read_first_stands_first(report):
     names = report.categories()
     assert names == sorted(names)
     assert "claims" in names[0]
 
 
-def test_every_category_has_results_with_a_label(report: Report) -> None:
+def test_every_category_has_results_with_a_label(report):
     for name in report.categories():
         report.click(name)
         assert all(row.text.strip() for row in report.rows())
         report.click("Results")
 
 
-def test_the_claims_open_inside_the_report(report: Report) -> None:
+def test_the_claims_open_inside_the_report(report):
     report.click(report.categories()[0])
     report.show("Claims")
     report.wait.until(lambda d: d.find_elements(By.TAG_NAME, "iframe"))
@@ -74,7 +70,7 @@ def test_the_claims_open_inside_the_report(report: Report) -> None:
 
 
 @pytest.mark.parametrize("figure", ["overview", "Fig. 08", "uncertainty"])
-def test_a_figure_opens_inside_the_report(figure: str, report: Report) -> None:
+def test_a_figure_opens_inside_the_report(figure, report):
     [category] = [name for name in report.categories() if "Figures" in name]
     report.click(category)
     report.show(figure)

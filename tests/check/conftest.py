@@ -1,7 +1,5 @@
 """One finished run of the quick study, checked against the stored reference, for all faults."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from dataclasses import dataclass
@@ -46,14 +44,14 @@ def run_check(folder: Path, *arguments: str, environment: dict[str, str] | None 
 
 
 @pytest.fixture(scope="session")
-def sound(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Checked:
+def sound(repository, tmp_path_factory):
     """The study as it is."""
     folder = copy_checkout(repository, tmp_path_factory.mktemp("sound") / "checkout", REFERENCE)
     return run_check(folder)
 
 
 @pytest.fixture
-def copy(sound: Checked, tmp_path: Path) -> Path:
+def copy(sound, tmp_path):
     """A copy of the finished checkout in which a fault may be put."""
     more = (REFERENCE, "results", ".snakemake")
     return copy_checkout(sound.folder, tmp_path / "checkout", *more)
@@ -80,7 +78,7 @@ class Results:
 
 
 @pytest.fixture
-def results(sound: Checked, tmp_path: Path) -> Results:
+def results(sound, tmp_path):
     """A copy of the finished results in which a fault may be put."""
     folder = tmp_path / "quick"
     shutil.copytree(sound.folder / "results" / "quick", folder, copy_function=os.link)

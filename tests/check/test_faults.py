@@ -4,8 +4,6 @@ Most faults are put into copies of finished results, and cost little; a kernel, 
 a study is run are changed for real.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -21,7 +19,7 @@ from reporting.figures.parts import style
 from squeezefilm.io.tables import read_json, write_json
 
 from ..workflow.conftest import copy_checkout
-from .conftest import REFERENCE, Checked, Results, run_check
+from .conftest import REFERENCE, Results, run_check
 
 Failed = set[tuple[str, str, str]]
 
@@ -52,13 +50,13 @@ def redraw(results: Results, name: str, change: Callable[[Figure], None]) -> Non
 # --- the study as it is -------------------------------------------------------------------------
 
 
-def test_the_sound_study_is_green(sound: Checked) -> None:
+def test_the_sound_study_is_green(sound):
     assert sound.status == 0, sound.log[-6000:]
     assert sound.failed == set()
     assert f"All {len(sound.table)} quantities passed." in sound.log
 
 
-def test_the_table_says_what_was_compared(sound: Checked) -> None:
+def test_the_table_says_what_was_compared(sound):
     row = sound.table.query("part == 'claims' and item == 'simulation_at_2.2'").iloc[1]
     assert row["expected"].startswith("0.962")
     assert row["worst"] == "ours, in N; paper: 0.99"
@@ -67,7 +65,7 @@ def test_the_table_says_what_was_compared(sound: Checked) -> None:
     assert page.count("\n|") == len(sound.table) + 2
 
 
-def test_drawing_anew_changes_nothing(results: Results) -> None:
+def test_drawing_anew_changes_nothing(results):
     redraw(results, "fig14", lambda figure: None)
     assert results.failed() == set()
 
@@ -75,53 +73,63 @@ def test_drawing_anew_changes_nothing(results: Results) -> None:
 # --- faults in tables ---------------------------------------------------------------------------
 
 
-def test_a_shifted_column_is_caught(results: Results) -> None:
-    def shift(table: pd.DataFrame) -> pd.DataFrame:
-        return table.assign(force_n=np.roll(table["force_n"], 1))
-
-    edit(results.folder / "figures/fig08.csv", shift)
-    assert results.failed() == {("figure data", "fig08", "force_n")}
-
-
-def test_a_dropped_point_is_caught(results: Results) -> None:
-    edit(results.folder / "figures/fig07.csv", lambda table: table.drop(index=5))
-    failed = results.failed()
-    assert ("figure data", "fig07", "rows") in failed
-    assert {of for of in failed if of[1] != "fig07"} == set()
-
-
-def test_a_simulation_that_is_missing_is_caught(results: Results) -> None:
-    edit(results.folder / "simulations/screen/forces.csv", lambda table: table.iloc[:-1])
-    failed = results.failed()
-    assert ("simulations", "screen", "rows") in failed
-    assert items(failed, "simulations") == {"screen"}
-
-
-def test_a_scene_without_a_force_is_caught(results: Results) -> None:
-    edit(
-        results.folder / "simulations/screen/forces.csv",
+SCREEN = "simulations/screen/forces.csv"
+# A table, what is done to it, all rows of the check that fail.
+FAULTS: dict[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame], Failed]] = {
+    "a shifted column": (
+        "figures/fig08.csv",
+        lambda table: table.assign(force_n=np.roll(table["force_n"], 1)),
+        {("figure data", "fig08", "force_n")},
+    ),
+    "a scene without a force": (
+        SCREEN,
         lambda table: table.assign(status=["refused", *table["status"][1:]]),
-    )
-    assert results.failed() == {("simulations", "screen", "readable")}
+        {("simulations", "screen", "readable")},
+    ),
+    "an estimate above the tolerance": (
+        SCREEN,
+        lambda table: table.assign(force_error_n=2e-4 * table["force_n"]),
+        {("simulations", "screen", "largest estimated error over the tolerance")},
+    ),
+    "other seeds of a fit": (
+        "fits/screen_runs.csv",
+        lambda table: table.assign(seed=table["seed"] + 1),
+        {("fits", "screen, runs", "seed")},
+    ),
+    "a claim that changes sides": (
+        "claims.csv",
+        lambda table: table.assign(
+            verdict=table["verdict"].where(table["claim_id"] != "limit", "differs because")
+        ),
+        {("claims", "limit", "verdict")},
+    ),
+    "a film that fails": (
+        "numerics/stability.csv",
+        lambda table: table.assign(verdict=["failed", *table["verdict"][1:]]),
+        {("numerics", "stability", "verdicts"), ("numerics", "stability", "failed cases")},
+    ),
+}
 
 
-def test_other_seeds_of_a_fit_are_caught(results: Results) -> None:
-    edit(
-        results.folder / "fits/screen_runs.csv", lambda table: table.assign(seed=table["seed"] + 1)
-    )
-    assert results.failed() == {("fits", "screen, runs", "seed")}
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_in_a_table_is_caught_where_it_belongs(results, fault):
+    table, change, expected = FAULTS[fault]
+    edit(results.folder / table, change)
+    assert results.failed() == expected
 
 
-def test_a_claim_that_changes_sides_is_caught(results: Results) -> None:
-    def turn(table: pd.DataFrame) -> pd.DataFrame:
-        chosen = table["claim_id"] == "limit"
-        return table.assign(verdict=table["verdict"].where(~chosen, "differs because"))
+@pytest.mark.parametrize(
+    ("part", "item", "table", "row"),
+    [("figure data", "fig07", "figures/fig07.csv", 5), ("simulations", "screen", SCREEN, -1)],
+)
+def test_a_row_that_is_missing_is_caught(results, part, item, table, row):
+    edit(results.folder / table, lambda each: each.drop(index=each.index[row]))
+    failed = results.failed()
+    assert (part, item, "rows") in failed
+    assert items(failed, part) == {item}
 
-    edit(results.folder / "claims.csv", turn)
-    assert results.failed() == {("claims", "limit", "verdict")}
 
-
-def test_another_minimum_of_a_fit_is_caught(results: Results) -> None:
+def test_another_minimum_of_a_fit_is_caught(results):
     path = results.folder / "fits/screen.json"
     fit = read_json(path)
     fit["theta"][0] *= 1.05
@@ -133,7 +141,13 @@ def test_another_minimum_of_a_fit_is_caught(results: Results) -> None:
     assert items(failed, "figure data") == set()
 
 
-def test_a_worse_design_is_caught_and_an_equal_one_is_not(results: Results) -> None:
+def test_a_point_outside_the_space_is_caught(results):
+    path = results.folder / "designs/two_factor.csv"
+    edit(path, lambda table: table.assign(h0_m=table["h0_m"].where(table.index != 0, 4.9e-6)))
+    assert ("designs", "two_factor", "outside the space") in results.failed()
+
+
+def test_a_worse_design_is_caught_and_an_equal_one_is_not(results):
     path = results.folder / "designs/four_factor.csv"
     original = pd.read_csv(path)
     # The point inside slides along its line of equal hv/h0, as from one machine to the next.
@@ -149,30 +163,7 @@ def test_a_worse_design_is_caught_and_an_equal_one_is_not(results: Results) -> N
     assert results.failed() == {("designs", "four_factor", "D-efficiency")}
 
 
-def test_a_point_outside_the_space_is_caught(results: Results) -> None:
-    path = results.folder / "designs/two_factor.csv"
-    edit(path, lambda table: table.assign(h0_m=table["h0_m"].where(table.index != 0, 4.9e-6)))
-    assert ("designs", "two_factor", "outside the space") in results.failed()
-
-
-def test_a_film_that_fails_is_caught(results: Results) -> None:
-    path = results.folder / "numerics/stability.csv"
-    edit(path, lambda table: table.assign(verdict=["failed", *table["verdict"][1:]]))
-    assert results.failed() == {
-        ("numerics", "stability", "verdicts"),
-        ("numerics", "stability", "failed cases"),
-    }
-
-
-def test_an_estimate_above_the_tolerance_is_caught(results: Results) -> None:
-    path = results.folder / "simulations/screen/forces.csv"
-    edit(path, lambda table: table.assign(force_error_n=2e-4 * table["force_n"]))
-    assert results.failed() == {
-        ("simulations", "screen", "largest estimated error over the tolerance")
-    }
-
-
-def test_a_missing_file_is_caught(results: Results) -> None:
+def test_a_missing_file_is_caught(results):
     (results.folder / "figures/fig12.svg").unlink()
     assert results.failed() == {("drawings", "fig12", "readable")}
 
@@ -180,7 +171,7 @@ def test_a_missing_file_is_caught(results: Results) -> None:
 # --- faults in drawings -------------------------------------------------------------------------
 
 
-def test_swapped_axes_are_caught(results: Results) -> None:
+def test_swapped_axes_and_a_dot_that_is_lost_are_caught(results):
     def swap(figure: Figure) -> None:
         axes = figure.axes[0]
         for line in axes.lines:
@@ -189,28 +180,21 @@ def test_swapped_axes_are_caught(results: Results) -> None:
         axes.set_xlim(limits[1])
         axes.set_ylim(limits[0])
 
+        line = max(axes.lines, key=lambda each: len(each.get_xdata()))
+        line.set_data(line.get_xdata()[:-1], line.get_ydata()[:-1])
+
     redraw(results, "fig12", swap)
     failed = results.failed()
+    assert ("drawings", "fig12", "dots") in failed
     assert items(failed, "drawings") == {"fig12"} == {item for _, item, _ in failed}
     assert ("drawings", "fig12", "ticks of axis 1") in failed
     assert ("drawings", "fig12", "dots' places, as shares of their axes") in failed
 
 
-def test_swapped_labels_are_caught(results: Results) -> None:
-    def swap(figure: Figure) -> None:
-        axes = figure.axes[0]
-        labels = axes.get_xlabel(), axes.get_ylabel()
-        axes.set_xlabel(labels[1])
-        axes.set_ylabel(labels[0])
-
-    redraw(results, "fig12", swap)
-    assert ("drawings", "fig12", "axis labels") in results.failed()
-
-
 @pytest.mark.parametrize(
     ("name", "unit", "other"), [("fig14", "µm", "mm"), ("fig08", "(N)", "(mN)")]
 )
-def test_a_mislabelled_unit_is_caught(results: Results, name: str, unit: str, other: str) -> None:
+def test_a_mislabelled_unit_is_caught(results, name, unit, other):
     def relabel(figure: Figure) -> None:
         axes = figure.axes[0]
         set_label = axes.set_zlabel if name == "fig08" else axes.set_xlabel
@@ -224,16 +208,7 @@ def test_a_mislabelled_unit_is_caught(results: Results, name: str, unit: str, ot
     assert {item for _, item, _ in failed} == {name}
 
 
-def test_a_dot_that_is_not_drawn_is_caught(results: Results) -> None:
-    def lose(figure: Figure) -> None:
-        line = max(figure.axes[0].lines, key=lambda each: len(each.get_xdata()))
-        line.set_data(line.get_xdata()[:-1], line.get_ydata()[:-1])
-
-    redraw(results, "fig12", lose)
-    assert ("drawings", "fig12", "dots") in results.failed()
-
-
-def test_a_blank_picture_is_caught(results: Results) -> None:
+def test_a_blank_picture_is_caught(results):
     path = results.folder / "figures/fig09.png"
     pixels = matplotlib.image.imread(path)
     path.unlink()
@@ -244,7 +219,7 @@ def test_a_blank_picture_is_caught(results: Results) -> None:
 # --- for real -----------------------------------------------------------------------------------
 
 
-def test_a_factor_in_the_kernel_is_caught(copy: Path) -> None:
+def test_a_factor_in_the_kernel_is_caught(copy):
     """Half the pressure's square, a hundredth too large, in the viscous flow."""
     path = copy / "workflow/squeezefilm/reynolds/periodic/film_over_period.cl"
     text = path.read_text(encoding="utf-8")
@@ -263,7 +238,7 @@ def test_a_factor_in_the_kernel_is_caught(copy: Path) -> None:
     assert not items(failed, "figure data") & {"fig05", "fig06", "fig07", "fig15"}
 
 
-def test_a_wrong_seed_is_caught(copy: Path) -> None:
+def test_a_wrong_seed_is_caught(copy):
     path = copy / "config/quick.yaml"
     text = path.read_text(encoding="utf-8")
     start = text.index("four_factor_control:")
@@ -276,9 +251,7 @@ def test_a_wrong_seed_is_caught(copy: Path) -> None:
     assert items(checked.failed, "fits") | items(checked.failed, "designs") == set()
 
 
-def test_threads_chunks_and_cores_are_no_fault(
-    repository: Path, tmp_path: Path, sound: Checked
-) -> None:
+def test_threads_chunks_and_cores_are_no_fault(repository, tmp_path, sound):
     """Everything anew with two threads of BLAS, one core, and each plan in more parts."""
     folder = copy_checkout(repository, tmp_path / "checkout", REFERENCE)
     path = folder / "config/quick.yaml"

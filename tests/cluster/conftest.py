@@ -1,19 +1,17 @@
 """A Slurm for all tests here, checkouts set up for it, and the same tables made without it."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from ..workflow.conftest import copy_checkout, snakemake
-from .slurm import PARTITION, NoSlurm, Slurm, private_slurm
+from .slurm import PARTITION, NoSlurm, private_slurm
 
 PATIENCE = 600  # seconds until a test gives up waiting; the machine may be busy
 QUICK = "config/quick.yaml"
@@ -36,7 +34,7 @@ ON_SLURM = (
 
 
 @pytest.fixture(scope="session")
-def slurm() -> Iterator[Slurm]:
+def slurm():
     try:
         with private_slurm() as slurm:
             say(f"Slurm {slurm.run('sinfo', '--version').split()[-1]} runs in {slurm.folder}")
@@ -109,7 +107,7 @@ class Checkout:
 
 
 @pytest.fixture
-def checkout(slurm: Slurm, repository: Path) -> Checkout:
+def checkout(slurm, repository):
     """A fresh checkout beside Slurm's files, with the profile set up as a user would."""
     folder = copy_checkout(repository, slurm.folder / f"checkout-{time.monotonic_ns()}", "Makefile")
     write_long_study(folder)
@@ -141,9 +139,7 @@ def set_up_profile(folder: Path, *, scratch: Path) -> None:
 
 
 @pytest.fixture(scope="session")
-def made_locally(
-    repository: Path, tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[str], bytes]:
+def made_locally(repository, tmp_path_factory):
     """What a table holds that was made on this machine without any scheduler."""
     folder = copy_checkout(repository, tmp_path_factory.mktemp("local") / "checkout")
     write_long_study(folder)

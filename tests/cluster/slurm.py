@@ -1,7 +1,5 @@
 """A Slurm of one's own: munge, slurmctld and slurmd on loopback, in one folder, without systemd."""
 
-from __future__ import annotations
-
 import os
 import pwd
 import secrets

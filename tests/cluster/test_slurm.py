@@ -1,9 +1,5 @@
 """Jobs run on a real Slurm, give the tables that they give here, and survive being ended."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-
 import pandas as pd
 
 from .conftest import (
@@ -11,14 +7,12 @@ from .conftest import (
     LONG_FORCES,
     QUICK,
     QUICK_TABLES,
-    Checkout,
     Run,
     say,
     wait_until,
 )
 from .slurm import PARTITION, Job, Slurm
 
-Made = Callable[[str], bytes]
 LONG_LOG = "logs/long/simulate/sweep/1-of-1.parquet.log"
 
 
@@ -32,9 +26,7 @@ def jobs_of(run: Run, slurm: Slurm) -> list[Job]:
     return jobs
 
 
-def test_the_quick_study_is_simulated_on_slurm(
-    slurm: Slurm, checkout: Checkout, made_locally: Made
-) -> None:
+def test_the_quick_study_is_simulated_on_slurm(slurm, checkout, made_locally):
     run = checkout.on_slurm(QUICK, QUICK_TABLES)
     run.succeeds()
     jobs = jobs_of(run, slurm)
@@ -48,9 +40,7 @@ def test_the_quick_study_is_simulated_on_slurm(
     assert any(cache.iterdir()), "kernels were not kept on the node"
 
 
-def test_a_cancelled_job_is_tried_again(
-    slurm: Slurm, checkout: Checkout, made_locally: Made
-) -> None:
+def test_a_cancelled_job_is_tried_again(slurm, checkout, made_locally):
     run = checkout.on_slurm(LONG, [LONG_FORCES])
     wait_until(lambda: (checkout.folder / LONG_LOG).exists(), of=run)
     (number,) = slurm.running()
@@ -64,8 +54,8 @@ def test_a_cancelled_job_is_tried_again(
 
 
 def test_a_run_goes_on_after_snakemake_was_killed_though_its_job_writes_later(
-    slurm: Slurm, checkout: Checkout, made_locally: Made
-) -> None:
+    slurm, checkout, made_locally
+):
     first = checkout.on_slurm(LONG, [LONG_FORCES])
     wait_until(lambda: (checkout.folder / LONG_LOG).exists(), of=first)
     first.process.kill()
@@ -87,9 +77,7 @@ def test_a_run_goes_on_after_snakemake_was_killed_though_its_job_writes_later(
     assert len(pd.read_parquet(part)) == len(pd.read_parquet(checkout.folder / LONG_FORCES))
 
 
-def test_another_scheduler_is_reached_by_its_own_commands(
-    slurm: Slurm, checkout: Checkout, made_locally: Made
-) -> None:
+def test_another_scheduler_is_reached_by_its_own_commands(slurm, checkout, made_locally):
     table = QUICK_TABLES[0]
     profile = ("--workflow-profile", "profiles/generic", "--latency-wait", "5")
     run = checkout.start(table, "--configfile", QUICK, *profile)

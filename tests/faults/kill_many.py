@@ -17,11 +17,8 @@ A hundred take about half an hour on two free cores. Not part of any test; test_
 quick ones.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
-import csv
 import hashlib
 import json
 import os
@@ -32,10 +29,11 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO, Any
 
+import pandas as pd
 import psutil
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -91,17 +89,10 @@ def main() -> int:
             number, aim, moment_s, folder=folder, environment=environment, wanted=wanted
         )
         kills.append(kill)
-        write(kills, options.output)
+        pd.DataFrame(map(asdict, kills)).to_csv(options.output, index=False)
         print(kill, flush=True)
     print(summary(kills))
     return 0 if all(kill.resumed and kill.digests_equal and kill.traced for kill in kills) else 1
-
-
-def write(kills: list[Kill], path: Path) -> None:
-    with path.open("w", newline="", encoding="utf-8") as handle:
-        table = csv.DictWriter(handle, [field.name for field in fields(Kill)], lineterminator="\n")
-        table.writeheader()
-        table.writerows(asdict(kill) for kill in kills)
 
 
 def plan(kills: int, draw: random.Random) -> list[tuple[str, float]]:
@@ -301,16 +292,11 @@ def traces(folder: Path) -> dict[str, str]:
 def summary(kills: list[Kill]) -> str:
     """The kills in a few lines."""
     ran = Counter(stage for kill in kills for stage in kill.ran.split("+"))
-    return "\n".join(
-        [
-            f"{len(kills)} kills",
-            f"killed: {dict(Counter(kill.killed for kill in kills))}",
-            f"running at that moment: {dict(ran.most_common())}",
-            f"resumed: {sum(kill.resumed for kill in kills)}",
-            f"same digests: {sum(kill.digests_equal for kill in kills)}",
-            f"every file on a card: {sum(kill.traced for kill in kills)}",
-        ]
-    )
+    lines = [f"{len(kills)} kills", f"killed: {dict(Counter(kill.killed for kill in kills))}"]
+    lines.append(f"running at that moment: {dict(ran.most_common())}")
+    for name in ("resumed", "digests_equal", "traced"):
+        lines.append(f"{name}: {sum(getattr(kill, name) for kill in kills)}")
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

@@ -4,14 +4,12 @@ Each test says a fault, what the user is told, and that the results are the same
 stage is `make test-faults`; kill_many.py kills a run a hundred times.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -83,7 +81,7 @@ class Checkout:
 
 
 @pytest.fixture(scope="session")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
+def undisturbed(tmp_path_factory):
     """A finished run."""
     checkout = Checkout(tmp_path_factory.mktemp("undisturbed"))
     fresh(checkout.folder)
@@ -94,14 +92,14 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
 
 
 @pytest.fixture
-def checkout(undisturbed: Checkout, tmp_path: Path) -> Checkout:
+def checkout(undisturbed, tmp_path):
     """A checkout in which nothing has been made yet."""
     fresh(tmp_path)
     return Checkout(tmp_path, undisturbed.wanted)
 
 
 @pytest.fixture
-def finished(undisturbed: Checkout, tmp_path: Path) -> Checkout:
+def finished(undisturbed, tmp_path):
     """A copy of a finished run, its files' times kept."""
     shutil.copytree(undisturbed.folder, tmp_path, dirs_exist_ok=True)
     return Checkout(tmp_path, undisturbed.wanted)
@@ -119,7 +117,7 @@ def wait_for_job(running: psutil.Popen, stage: str) -> psutil.Process:
 @pytest.mark.parametrize(
     ("number", "aim"), [(0, "plotting"), (1, "fit"), (2, "simulation")], ids=kill_many.VICTIMS
 )
-def test_a_killed_run_goes_on(checkout: Checkout, number: int, aim: str) -> None:
+def test_a_killed_run_goes_on(checkout, number, aim):
     kill = kill_many.one_kill(
         number,
         aim,
@@ -134,7 +132,7 @@ def test_a_killed_run_goes_on(checkout: Checkout, number: int, aim: str) -> None
     assert "Nothing to be done" in checkout.snakemake().stdout
 
 
-def test_a_second_run_is_refused_while_the_first_goes_on(checkout: Checkout) -> None:
+def test_a_second_run_is_refused_while_the_first_goes_on(checkout):
     first = checkout.start()
     wait_for_job(first, "simulation")
     os.killpg(first.pid, signal.SIGSTOP)  # or it might be done before the others have looked
@@ -169,7 +167,7 @@ def write_json(values, path):
 """
 
 
-def test_a_job_that_outlives_its_run_does_not_spoil_the_next_one(checkout: Checkout) -> None:
+def test_a_job_that_outlives_its_run_does_not_spoil_the_next_one(checkout):
     """The code is mended after the kill: what the old job writes last is of the old code."""
     code = checkout.folder / "workflow/squeezefilm/cli/steps/fit.py"
     right = code.read_text()
@@ -192,7 +190,7 @@ def test_a_job_that_outlives_its_run_does_not_spoil_the_next_one(checkout: Check
 
 
 @pytest.fixture
-def mount(tmp_path: Path) -> Iterator[Callable[..., None]]:
+def mount(tmp_path):
     """Mount a small file system on a folder, or change its options."""
     mounted: list[Path] = []
 
@@ -213,9 +211,7 @@ def mount(tmp_path: Path) -> Iterator[Callable[..., None]]:
         subprocess.run(["umount", str(folder)], check=True)
 
 
-def test_a_full_disk_is_told_and_then_made_room(
-    checkout: Checkout, mount: Callable[..., None]
-) -> None:
+def test_a_full_disk_is_told_and_then_made_room(checkout, mount):
     results = checkout.folder / "results"
     mount(results, "size=520k")  # what results rest on takes 424 of it
     done = checkout.snakemake()
@@ -229,30 +225,22 @@ def test_a_full_disk_is_told_and_then_made_room(
     assert checkout.same()
 
 
-def test_a_disk_that_was_full_from_the_start_is_told_before_anything_runs(
-    checkout: Checkout, mount: Callable[..., None]
-) -> None:
-    mount(checkout.folder / "results", "size=4k")
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [("size=4k", "No space left on device"), ("size=50m,ro", "Read-only file system")],
+)
+def test_a_disk_that_takes_nothing_is_told_before_anything_runs(checkout, mount, options, reason):
+    mount(checkout.folder / "results", options)
     done = checkout.snakemake()
     assert done.returncode == 2
-    assert "cannot be written: No space left on device" in done.stdout
-    assert "Compile the kernels" not in done.stdout
-
-
-def test_results_that_may_only_be_read_are_told_before_anything_runs(
-    checkout: Checkout, mount: Callable[..., None]
-) -> None:
-    mount(checkout.folder / "results", "size=50m,ro")
-    done = checkout.snakemake()
-    assert done.returncode == 2
-    assert "cannot be written: Read-only file system" in done.stdout
+    assert f"cannot be written: {reason}" in done.stdout
     assert "Compile the kernels" not in done.stdout
     mount(checkout.folder / "results", "size=50m,rw", again=True)
     checkout.resume()
     assert checkout.same()
 
 
-def test_a_file_where_the_results_should_be_is_told(checkout: Checkout) -> None:
+def test_a_file_where_the_results_should_be_is_told(checkout):
     (checkout.folder / "results").mkdir()
     (checkout.folder / "results/quick").write_text("")
     done = checkout.snakemake()
@@ -260,7 +248,7 @@ def test_a_file_where_the_results_should_be_is_told(checkout: Checkout) -> None:
     assert "results/quick is a file; the results are to be in a folder" in done.stdout
 
 
-def test_a_folder_where_a_result_should_be_is_found(finished: Checkout) -> None:
+def test_a_folder_where_a_result_should_be_is_found(finished):
     fit = finished.folder / FIT
     fit.unlink()
     fit.mkdir()
@@ -289,7 +277,7 @@ TOLD = {
 
 
 @pytest.mark.parametrize("damage", TOLD)
-def test_a_damaged_table_is_named(finished: Checkout, damage: str) -> None:
+def test_a_damaged_table_is_named(finished, damage):
     path = finished.folder / FORCES
     path.write_bytes(DAMAGES[damage](path.read_bytes()))
     output = ["--output", "x.json", "--runs", "x.csv"]
@@ -300,7 +288,7 @@ def test_a_damaged_table_is_named(finished: Checkout, damage: str) -> None:
     assert f"squeezefilm: error: {TOLD[damage]}" in told.stdout
 
 
-def test_damaged_results_are_found_and_made_anew(finished: Checkout) -> None:
+def test_damaged_results_are_found_and_made_anew(finished):
     """Tables of every damage, and other kinds of files; the files' times say nothing of it."""
     results = finished.folder / "results/quick"
     (chunk,) = results.glob("simulations/screen/chunks/*-of-1.csv")
@@ -325,7 +313,7 @@ def test_damaged_results_are_found_and_made_anew(finished: Checkout) -> None:
     assert "Nothing to be done" in finished.snakemake().stdout
 
 
-def test_a_damaged_record_of_snakemake_does_no_harm(finished: Checkout) -> None:
+def test_a_damaged_record_of_snakemake_does_no_harm(finished):
     """Snakemake writes its own records in place: a kill can leave half of one."""
     for path in (finished.folder / ".snakemake/metadata").iterdir():
         truncate(path, path.stat().st_size // 2)
@@ -333,7 +321,7 @@ def test_a_damaged_record_of_snakemake_does_no_harm(finished: Checkout) -> None:
     assert finished.same()
 
 
-def test_a_result_is_traced_to_its_run(finished: Checkout) -> None:
+def test_a_result_is_traced_to_its_run(finished):
     copy = finished.folder / "from_a_colleague.csv"
     shutil.copy(finished.folder / FORCES, copy)
     told = finished.run(*LIBRARY, "trace", FORCES).stdout
@@ -346,7 +334,7 @@ def test_a_result_is_traced_to_its_run(finished: Checkout) -> None:
     assert "no run in results made this file" in unknown.stdout
 
 
-def test_an_interrupted_run_goes_on(checkout: Checkout) -> None:
+def test_an_interrupted_run_goes_on(checkout):
     running = checkout.start()
     wait_for_job(running, "fit")
     os.killpg(running.pid, signal.SIGINT)

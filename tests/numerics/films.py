@@ -1,8 +1,8 @@
 """Scenes made from dimensionless numbers, for tests of the solver."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
 from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.limits.forces import LimitForces, limit_axis
 from squeezefilm.reynolds.periodic.launch import States, solve_batch
 from squeezefilm.reynolds.problems import problems_of
 
@@ -32,6 +33,7 @@ def film(
     rarefaction: str = "none",
     knudsen: float = 0.0134,
     polytropic_exponent: float = 1.0,
+    inertia: str = "none",
 ) -> Scene:
     """A scene with the given ε, σ, Λ; the finger's centre at x, y in units of its side."""
     angular_frequency = 2 * pi * 4e4
@@ -50,6 +52,10 @@ def film(
             mean_free_path_m=knudsen * H0_M,
             rarefaction=rarefaction,
             polytropic_exponent=polytropic_exponent,
+            inertia=inertia,
+            prandtl=0.71,
+            heat_capacity_ratio=1.4,
+            viscosity_exponent=0.7,
         ),
         actuator=Actuator(angular_frequency / (2 * pi), 1.0, profile),
         finger=Finger(LENGTH_M, aspect * LENGTH_M, speed),
@@ -75,3 +81,25 @@ def mean_overpressure(
     )
     assert states.status[0] == 0
     return float(states.mean[0])
+
+
+def limit(
+    method: Callable[..., LimitForces],
+    *,
+    epsilon: list[float] | np.ndarray,
+    sigma: list[float] | np.ndarray,
+    points: int = 31,
+    slip: float = 0.0,
+    **place: Any,
+) -> LimitForces:
+    """A method applied to films under one finger."""
+    nodes = limit_axis(points).all_nodes
+    scene = film(epsilon=0.1, sigma=1.0, **place)
+    s = scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))
+    return method(
+        epsilon=np.array(epsilon),
+        sigma=np.array(sigma),
+        amplitude=np.repeat(s[None], len(epsilon), axis=0),
+        aspect=scene.aspect,
+        slip=slip,
+    )

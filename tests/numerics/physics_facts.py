@@ -4,8 +4,6 @@ Forces are means over a period in units of p0 times the finger's area, unless th
 Profiles are the piston, s = 1, and the paper's sinc(109.8 r) in the middle of a square finger.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pads of other outlines and places: turned rectangles, discs and ellipses."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import log, pi, sqrt
 
@@ -53,7 +51,7 @@ def disc_stiffness(sigma: float) -> float:
 
 
 @pytest.mark.parametrize("sigma", [2.0, 22.0, 583.0, 5e3])
-def test_a_disc_has_its_linear_limit(sigma: float) -> None:
+def test_a_disc_has_its_linear_limit(sigma):
     """Where all of the gap moves alike ⟨H³P²⟩ is constant, whatever the outline: F = 5/4 ε² S."""
     epsilon = 1e-3
     expected = 1.25 * epsilon**2 * disc_stiffness(sigma)
@@ -63,7 +61,7 @@ def test_a_disc_has_its_linear_limit(sigma: float) -> None:
 
 
 @pytest.mark.parametrize("aspect", [1.0, 0.5])
-def test_an_ellipse_has_its_fast_limit(aspect: float) -> None:
+def test_an_ellipse_has_its_fast_limit(aspect):
     """The closed form over the area, and a layer that takes d(ε)/√σ of each length of the rim."""
     epsilon, sigma = 0.4, 5e3
     rim = 2 * max(1, aspect) * ellipe(1 - min(aspect, 1 / aspect) ** 2)
@@ -74,7 +72,7 @@ def test_an_ellipse_has_its_fast_limit(aspect: float) -> None:
     )
 
 
-def test_an_ellipse_holds_its_tolerance() -> None:
+def test_an_ellipse_holds_its_tolerance():
     """The error that is stated covers what a much finer solution shows, over kinds of films."""
     films = [
         ellipse(epsilon=0.44, sigma=583.0),
@@ -89,7 +87,7 @@ def test_an_ellipse_holds_its_tolerance() -> None:
         assert rough.force_error_n <= 1e-3 * abs(rough.force_n)
 
 
-def test_an_ellipse_s_error_estimate_has_a_margin() -> None:
+def test_an_ellipse_s_error_estimate_has_a_margin():
     """A mass error moves the pressure of a heated film by n/H, and ε is too small to hide that."""
     scene = ellipse(
         epsilon=0.1164, sigma=158.95, aspect=1.12167, profile=PISTON, polytropic_exponent=1.4
@@ -100,7 +98,7 @@ def test_an_ellipse_s_error_estimate_has_a_margin() -> None:
 
 
 @pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
-def test_turning_finger_place_and_profile_changes_nothing(outline: str) -> None:
+def test_turning_finger_place_and_profile_changes_nothing(outline):
     """Off the centre and off the axes, so that turning the wrong way would show."""
     scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
     scene = replace(scene, phi_r_m=0.002, phi_deg=20.0)
@@ -113,7 +111,7 @@ def test_turning_finger_place_and_profile_changes_nothing(outline: str) -> None:
 
 
 @pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
-def test_a_quarter_turn_exchanges_the_sides(outline: str) -> None:
+def test_a_quarter_turn_exchanges_the_sides(outline):
     wide = pad(film(epsilon=0.4, sigma=300.0, aspect=2.0, x=0.1, y=0.2), shape=outline)
     # σ is in units of the side along x, which is the other one now.
     finger = replace(wide.finger, length_x_m=0.02, length_y_m=0.01, rotation_deg=90.0)
@@ -122,20 +120,14 @@ def test_a_quarter_turn_exchanges_the_sides(outline: str) -> None:
     assert forces[0] == pytest.approx(forces[1], rel=2e-4)
 
 
-def test_a_disc_may_be_turned() -> None:
-    scene = ellipse(epsilon=0.4, sigma=300.0, x=0.1, y=0.2)
-    forces = [mean(pad(scene, rotation_deg=turn), tolerance=1e-4) for turn in (0.0, 37.0)]
-    assert forces[0] == pytest.approx(forces[1], rel=2e-4)
-
-
-def test_what_is_even_about_the_middle_is_solved_on_a_quarter_of_a_disc() -> None:
+def test_what_is_even_about_the_middle_is_solved_on_a_quarter_of_a_disc():
     folded, off = ellipse(epsilon=0.4, sigma=300.0), ellipse(epsilon=0.4, sigma=300.0, x=1e-9)
     assert "mirror half in x; mirror half in y" in solved(folded).left_out
     assert "mirror half in x" not in solved(off, tolerance=1e-4).left_out
     assert mean(off, tolerance=1e-4) == pytest.approx(mean(folded, tolerance=1e-4), rel=2e-4)
 
 
-def test_explain_says_how_an_ellipse_or_a_tilted_pad_is_solved() -> None:
+def test_explain_says_how_an_ellipse_or_a_tilted_pad_is_solved():
     disc = ellipse(epsilon=0.4, sigma=583.0)
     tilted = pad(film(epsilon=0.4, sigma=583.0), gap=GapShape(tilt_x_m=2e-6))
     for scene, domain in ((disc, "quarter"), (tilted, "half")):
@@ -147,14 +139,14 @@ def test_explain_says_how_an_ellipse_or_a_tilted_pad_is_solved() -> None:
 
 
 @pytest.mark.parametrize("method", ["closed-form", "boundary-layer", "small-amplitude", "march"])
-def test_methods_for_rectangles_refuse_an_ellipse(method: str) -> None:
+def test_methods_for_rectangles_refuse_an_ellipse(method):
     (solution,) = solve([ellipse(epsilon=0.4, sigma=583.0)], tolerance=1e-3, method=method)
     assert np.isnan(solution.force_n)
     assert "rectangular" in solution.status or "finger" in solution.status
 
 
 @pytest.mark.parametrize("numbers", [{}, {"x": 0.2, "bearing": 5.0}, {"rarefaction": "slip"}])
-def test_modes_of_a_rectangle_give_the_forces_of_its_grid(numbers: dict[str, object]) -> None:
+def test_modes_of_a_rectangle_give_the_forces_of_its_grid(numbers):
     """Two methods that share no more than the equation."""
     scene = film(epsilon=0.44, sigma=583.0, **numbers)  # type: ignore[arg-type]
     (modes,) = solve_in_modes([scene], [needs_of(scene)], tolerance=1e-5)
@@ -179,7 +171,7 @@ class AsTheGap:
 @pytest.mark.parametrize(
     "gap", [GapShape(bulge_m=1.5e-6), GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, bulge_m=-0.5e-6)]
 )
-def test_a_gap_that_breathes_keeps_its_mean_square(outline: str, gap: GapShape) -> None:
+def test_a_gap_that_breathes_keeps_its_mean_square(outline, gap):
     """H = G(x, y) (1 + ε sin T): div(G³ ∇⟨(1 + ε sin T)³ P²⟩) = 0 makes that mean 1 + 3ε²/2."""
     epsilon = 0.4
     shaped = pad(film(epsilon=epsilon, sigma=50.0), shape=outline, gap=gap)
@@ -193,7 +185,7 @@ def test_a_gap_that_breathes_keeps_its_mean_square(outline: str, gap: GapShape) 
     assert np.ptp(pressure.mean(axis=1)) > 0.01
 
 
-def test_a_tilted_pad_carries_as_a_slider_bearing() -> None:
+def test_a_tilted_pad_carries_as_a_slider_bearing():
     """Without vibration and at a small bearing number: Reynolds' plane slider (1886).
 
     W/L = Λ/H2² [ln(1 + K) − 2K/(2 + K)]/K² with H from H1 = H2 (1 + K) down to H2, twice as wide
@@ -211,19 +203,12 @@ def test_a_tilted_pad_carries_as_a_slider_bearing() -> None:
     assert (wide - narrow) / 4 == pytest.approx(expected, rel=1e-3)
 
 
-def test_fast_sliding_is_refused_where_it_would_take_long() -> None:
+def test_fast_sliding_is_refused_where_it_would_take_long():
     (solution,) = solve([ellipse(epsilon=0.4, sigma=583.0, bearing=31.0)], tolerance=1e-3)
     assert solution.status == "bearing numbers up to 30 only under this finger"
 
 
-def test_a_flat_shape_is_the_flat_gap() -> None:
-    scene = film(epsilon=0.4, sigma=300.0)
-    nearly = pad(scene, gap=GapShape(bulge_m=1e-12, tilt_x_m=1e-12))
-    assert solved(nearly).method == "periodic-modes"
-    assert mean(nearly) == pytest.approx(mean(scene), rel=2e-6)
-
-
-def test_a_tilt_breaks_the_symmetry_along_it_alone() -> None:
+def test_a_tilt_breaks_the_symmetry_along_it_alone():
     scene = pad(film(epsilon=0.4, sigma=300.0), gap=GapShape(tilt_x_m=1e-6))
     solution = solved(scene, tolerance=1e-4)
     assert "mirror half in y" in solution.left_out
@@ -232,16 +217,7 @@ def test_a_tilt_breaks_the_symmetry_along_it_alone() -> None:
     assert solved(other, tolerance=1e-4).force_n == pytest.approx(solution.force_n, rel=1e-9)
 
 
-def test_room_at_the_rim_costs_force() -> None:
-    forces = [
-        mean(pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(bulge_m=bulge)), tolerance=1e-4)
-        for bulge in (2e-6, 0.0, -2e-6)
-    ]
-    # The same gap in the middle, where the amplitude is, but more room at the rim.
-    assert forces[0] < forces[1] < forces[2]
-
-
-def test_a_pad_that_touches_is_refused() -> None:
+def test_a_pad_that_touches_is_refused():
     touching = pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(tilt_x_m=9e-6))
     with pytest.raises(InputError, match="touches the surface"):
         check_scene(replace(touching, actuator=replace(touching.actuator, surface_radius_m=1.0)))

@@ -1,17 +1,12 @@
 """What leaving things out saves is measured beside a reference from the same device."""
 
-from __future__ import annotations
-
-import pytest
 from films import film
 
 from numerics.left_out import measure
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
 
 
-def test_the_reference_is_solved_on_the_device_that_is_measured(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_reference_is_solved_on_the_device_that_is_measured(monkeypatch):
     device = choose_device()
     monkeypatch.setenv(DEVICE_VARIABLE, "no such device")
     scenes = [film(epsilon=0.2, sigma=583.0)]

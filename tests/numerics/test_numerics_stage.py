@@ -1,7 +1,5 @@
 """The numerics stage: its reference and its checks are right, and the checks catch faults."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -11,8 +9,6 @@ import pytest
 from physics_facts import (
     CUT_OFF_SIGMA,
     SINC_CONVERGED,
-    SINC_FAST,
-    SINC_SECOND_ORDER,
     SLOW_SPRING,
     SPRING_AT_20,
     SPRING_AT_CUT_OFF,
@@ -20,12 +16,11 @@ from physics_facts import (
 )
 
 from numerics import analytic, stability
-from numerics.films import PISTON, Film, Mirrored
+from numerics.films import PISTON, Film
 from numerics.peers.explicit_march import step_limit
 from numerics.peers.numpy_periodic import periodic_state
-from numerics.reference import lobatto, reference_force
-from numerics.state_checks import check_state, unfold
-from numerics.timing import measure
+from numerics.reference import reference_force
+from numerics.state_checks import check_state
 from numerics.work_precision import FILMS, work_precision
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
@@ -44,7 +39,7 @@ Fields = dict[str, np.ndarray]
         (Film("", 1e-3, 20.0, profile=PISTON), 1.25e-6 * SPRING_AT_20),
     ],
 )
-def test_the_reference_gives_known_forces_within_its_uncertainty(film: Film, force: float) -> None:
+def test_the_reference_gives_known_forces_within_its_uncertainty(film, force):
     found = reference_force(
         epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, fold=film.fold
     )
@@ -52,44 +47,25 @@ def test_the_reference_gives_known_forces_within_its_uncertainty(film: Film, for
     assert 0 < found.uncertainty < 1e-11
 
 
-def test_lobatto_rules_are_exact_for_polynomials() -> None:
-    nodes, weights, derivative = lobatto(5)
-    assert weights @ nodes**8 == pytest.approx(2 / 9, rel=1e-13)
-    assert derivative @ nodes**5 == pytest.approx(5 * nodes**4, abs=1e-12)
-
-
 @pytest.mark.parametrize(
     ("sigma", "stiffness"),
     [(20.0, SPRING_AT_20), (CUT_OFF_SIGMA, SPRING_AT_CUT_OFF), (1e-3, 1e-6 * SLOW_SPRING)],
 )
-def test_blech_s_stiffness_of_the_square(sigma: float, stiffness: float) -> None:
+def test_blech_s_stiffness_of_the_square(sigma, stiffness):
     assert analytic.blech_stiffness(sigma=sigma) == pytest.approx(stiffness, rel=3e-7)
 
 
-def test_a_very_long_rectangle_is_langlois_strip() -> None:
+def test_a_very_long_rectangle_is_langlois_strip():
     long = analytic.blech_stiffness(sigma=20.0, aspect=1e5)
     assert long == pytest.approx(strip_spring(20.0), rel=1e-5)
 
 
-@pytest.mark.parametrize(("sigma", "limit"), SINC_SECOND_ORDER.items())
-def test_small_amplitudes_of_the_centred_sinc(sigma: float, limit: float) -> None:
-    film = Film("", 1.0, sigma)
-    found = analytic.small_amplitude(epsilon=1.0, sigma=sigma, amplitude=film.amplitude)
-    assert found == pytest.approx(limit, rel=1e-9)
-
-
-def test_fast_films_of_the_centred_sinc() -> None:
-    film = Film("", 0.44, 1.0)
-    found = analytic.fast(epsilon=0.44, amplitude=film.amplitude)
-    assert found == pytest.approx(SINC_FAST[0.44], rel=1e-8)
-
-
-def test_the_explicit_march_is_stable_up_to_its_theory() -> None:
+def test_the_explicit_march_is_stable_up_to_its_theory():
     found = step_limit(sigma=20.0, points=8)
     assert found.experiment == pytest.approx(found.theory, rel=0.02)
 
 
-def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not() -> None:
+def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not():
     film = Film("", 0.4, 20.0, profile=PISTON)
     state = periodic_state(epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, nt=24)
     overpressure = np.moveaxis(state.pressure - 1, 0, -1)
@@ -99,21 +75,6 @@ def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not() -> No
     assert good.mass_balance < 1e-5
     spoilt = check_state(film, overpressure * 1.01)
     assert min(spoilt.defect, spoilt.state_defect, spoilt.piston_identity) > 2e-3
-
-
-def test_unfolding_mirrors_a_quarter() -> None:
-    quarter = np.arange(12.0).reshape(2, 3, 2)
-    whole = unfold(quarter, (True, True))
-    assert whole.shape == (4, 6, 2)
-    assert np.array_equal(whole, whole[::-1, ::-1])
-
-
-def test_a_mirrored_profile_bears_the_same() -> None:
-    film = Film("", 0.3, 50.0, x=0.1, y=0.2)
-    mirrored = replace(film, y=-film.y, profile=Mirrored(film.profile))
-    nodes = np.linspace(0, 1, 5)
-    x, y = np.meshgrid(nodes, nodes, indexing="ij")
-    assert mirrored.amplitude(x, y) == pytest.approx(film.amplitude(x, 1 - y), abs=1e-15)
 
 
 # Faults are put into the solver, and the cases that they touch must turn red, no others.
@@ -133,7 +94,7 @@ def red() -> set[str]:
     return {name for name, case in CASES.items() if case in failed}
 
 
-def test_a_sound_solver_fails_no_case() -> None:
+def test_a_sound_solver_fails_no_case():
     assert red() == set()
 
 
@@ -163,14 +124,12 @@ def turn_slope(fields: Fields) -> None:
     [(drop_curvature, {"sinc", "sliding", "small"}), (turn_slope, {"sliding"})],
     ids=["dropped term", "wrong sign"],
 )
-def test_a_fault_in_a_term_turns_the_films_red_that_have_it(
-    change: Callable[[Fields], None], expected: set[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
     monkeypatch.setattr(periodic, "profile_fields", spoil_fields(change))
     assert red() == expected
 
 
-def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch):
     sound = periodic.grid_matrices
 
     def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
@@ -183,7 +142,7 @@ def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch: pytest.Mo
     assert red() == set(CASES)
 
 
-def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_single_precision_turns_the_small_film_red(monkeypatch):
     """The state kept in float32, as a kernel with `float` for `double` would."""
 
     sound = periodic.Launch.states
@@ -204,21 +163,13 @@ def test_single_precision_turns_the_small_film_red(monkeypatch: pytest.MonkeyPat
     assert red() == {"small"}
 
 
-def test_what_is_refused_must_be_documented() -> None:
+def test_what_is_refused_must_be_documented():
     assert stability.beyond(Film("", 0.4, 583.0)) == ""
     assert "contact" in stability.beyond(Film("", 1.0, 583.0))
     assert "bearing" in stability.beyond(Film("", 0.4, 583.0, bearing=1e4))
 
 
-def test_times_are_medians_and_a_long_run_is_made_once() -> None:
-    calls: list[int] = []
-    timed = measure(lambda: calls.append(1), repeats=3)
-    assert (timed.repeats, len(calls)) == (3, 4)
-    timed = measure(lambda: calls.append(1), repeats=3, long_seconds=-1)
-    assert (timed.repeats, len(calls)) == (1, 5)
-
-
-def test_every_method_comes_near_the_reference() -> None:
+def test_every_method_comes_near_the_reference():
     table = work_precision(
         (FILMS[3],),
         repeats=1,

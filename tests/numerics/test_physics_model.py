@@ -1,11 +1,9 @@
 """The physics limit as a force model: nothing fitted, better than the paper's fitted formula."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest
-from reference_forces import reference_table
+from reference_forces import FOUR_FACTOR_THETA, reference_table
 
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.fitting.fit import fit_model
@@ -18,9 +16,6 @@ from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks import physics_limits as limits
 from squeezefilm.studies.tasks.physics_limits import with_limits
-
-FOUR_FACTOR_THETA = (7.3609, 2.07664, -1.000252, 0.016642, -81.115)
-"""Where the search for the paper's form (14) ends on the 65 points (see test_fit.py)."""
 
 
 def limits_of(table: pd.DataFrame, paper: Config) -> pd.DataFrame:
@@ -37,7 +32,7 @@ def reference(name: str, paper: Config) -> tuple[Factors, np.ndarray]:
 
 
 @pytest.fixture(scope="module")
-def control(paper) -> tuple[Factors, np.ndarray]:
+def control(paper):
     """A thousand random points of the four-factor space, by the periodic state."""
     ranges = box_of(paper).ranges
     table = limits_of(random_plan(points=1000, seed=11, **ranges), paper)
@@ -46,7 +41,7 @@ def control(paper) -> tuple[Factors, np.ndarray]:
     return factors_of(table), np.array([each.force_n for each in solutions])
 
 
-def test_the_limits_error_is_that_of_the_better_limit(paper, monkeypatch) -> None:
+def test_the_limits_error_is_that_of_the_better_limit(paper, monkeypatch):
     """Whichever limit is computed last."""
     table = reference_table("four_factor").head(3)
     wanted = limits_of(table, paper)
@@ -61,14 +56,14 @@ def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
     return error_sizes(model_n=model_n, simulation_n=force)["global_error"]
 
 
-def test_on_the_screen_it_is_ten_times_better_than_the_fitted_formula(paper) -> None:
+def test_on_the_screen_it_is_ten_times_better_than_the_fitted_formula(paper):
     screen = reference("screen", paper)
     assert global_error("limit", (), screen) < 0.0006
     paper = local_fit(get_model("two_factor"), *screen, (7.6, 1.9, -1.0))
     assert global_error("two_factor", paper, screen) == pytest.approx(0.0053, abs=1e-4)
 
 
-def test_on_a_thousand_points_it_is_ten_times_better_than_the_fitted_formula(control) -> None:
+def test_on_a_thousand_points_it_is_ten_times_better_than_the_fitted_formula(control):
     physics = global_error("limit", (), control)
     paper = global_error("four_factor", FOUR_FACTOR_THETA, control)
     assert physics < 0.0011
@@ -76,7 +71,7 @@ def test_on_a_thousand_points_it_is_ten_times_better_than_the_fitted_formula(con
     assert paper > 10 * physics
 
 
-def test_each_corrective_parameter_makes_it_better(paper, control) -> None:
+def test_each_corrective_parameter_makes_it_better(paper, control):
     plan = reference("four_factor", paper)
     errors = [
         global_error(name, fit_model(get_model(name), *plan).theta, control)

@@ -1,7 +1,5 @@
 """What ``solve`` promises: the tolerance, an honest error, independence of grouping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,24 +7,19 @@ import pytest
 from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 from physics_facts import ASIDE_N, CENTRED_N, slow_piston
 
-from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Sinc
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.explain import explain
-from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import refinement
-from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import scene_of
 
 
 @pytest.fixture(scope="module")
-def paper_scenes(paper: Config) -> list[Scene]:
+def paper_scenes(paper):
     """Random operating points over the paper's four factors."""
     random = np.random.default_rng(20140503)
     return [
@@ -45,7 +38,7 @@ def paper_scenes(paper: Config) -> list[Scene]:
 
 
 @pytest.fixture(scope="module")
-def exact_n(paper_scenes: list[Scene]) -> np.ndarray:
+def exact_n(paper_scenes):
     """Their forces, far beyond the tolerances that are tried."""
     return np.array([each.force_n for each in solve(paper_scenes, tolerance=1e-9)])
 
@@ -53,17 +46,13 @@ def exact_n(paper_scenes: list[Scene]) -> np.ndarray:
 @pytest.mark.parametrize(
     ("hv_m", "phi_r_m", "force_n"), [(2.2e-6, 0.0, CENTRED_N), (2e-6, 2.9e-3, ASIDE_N)]
 )
-def test_known_forces_of_the_paper_s_actuator(
-    hv_m: float, phi_r_m: float, force_n: float, scene: Scene
-) -> None:
+def test_known_forces_of_the_paper_s_actuator(hv_m, phi_r_m, force_n, scene):
     (solution,) = solve([replace(scene, hv_m=hv_m, phi_r_m=phi_r_m)], tolerance=1e-6)
     assert solution.force_n == pytest.approx(force_n, rel=1e-6)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
-def test_errors_are_honest_on_random_scenes(
-    paper_scenes: list[Scene], exact_n: np.ndarray, tolerance: float
-) -> None:
+def test_errors_are_honest_on_random_scenes(paper_scenes, exact_n, tolerance):
     """True error ≤ estimate in 99 %, and the estimate is within the tolerance or useful."""
     solutions = solve(paper_scenes, tolerance=tolerance, method="periodic")
     assert {solution.status for solution in solutions} == {"ok"}
@@ -76,9 +65,7 @@ def test_errors_are_honest_on_random_scenes(
 
 
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-3, 1e-4])
-def test_the_cheapest_method_that_is_taken_holds_the_tolerance(
-    paper_scenes: list[Scene], exact_n: np.ndarray, tolerance: float
-) -> None:
+def test_the_cheapest_method_that_is_taken_holds_the_tolerance(paper_scenes, exact_n, tolerance):
     solutions = solve(paper_scenes, tolerance=tolerance)
     force = np.array([solution.force_n for solution in solutions])
     estimate = np.array([solution.force_error_n for solution in solutions])
@@ -92,7 +79,7 @@ def test_the_cheapest_method_that_is_taken_holds_the_tolerance(
         assert np.mean(periodic) < 0.1
 
 
-def test_a_limit_by_name_gives_its_force_and_says_when_it_is_not_good_enough() -> None:
+def test_a_limit_by_name_gives_its_force_and_says_when_it_is_not_good_enough():
     scene = film(epsilon=0.4, sigma=583.0)
     (solution,) = solve([scene], tolerance=1e-5, method="boundary-layer")
     assert "boundary-layer is good to" in solution.status
@@ -100,7 +87,7 @@ def test_a_limit_by_name_gives_its_force_and_says_when_it_is_not_good_enough() -
     assert 0 < abs(solution.force_n - exact.force_n) <= solution.force_error_n
 
 
-def test_a_limit_that_does_not_know_a_term_refuses_the_scene() -> None:
+def test_a_limit_that_does_not_know_a_term_refuses_the_scene():
     sliding = film(epsilon=0.4, sigma=583.0, bearing=1.0)
     (solution,) = solve([sliding], tolerance=1e-2, method="boundary-layer")
     assert "does not know" in solution.status
@@ -135,7 +122,7 @@ def alike(some: list[Solution], others: list[Solution]) -> bool:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_film_at_rest_bears_nothing_and_does_not_touch_the_others(method: str) -> None:
+def test_a_film_at_rest_bears_nothing_and_does_not_touch_the_others(method):
     good = [film(epsilon=0.2, sigma=583.0, profile=PISTON, x=x) for x in (0.0, 0.2)]
     scenes = [good[0], film(epsilon=0.2, sigma=583.0, profile=Spot()), good[1]]
     first, still, last = solve(scenes, tolerance=1e-2, method=method)
@@ -148,7 +135,7 @@ def test_a_film_at_rest_bears_nothing_and_does_not_touch_the_others(method: str)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
-def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance: float) -> None:
+def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance):
     good = [film(epsilon=0.2, sigma=583.0, x=x) for x in (0.0, 0.1, 0.2, 0.3)]
     raises, no_number = (
         film(epsilon=0.2, sigma=583.0, profile=Broken(fails)) for fails in (True, False)
@@ -165,7 +152,7 @@ def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance: float) -> Non
     assert explained == [each.status for each in solutions]
 
 
-def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch):
     def out_of_memory(*args: object, **options: object) -> None:
         raise MemoryError("no room")
 
@@ -175,7 +162,7 @@ def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch: pytest.Monke
     assert statuses == ["unexpected error: MemoryError: no room"] * 3
 
 
-def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order() -> None:
+def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order():
     """Where the periodic force would drown in rounding, the expansion is exact enough."""
     (solution,) = solve([film(epsilon=1e-5, sigma=1e-3, profile=PISTON)], tolerance=1e-6)
     assert (solution.status, solution.method) == ("ok", "small-amplitude")
@@ -183,43 +170,20 @@ def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order() -> None:
     assert solution.force_n == pytest.approx(expected, rel=1e-5)
 
 
-def test_result_does_not_depend_on_the_other_scenes(paper_scenes: list[Scene]) -> None:
-    together = solve(paper_scenes[:12], tolerance=1e-6)
-    backwards = solve(paper_scenes[11::-1], tolerance=1e-6)[::-1]
-    alone = [solve([scene], tolerance=1e-6)[0] for scene in paper_scenes[:12]]
-    assert together == backwards == alone
-
-
-def test_scenes_of_different_surfaces_and_fingers_can_be_solved_together(
-    paper_scenes: list[Scene],
-) -> None:
+def test_result_does_not_depend_on_the_other_scenes(paper_scenes):
+    """Nor on their surfaces and fingers, which may differ."""
     scene = paper_scenes[0]
     other_wave = replace(scene, actuator=replace(scene.actuator, profile=Sinc(50.0)))
     small = replace(scene, finger=replace(scene.finger, length_x_m=0.008, length_y_m=0.008))
-    together = solve([scene, other_wave, small], tolerance=1e-6, method="periodic")
-    alone = [solve([s], tolerance=1e-6, method="periodic")[0] for s in (scene, other_wave, small)]
-    assert [s.force_n for s in together] == [s.force_n for s in alone]
-    assert len({s.force_n for s in together}) == 3
+    scenes = [*paper_scenes[:12], other_wave, small]
+    together = solve(scenes, tolerance=1e-6)
+    backwards = solve(scenes[::-1], tolerance=1e-6)[::-1]
+    alone = [solve([scene], tolerance=1e-6)[0] for scene in scenes]
+    assert together == backwards == alone
+    assert len({solution.force_n for solution in together}) == len(scenes)
 
 
-def test_what_is_done_can_be_judged_while_the_device_is_at_the_next() -> None:
-    """Results are fetched as soon as their launch is done, not behind the one that followed."""
-    import pyopencl as cl
-
-    def launched(grid: Grid, scenes: int) -> Launch:
-        like = [film(epsilon=0.5, sigma=100.0)] * scenes
-        batch = Batch([grid], [problems_of(like, grid, tolerance=1e-12)])
-        return launch([batch], device=choose_device())
-
-    launched(Grid(4, 4, 8, True, True), 1).states()  # the kernels are built
-    small = launched(Grid(4, 4, 8, True, True), 1)
-    large = launched(Grid(32, 32, 32, False, False), 16)
-    assert small.states()[0][0].status.tolist() == [0]
-    assert large.done.command_execution_status != cl.command_execution_status.COMPLETE
-    assert set(large.states()[0][0].status) == {0}
-
-
-def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved() -> None:
+def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved():
     rough = Sinc(wave_number_per_m=20000.0)
     scenes = [
         film(epsilon=0.4, sigma=100.0),
@@ -230,11 +194,6 @@ def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved() -
     assert first.status == third.status == "ok"
     assert "the finest grid" in second.status
     assert np.isnan(second.force_n)
-
-
-def test_a_surface_at_rest_bears_nothing() -> None:
-    (solution,) = solve([film(epsilon=0.0, sigma=500.0)], tolerance=1e-6)
-    assert (solution.status, solution.force_n) == ("ok", 0.0)
 
 
 @pytest.mark.parametrize(
@@ -248,14 +207,12 @@ def test_a_surface_at_rest_bears_nothing() -> None:
         (film(epsilon=0.3, sigma=10.0, bearing=1.0), (False, True)),
     ],
 )
-def test_symmetry_is_found_from_the_scene(scene: Scene, expected: tuple[bool, bool]) -> None:
+def test_symmetry_is_found_from_the_scene(scene, expected):
     needs = needs_of(scene)
     assert (needs.fold_x, needs.fold_y) == expected
 
 
-def test_work_groups_of_many_items_give_the_same_forces(
-    paper_scenes: list[Scene], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_work_groups_of_many_items_give_the_same_forces(paper_scenes, monkeypatch):
     """The code path of a graphics processor, run on the processor at hand."""
     # PoCL optimises such a kernel for a minute and more.
     monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
@@ -267,22 +224,9 @@ def test_work_groups_of_many_items_give_the_same_forces(
 @pytest.mark.parametrize(
     ("epsilon", "sigma"), [(0.98, 10.0), (0.95, 1e5), (0.01, 0.1), (0.5, 1e6), (0.9, 0.1)]
 )
-def test_extreme_films_are_solved(epsilon: float, sigma: float) -> None:
+def test_extreme_films_are_solved(epsilon, sigma):
     scene = film(epsilon=epsilon, sigma=sigma, profile=SINC)
     (solution,) = solve([scene], tolerance=1e-4, method="periodic")
     assert solution.status == "ok"
     (finer,) = solve([scene], tolerance=1e-5, method="periodic")
     assert abs(solution.force_n - finer.force_n) <= solution.force_error_n + finer.force_error_n
-
-
-def test_a_long_finger_is_a_wide_finger_turned() -> None:
-    """Lengths scale with the side along x: the same pad turned by 90° bears the same force."""
-    wide = film(epsilon=0.4, sigma=400.0, aspect=0.25)
-    turned = replace(
-        wide,
-        finger=replace(
-            wide.finger, length_x_m=wide.finger.length_y_m, length_y_m=wide.finger.length_x_m
-        ),
-    )
-    forces = [solve([scene], tolerance=1e-8)[0].force_n for scene in (wide, turned)]
-    assert forces[0] == pytest.approx(forces[1], rel=1e-8)

@@ -1,9 +1,6 @@
 """Rarefaction and heating: each term against an exact identity or limit."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,9 +20,7 @@ from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
 
 @pytest.mark.parametrize("rarefaction", ["none", "slip", "fukui-kaneko"])
 @pytest.mark.parametrize("exponent", [1.0, 1.4])
-def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
-    rarefaction: str, exponent: float
-) -> None:
+def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(rarefaction, exponent):
     """⟨Σ c_k H^(3−k) (g_k(P) − g_k(1))⟩ = 0 at every point: mass flows nowhere in the mean.
 
     g_k is the integral of ρ^(1−k) from ambient pressure, by quadrature here.
@@ -53,7 +48,7 @@ def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
 
 
 @pytest.mark.parametrize("knudsen", [0.01, 0.1])
-def test_slip_at_infinite_squeeze_number(knudsen: float) -> None:
+def test_slip_at_infinite_squeeze_number(knudsen):
     """HP → ψ with ψ²/2 + 6Kψ = (1 + 3ε²/2)/2 + 6K(1 + ε²/2), approached like 1/√σ."""
     epsilon = 0.4
     wall = (1 + 1.5 * epsilon**2) / 2 + 6 * knudsen * (1 + epsilon**2 / 2)
@@ -72,7 +67,7 @@ def test_slip_at_infinite_squeeze_number(knudsen: float) -> None:
     assert abs(forces[1] - limit) > 10 * abs(2 * forces[1] - forces[0] - limit)
 
 
-def test_flow_factors_agree_for_a_dense_gas() -> None:
+def test_flow_factors_agree_for_a_dense_gas():
     """Fukui and Kaneko's factor is slip with coefficient 1.1466 to first order in Kn."""
     factor = film(epsilon=0.3, sigma=100.0, rarefaction="fukui-kaneko", knudsen=1e-4)
     slip = film(epsilon=0.3, sigma=100.0, rarefaction="slip", knudsen=1.1466e-4)
@@ -80,7 +75,7 @@ def test_flow_factors_agree_for_a_dense_gas() -> None:
     assert forces[0] == pytest.approx(forces[1], rel=1e-6)
 
 
-def test_fast_adiabatic_compression_is_stiffer_by_the_exponent() -> None:
+def test_fast_adiabatic_compression_is_stiffer_by_the_exponent():
     """At large σ the linear spring number is n times the isothermal one."""
     epsilon, sigma = 1e-4, 1e6
 
@@ -93,7 +88,7 @@ def test_fast_adiabatic_compression_is_stiffer_by_the_exponent() -> None:
     assert spring(1.4) / spring(1.0) == pytest.approx(1.4, rel=2e-3)
 
 
-def test_a_gas_too_rarefied_for_the_flow_factor_is_refused() -> None:
+def test_a_gas_too_rarefied_for_the_flow_factor_is_refused():
     scene = film(epsilon=0.9, sigma=500.0, rarefaction="fukui-kaneko", knudsen=0.17)
     (solution,) = solve([scene], tolerance=1e-3)
     assert "rarefied" in solution.status
@@ -101,7 +96,7 @@ def test_a_gas_too_rarefied_for_the_flow_factor_is_refused() -> None:
 
 
 @pytest.mark.parametrize("modes", [False, True])
-def test_rarefaction_goes_by_the_density_wherever_it_enters(modes: bool) -> None:
+def test_rarefaction_goes_by_the_density_wherever_it_enters(modes):
     """λ ~ 1/ρ in the flow, so that D = √π ρ H/(2 Kn), not P H, decides whether it may be used."""
     scene = film(
         epsilon=0.5, sigma=150.0, rarefaction="fukui-kaneko", knudsen=0.02, polytropic_exponent=1.4
@@ -122,7 +117,7 @@ def test_rarefaction_goes_by_the_density_wherever_it_enters(modes: bool) -> None
 
 
 @pytest.mark.parametrize("bearing", [0.0, 100.0, 1000.0])
-def test_krylov_iterations_stay_few_however_fast_the_finger_slides(bearing: float) -> None:
+def test_krylov_iterations_stay_few_however_fast_the_finger_slides(bearing):
     scene = film(epsilon=0.4, sigma=583.0, x=0.1, bearing=bearing)
     _, states = periodic_state(scene, points=48, instants=16, tolerance=1e-8)
     assert states.status[0] == 0
@@ -160,7 +155,7 @@ class Drift(Term):
     HOOKS = ("residual", "response")
 
     @classmethod
-    def of(cls, scene: Scene) -> Drift | None:
+    def of(cls, scene: Scene) -> "Drift | None":
         return cls() if scene.gas.density_kg_per_m3 > 2 else None
 
     def numbers(self, scene: Scene) -> Numbers:
@@ -173,9 +168,7 @@ class Drift(Term):
         return {"drift_slope": (grid.x.derivative @ s)[:, 1 : grid.nx + 1, 1 : grid.ny + 1]}
 
 
-def test_a_new_term_is_one_module_and_a_place_in_the_list(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_new_term_is_one_module_and_a_place_in_the_list(tmp_path, monkeypatch):
     """Solved, explained, left out and refused from what it says of itself."""
     (tmp_path / "drift.cl").write_text(DRIFT)
     monkeypatch.setattr(Drift, "OVER_PERIOD", str(tmp_path / "drift.cl"))
@@ -200,7 +193,7 @@ def test_a_new_term_is_one_module_and_a_place_in_the_list(
     ]
 
 
-def test_scenes_of_unlike_terms_are_no_batch() -> None:
+def test_scenes_of_unlike_terms_are_no_batch():
     scenes = [film(epsilon=0.3, sigma=20.0), film(epsilon=0.3, sigma=20.0, rarefaction="slip")]
     with pytest.raises(ValueError, match="like terms"):
         problems_of(scenes, Grid(8, 8, 8, False, False), tolerance=1e-6)

@@ -1,7 +1,5 @@
 """A study's results in small, from reference forces and given parameters: nothing is solved."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -9,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from paper import claims, uncertainty
 from reporting.rooms import described
@@ -28,9 +27,9 @@ from squeezefilm.runs.code import WORKFLOW
 from squeezefilm.studies.config import load_config
 
 THETA = {
-    "screen": (7.6240, 1.91659, -1.001314),
+    "screen": SCREEN_THETA,
     "two_factor_design": (7.8081, 1.83310, -1.000213),
-    "four_factor": (7.3609, 2.07664, -1.000252, 0.016642, -81.115),
+    "four_factor": FOUR_FACTOR_THETA,
     "four_factor_design": (7.8315, 1.82580, -1.000200, 0.0, -74.672),
     "four_factor_design_distinct": (7.8352, 1.90070, -1.000200, -0.039971, -71.747),
 }
@@ -63,7 +62,7 @@ class Study:
 
 
 @pytest.fixture(scope="session")
-def study(tmp_path_factory: pytest.TempPathFactory, repository: Path) -> Study:
+def study(tmp_path_factory, repository):
     """A study with every result that figures, tables and claims are made from."""
     root = tmp_path_factory.mktemp("study")
     config = repository / "config" / "paper.yaml"
@@ -180,7 +179,11 @@ def _write_designs(root: Path) -> None:
 
 
 def _write_extras(root: Path, config: Path) -> None:
-    """A film over a period, and what a force rests on."""
+    """A film over a period, what a force rests on, and what equation it is of."""
+    for plan in ("screen", "four_factor", "extrapolation"):
+        folder = root / "simulations" / plan
+        budget = [f"{folder}/scenes.csv", f"--config={config}", f"--output={folder}/budget.csv"]
+        assert cli.main(["budget", *budget]) == 0
     scenes = root / "simulations/extrapolation/scenes.csv"
     film = f"--output={scenes.parent}/film.csv"
     assert cli.main(["cross-section", str(scenes), f"--config={config}", film]) == 0

@@ -1,7 +1,5 @@
 """A file is whole or not there, whoever else writes it and whatever happens meanwhile."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
@@ -37,9 +35,7 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_no_writer_shows_a_half_written_file(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_writer_shows_a_half_written_file(name, tmp_path, monkeypatch):
     path = tmp_path / name
     path.write_text("before")
     seen = []
@@ -61,7 +57,7 @@ def test_no_writer_shows_a_half_written_file(
     assert [entry.name for entry in tmp_path.iterdir()] == [name]
 
 
-def test_twins_that_write_the_same_file_do_not_meet(tmp_path: Path) -> None:
+def test_twins_that_write_the_same_file_do_not_meet(tmp_path):
     path = tmp_path / "forces.csv"
 
     def write(number: int) -> None:
@@ -76,9 +72,7 @@ def test_twins_that_write_the_same_file_do_not_meet(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(
-    repository: Path, tmp_path: Path
-) -> None:
+def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repository, tmp_path):
     path = tmp_path / "plan" / "forces.csv"
     write_text("before", path)
     code = (
@@ -96,7 +90,7 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(
 
 
 @pytest.mark.parametrize("kind", ["a folder in its place", "a file for a folder"])
-def test_a_place_that_cannot_be_written_is_named(tmp_path: Path, kind: str) -> None:
+def test_a_place_that_cannot_be_written_is_named(tmp_path, kind):
     path = tmp_path / "plan" / "forces.csv"
     if kind == "a folder in its place":
         path.mkdir(parents=True)
@@ -107,9 +101,7 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path, kind: str) -> N
     assert not list(tmp_path.rglob(".*.part"))
 
 
-def test_a_job_whose_run_was_followed_by_another_writes_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_job_whose_run_was_followed_by_another_writes_nothing(tmp_path, monkeypatch):
     run = tmp_path / "run_cards" / "first"
     path = tmp_path / "forces.csv"
     monkeypatch.setenv(job.RUN_VARIABLE, str(run))

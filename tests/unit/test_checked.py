@@ -1,7 +1,5 @@
 """A study is checked once, and again as soon as anything that its checks rest on is another one."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path
@@ -21,7 +19,7 @@ CODE = Code()
 
 
 @pytest.fixture
-def study(repository: Path, tmp_path: Path) -> Path:
+def study(repository, tmp_path):
     """A study with a measured profile."""
     for name in ("vibrometer.yaml", "vibrometer.csv"):
         (tmp_path / name).write_bytes((repository / "config" / name).read_bytes())
@@ -29,7 +27,7 @@ def study(repository: Path, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def checks(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+def checks(monkeypatch):
     """The studies that were really checked."""
     check, done = checked._check, []
 
@@ -41,9 +39,7 @@ def checks(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
     return done
 
 
-def test_a_study_is_checked_again_when_it_or_its_scan_is_another(
-    study: Path, checks: list[Path], tmp_path: Path
-) -> None:
+def test_a_study_is_checked_again_when_it_or_its_scan_is_another(study, checks, tmp_path):
     def ask() -> CheckedStudy:
         smoothed_scan.cache_clear()  # every run is a process of its own
         return checked_study(study, code=CODE, memory=tmp_path / "memory")
@@ -85,9 +81,7 @@ print(*sys.modules)
 """
 
 
-def test_a_study_that_was_checked_is_read_without_what_checks_it(
-    repository: Path, study: Path, tmp_path: Path
-) -> None:
+def test_a_study_that_was_checked_is_read_without_what_checks_it(repository, study, tmp_path):
     """A run with nothing to do reads it, with all else that the rules import."""
     memory = tmp_path / "memory"
     checked_study(study, code=Code(memory=memory / "code.json"), memory=memory)
@@ -100,7 +94,7 @@ def test_a_study_that_was_checked_is_read_without_what_checks_it(
     assert loaded.isdisjoint({"numpy", "pandas", "scipy", "pyopencl", "jsonschema"})
 
 
-def test_a_damaged_memory_does_no_harm(study: Path, checks: list[Path], tmp_path: Path) -> None:
+def test_a_damaged_memory_does_no_harm(study, checks, tmp_path):
     first = checked_study(study, code=CODE, memory=tmp_path / "memory")
     (kept,) = (tmp_path / "memory").iterdir()
     kept.write_text(kept.read_text()[:100])
@@ -108,7 +102,7 @@ def test_a_damaged_memory_does_no_harm(study: Path, checks: list[Path], tmp_path
     assert len(checks) == 2
 
 
-def test_a_basis_is_named_by_what_it_lists(tmp_path: Path) -> None:
+def test_a_basis_is_named_by_what_it_lists(tmp_path):
     def basis(**sections: Any) -> Path:
         files = CODE.of("gather")
         return basis_file(tmp_path, "gather", code=CODE, files=files, sections=sections)

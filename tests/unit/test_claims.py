@@ -1,26 +1,23 @@
 """The claims table: every claim of the paper, judged by a rule, the same on each run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 
-from paper.claims import CLAIMS, COLUMNS, INPUTS, READERS, judge, read_results, to_markdown
+from paper.claims import CLAIMS, COLUMNS, judge, read_results, to_markdown
 from paper.findings import FINDINGS, Results
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 
 
 @pytest.fixture(scope="module")
-def results(study) -> Results:
+def results(study):
     return read_results({name: Path(path) for name, path in study.claims.items()})
 
 
 @pytest.fixture(scope="module")
-def claims(results: Results) -> pd.DataFrame:
+def claims(results):
     return judge(results).set_index("claim_id")
 
 
@@ -32,11 +29,7 @@ def replace(results: Results, **changed: object) -> Results:
     return Results(**vars(results) | changed)
 
 
-def test_every_file_that_claims_rest_on_has_a_place_and_a_reader() -> None:
-    assert INPUTS.keys() == READERS.keys()
-
-
-def test_every_claim_of_the_paper_is_there_once_with_a_verdict(claims: pd.DataFrame) -> None:
+def test_every_claim_of_the_paper_is_there_once_with_a_verdict(claims):
     assert claims.index.is_unique
     assert len(claims) == len(CLAIMS) >= 20
     assert set(claims.index) == set(FINDINGS)
@@ -46,7 +39,7 @@ def test_every_claim_of_the_paper_is_there_once_with_a_verdict(claims: pd.DataFr
         assert paper in set(claims["paper"])
 
 
-def test_the_papers_own_numbers_agree_with_themselves() -> None:
+def test_the_papers_own_numbers_agree_with_themselves():
     """An accepted interval that left its paper's value out would be no tolerance."""
     for claim in CLAIMS:
         try:
@@ -56,6 +49,13 @@ def test_the_papers_own_numbers_agree_with_themselves() -> None:
         low, high = claim.least, claim.largest
         assert low <= paper <= high, claim.claim_id
         assert paper == 0 or high - low <= 0.5 * paper, claim.claim_id
+
+
+def test_the_force_beyond_the_equation_stands_beside_the_paper_s(claims: pd.DataFrame) -> None:
+    """First order at 5 µm, 2.2 µm: +2.1, −1.2 and −0.2 %, and −0.3 to −0.5 % at the rim."""
+    said = claims.loc["simulation_at_2.2", "explanation"]
+    assert "inertia +2.1 %, slip −1.2 %, heat −0.2 %" in said
+    assert "with all of them 0.964 to 0.966 N" in said
 
 
 @pytest.mark.parametrize(
@@ -74,19 +74,19 @@ def test_the_papers_own_numbers_agree_with_themselves() -> None:
         ("seconds", "below 1 s", "differs"),
     ],
 )
-def test_our_values(claims: pd.DataFrame, claim_id: str, ours: str, word: str) -> None:
+def test_our_values(claims, claim_id, ours, word):
     assert claims.loc[claim_id, "ours"] == ours
     assert claims.loc[claim_id, "verdict"].split()[0] == word
 
 
-def test_a_wrong_force_is_seen(results: Results) -> None:
+def test_a_wrong_force_is_seen(results):
     """The other convention of sinc gives 2.30 N where the paper's FE gives 0.99 N."""
     wrong = results.extrapolation.assign(force_n=2.30)
     assert verdict(results, "simulation_at_2.2").startswith("agrees")
     assert verdict(replace(results, extrapolation=wrong), "simulation_at_2.2").startswith("differs")
 
 
-def test_a_fit_that_misses_the_minimum_is_seen(results: Results) -> None:
+def test_a_fit_that_misses_the_minimum_is_seen(results):
     runs = results.screen_runs.copy()
     runs.loc[0, "sum_of_squares"] *= 1.9
     assert verdict(results, "bounds").startswith("agrees")
@@ -95,16 +95,11 @@ def test_a_fit_that_misses_the_minimum_is_seen(results: Results) -> None:
     assert verdict(replace(results, screen_runs=one), "bounds").startswith("differs")
 
 
-def test_an_error_as_large_as_the_papers_agrees(results: Results) -> None:
-    coarse = results.design_on_screen | {"global_error": 0.046}
-    assert verdict(replace(results, design_on_screen=coarse), "design_error").startswith("agrees")
-
-
 def slow(seconds: float) -> pd.DataFrame:
     return pd.DataFrame({"point_id": ["1"], "solve_seconds": [seconds]})
 
 
-def test_run_times_do_not_change_the_table(results: Results, claims: pd.DataFrame) -> None:
+def test_run_times_do_not_change_the_table(results, claims):
     for seconds in (1e-4, 0.3):
         again = judge(replace(results, screen_timings=slow(seconds))).set_index("claim_id")
         pd.testing.assert_frame_equal(again, claims)
@@ -112,22 +107,7 @@ def test_run_times_do_not_change_the_table(results: Results, claims: pd.DataFram
     assert days.loc["seconds", "verdict"].startswith("agrees")
 
 
-def test_what_is_saved_is_said(claims: pd.DataFrame) -> None:
-    for claim_id in ("reduction", "four_factor_reduction"):
-        assert "only where the optimal points are reused" in claims.loc[claim_id, "explanation"]
-
-
-def test_a_guess_is_called_one(claims: pd.DataFrame) -> None:
-    assert "A guess:" in claims.loc["band_small", "explanation"]
-    assert "None of the shortcuts" in claims.loc["smallest_force", "explanation"]
-
-
-def test_small_forces_go_with_the_square_of_the_amplitude(claims: pd.DataFrame) -> None:
-    expected_um = 0.2 * np.sqrt(90 / 1833)
-    assert f"hv = {expected_um:.2g} µm" in claims.loc["smallest_force", "explanation"]
-
-
-def test_the_command_writes_both_files_the_same_each_time(study, tmp_path: Path) -> None:
+def test_the_command_writes_both_files_the_same_each_time(study, tmp_path):
     for run in ("a", "b"):
         paths = [f"--output={tmp_path}/{run}.csv", f"--markdown={tmp_path}/{run}.md"]
         assert cli.main(["claims", *study.words(study.claims), *paths]) == 0
@@ -148,9 +128,7 @@ def test_the_command_writes_both_files_the_same_each_time(study, tmp_path: Path)
         ("screen_runs", "bound\n1\n", "column 'sum_of_squares' is missing"),
     ],
 )
-def test_a_broken_result_is_named(
-    study, tmp_path: Path, name: str, text: str, message: str
-) -> None:
+def test_a_broken_result_is_named(study, tmp_path, name, text, message):
     broken = tmp_path / "broken"
     broken.write_text(text)
     paths = {key: Path(path) for key, path in study.claims.items()}

@@ -1,13 +1,9 @@
 """What is said to decide no result does not: without it, a simulation writes the same table."""
 
-from __future__ import annotations
-
 import contextlib
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
-
-import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.io import job, progress
@@ -28,9 +24,7 @@ def nothing(*_: Any, **__: Any) -> Any:
     yield SimpleNamespace(update=lambda count: None)
 
 
-def test_a_simulation_without_what_decides_nothing_is_the_same(
-    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_simulation_without_what_decides_nothing_is_the_same(repository, tmp_path, monkeypatch):
     scenes, config = tmp_path / "scenes.csv", repository / "config" / "quick.yaml"
     scenes.write_text(SCENES)
     before = simulated(scenes, config, tmp_path / "before.csv")

@@ -1,7 +1,5 @@
 """The conda environments hold what their stages import, at the versions that are locked."""
 
-from __future__ import annotations
-
 import ast
 import re
 import sys
@@ -45,7 +43,7 @@ def dependencies(environment: str) -> dict[str, str]:
 
 
 @pytest.fixture(scope="module")
-def locked() -> dict[str, str]:
+def locked():
     """Version of each package, by its name on conda-forge; the one for the environments' Python."""
     text = (REPOSITORY / "requirements.lock").read_text(encoding="utf-8")
     pins = re.findall(r"^([a-z0-9-]+)==([^ ;\\]+)(?: ; (.*?))? \\$", text, re.MULTILINE)
@@ -57,25 +55,21 @@ def locked() -> dict[str, str]:
 
 
 @pytest.mark.parametrize("environment", ENVIRONMENTS)
-def test_versions_are_those_of_the_lock(environment: str, locked: dict[str, str]) -> None:
+def test_versions_are_those_of_the_lock(environment, locked):
     pins = dependencies(environment)
     assert pins.pop("python") == "3.12"
     assert pins == {name: locked[name] for name in pins}
     assert list(pins) == sorted(pins)
-
-
-@pytest.mark.parametrize("environment", ENVIRONMENTS)
-def test_packages_come_from_conda_forge_alone(environment: str) -> None:
     text = (REPOSITORY / "envs" / f"{environment}.yaml").read_text(encoding="utf-8")
     assert yaml.safe_load(text)["channels"] == ["conda-forge", "nodefaults"]
 
 
-def test_every_environment_is_used() -> None:
+def test_every_environment_is_used():
     assert {name for name, _ in commands_of_environments(REPOSITORY)} == set(ENVIRONMENTS)
 
 
 @pytest.mark.parametrize(("environment", "command"), commands_of_environments(REPOSITORY))
-def test_an_environment_has_what_its_commands_import(environment: str, command: str) -> None:
+def test_an_environment_has_what_its_commands_import(environment, command):
     plug_ins = {"figure": "*/figures/[!_]*.py", "table": "*/tables/[!_]*.py"}.get(command)
     files = set(CODE.of(command))
     if plug_ins:
@@ -99,7 +93,7 @@ def third_party(path: Path) -> set[str]:
     return {DISTRIBUTION.get(name, name) for name in names}
 
 
-def test_the_locks_agree_and_name_no_address() -> None:
+def test_the_locks_agree_and_name_no_address():
     pattern = re.compile(r"^(\S+==\S+)", re.MULTILINE)
     texts = [
         (REPOSITORY / name).read_text(encoding="utf-8")
@@ -112,7 +106,7 @@ def test_the_locks_agree_and_name_no_address() -> None:
         assert "--hash=sha256:" in text
 
 
-def test_the_lock_has_every_package_that_the_library_imports() -> None:
+def test_the_lock_has_every_package_that_the_library_imports():
     wanted = set().union(*(third_party(path) for path in WORKFLOW.rglob("*.py")))
     text = (REPOSITORY / "requirements.in").read_text(encoding="utf-8")
     named = {re.split(r"[\[=<> ]", line)[0] for line in text.splitlines() if line[:1].isalpha()}

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reference_forces import reference_forces
+from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA, reference_forces
 from scipy.optimize import least_squares
 
 from squeezefilm.io.errors import InputError
@@ -11,57 +11,49 @@ from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 
 
 @pytest.fixture(scope="module")
-def screen() -> tuple[Factors, np.ndarray]:
+def screen():
     return reference_forces("screen")
 
 
 @pytest.fixture(scope="module")
-def four() -> tuple[Factors, np.ndarray]:
+def four():
     return reference_forces("four_factor")
 
 
-@pytest.mark.parametrize("bound", [1e6, 100.0])
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_the_screen_has_one_best_fit(screen, bound, seed) -> None:
+@pytest.mark.parametrize(("bound", "seed"), [(1e6, 1), (1e6, 2), (100.0, 3)])
+def test_the_screen_has_one_best_fit(screen, bound, seed):
     fit = fit_model(TWO_FACTOR, *screen, bound=bound, seed=seed)
     assert fit.global_error == pytest.approx(0.00533, abs=0.00002)
-    assert fit.theta == pytest.approx((7.6240, 1.9166, -1.0013), abs=1e-3)
+    assert fit.theta == pytest.approx(SCREEN_THETA, rel=1e-4)
 
 
-@pytest.mark.parametrize("bound", [1e6, 100.0])
-def test_the_four_factor_fit(four, bound) -> None:
-    fit = fit_model(FOUR_FACTOR, *four, bound=bound)
-    assert fit.global_error == pytest.approx(0.01222, abs=0.00005)
-    assert fit.theta[:4] == pytest.approx((7.361, 2.077, -1.0003, 0.0166), abs=1e-3)
-    assert fit.theta[4] == pytest.approx(-81.1, abs=0.1)
-
-
-@pytest.mark.parametrize("case", ["screen", "four"])
-def test_the_simplex_arrives_where_a_method_with_derivatives_does(case, request) -> None:
+@pytest.mark.parametrize(("case", "bound"), [("screen", 100.0), ("four", 1e6), ("four", 100.0)])
+def test_the_simplex_arrives_where_a_method_with_derivatives_does(case, bound, request):
     model = TWO_FACTOR if case == "screen" else FOUR_FACTOR
     factors, force = request.getfixturevalue(case)
-    fit = fit_model(model, factors, force, bound=100.0)
+    fit = fit_model(model, factors, force, bound=bound)
     check = least_squares(
         lambda theta: model.evaluate(theta, factors) - force,
         np.array(fit.theta) * 1.001,
         jac=lambda theta: model.gradient(theta, factors),
         x_scale=np.abs(fit.theta),
-        xtol=1e-15,
-        ftol=1e-15,
-        gtol=1e-15,
+        **dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15),
     )
     assert fit.sum_of_squares == pytest.approx(2 * check.cost, rel=1e-10)
     assert fit.theta == pytest.approx(check.x, rel=1e-5)
+    if model is FOUR_FACTOR:
+        assert fit.global_error == pytest.approx(0.01222, abs=0.00005)
+        assert fit.theta == pytest.approx(FOUR_FACTOR_THETA, rel=1e-4)
 
 
-def test_differential_evolution_finds_the_same(screen) -> None:
+def test_differential_evolution_finds_the_same(screen):
     genetic = fit_model(TWO_FACTOR, *screen)
     other = fit_by_differential_evolution(TWO_FACTOR, *screen)
     assert other.sum_of_squares == pytest.approx(genetic.sum_of_squares, rel=1e-9)
     assert other.method != genetic.method
 
 
-def test_as_many_points_as_parameters_are_met_exactly() -> None:
+def test_as_many_points_as_parameters_are_met_exactly():
     theta = (7.0, 2.0, -1.0)
     factors = Factors.of(h0_m=[10e-6, 5e-6, 5e-6], hv_m=[0.2e-6, 1.45e-6, 2e-6])
     fit = fit_model(TWO_FACTOR, factors, TWO_FACTOR.evaluate(theta, factors))
@@ -69,28 +61,16 @@ def test_as_many_points_as_parameters_are_met_exactly() -> None:
     assert fit.theta == pytest.approx(theta, rel=1e-6)
 
 
-def test_the_search_only_starts_the_fit(screen) -> None:
-    factors, force = screen
-    fit = fit_model(TWO_FACTOR, factors, force, seed=5)
-    rough = TWO_FACTOR.evaluate(fit.search_theta, factors) - force
-    assert np.sum(rough**2) > fit.sum_of_squares
-    assert (fit.points, fit.seed, fit.bound) == (60, 5, 1e6)
-
-
-def test_equal_seeds_give_equal_fits(screen) -> None:
+def test_equal_seeds_give_equal_fits(screen):
     first, second = (fit_model(TWO_FACTOR, *screen, seed=7) for _ in range(2))
     assert first == second
 
 
-def test_too_few_points_are_refused(screen) -> None:
-    few = Factors.of(h0_m=[5e-6, 6e-6], hv_m=1e-6)
-    with pytest.raises(InputError, match="2 points for the 3 parameters"):
-        fit_model(TWO_FACTOR, few, [0.1, 0.2])
-
-
 @pytest.mark.parametrize("fit", [fit_model, fit_by_differential_evolution])
-def test_bad_forces_and_bounds_are_refused(screen, fit) -> None:
+def test_bad_forces_and_bounds_are_refused(screen, fit):
     factors, force = screen
+    with pytest.raises(InputError, match="2 points for the 3 parameters"):
+        fit(TWO_FACTOR, factors.take([0, 1]), force[:2])
     with pytest.raises(InputError, match="a force is not a finite number"):
         fit(TWO_FACTOR, factors, np.where(np.arange(60) == 3, np.nan, force))
     with pytest.raises(InputError, match="force_n: 59 forces for 60 points"):

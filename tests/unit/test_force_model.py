@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
+from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model, make_model
 from squeezefilm.models.working_point import amplitude_for_force
 
 THETA = {
-    TWO_FACTOR: np.array([7.624, 1.9166, -1.0013]),
-    FOUR_FACTOR: np.array([7.361, 2.077, -1.0003, 0.0166, -81.1]),
+    TWO_FACTOR: np.array(SCREEN_THETA),
+    FOUR_FACTOR: np.array(FOUR_FACTOR_THETA),
 }
 MODELS = pytest.mark.parametrize("model", [TWO_FACTOR, FOUR_FACTOR], ids=lambda m: m.name)
 
@@ -24,20 +25,20 @@ def some_factors() -> Factors:
     )
 
 
-def test_the_piston_formula_is_a_case_of_the_model() -> None:
+def test_the_piston_formula_is_a_case_of_the_model():
     # Paper eq. (6): 3/2, 1 and -1 in place of the parameters.
     factors = Factors.of(h0_m=5e-6, hv_m=2e-6)
     piston = np.sqrt(1 + 1.5 * 0.16) / np.sqrt(1 - 0.16) - 1
     assert TWO_FACTOR.evaluate([1.5, 1.0, -1.0], factors) == pytest.approx([piston], rel=1e-14)
 
 
-def test_four_factors_reduce_to_two_where_the_position_has_no_effect() -> None:
+def test_four_factors_reduce_to_two_where_the_position_has_no_effect():
     theta = THETA[TWO_FACTOR]
     moved = FOUR_FACTOR.evaluate([*theta, 0, 0], some_factors())
     np.testing.assert_allclose(moved, TWO_FACTOR.evaluate(theta, some_factors()), rtol=1e-14)
 
 
-def test_position_enters_in_degrees_over_45_and_in_metres() -> None:
+def test_position_enters_in_degrees_over_45_and_in_metres():
     factors = Factors.of(h0_m=5e-6, hv_m=2e-6, phi_r_m=2e-3, phi_deg=30)
     t0, t1, t2, t3, t4 = THETA[FOUR_FACTOR]
     q = 1 + t3 * 30 / 45 + t4 * 0.002
@@ -46,7 +47,7 @@ def test_position_enters_in_degrees_over_45_and_in_metres() -> None:
 
 
 @MODELS
-def test_without_vibration_the_force_is_one_plus_theta2(model) -> None:
+def test_without_vibration_the_force_is_one_plus_theta2(model):
     # Paper eq. (13): the limit is zero just when theta2 is -1.
     still = Factors.of(h0_m=[5e-6, 10e-6], hv_m=0.0, phi_r_m=1e-3, phi_deg=20)
     force = model.evaluate(THETA[model], still)
@@ -54,7 +55,7 @@ def test_without_vibration_the_force_is_one_plus_theta2(model) -> None:
 
 
 @MODELS
-def test_gradient_agrees_with_finite_differences(model) -> None:
+def test_gradient_agrees_with_finite_differences(model):
     theta, factors = THETA[model], some_factors()
     gradient = model.gradient(theta, factors)
     assert gradient.shape == (25, len(theta))
@@ -67,7 +68,7 @@ def test_gradient_agrees_with_finite_differences(model) -> None:
 
 
 @MODELS
-def test_a_population_is_evaluated_as_its_members_are(model) -> None:
+def test_a_population_is_evaluated_as_its_members_are(model):
     population = THETA[model] * np.array([[0.5], [1.0], [1.5]])
     together = model.evaluate(population, some_factors())
     assert together.shape == (3, 25)
@@ -76,13 +77,13 @@ def test_a_population_is_evaluated_as_its_members_are(model) -> None:
 
 
 @pytest.mark.parametrize("theta", [[-1e3, 1.9, -1], [7.6, 1e3, -1]])
-def test_an_undefined_root_is_not_a_number(theta) -> None:
+def test_an_undefined_root_is_not_a_number(theta):
     factors = Factors.of(h0_m=5e-6, hv_m=2e-6)
     assert np.isnan(TWO_FACTOR.evaluate(theta, factors)).all()
     assert np.isnan(TWO_FACTOR.gradient(theta, factors)).all()
 
 
-def test_a_point_without_a_derivative_is_refused_by_name() -> None:
+def test_a_point_without_a_derivative_is_refused_by_name():
     model = make_model(
         "kink", {"expression": "t0*(hv/h0)**2*abs(t1*x - y)"}, place="C: models.kink"
     )
@@ -94,7 +95,7 @@ def test_a_point_without_a_derivative_is_refused_by_name() -> None:
 
 @MODELS
 @pytest.mark.parametrize("force_n", [0.01, 0.5, 1.0, 3.0])
-def test_amplitude_for_force_inverts_the_model(model, force_n) -> None:
+def test_amplitude_for_force_inverts_the_model(model, force_n):
     where = {"h0_m": 5e-6, "phi_r_m": 1e-3, "phi_deg": 15.0}
     hv_m = amplitude_for_force(model, THETA[model], force_n=force_n, **where)
     back = model.evaluate(THETA[model], Factors.of(hv_m=hv_m, **where))
@@ -102,12 +103,12 @@ def test_amplitude_for_force_inverts_the_model(model, force_n) -> None:
 
 
 @pytest.mark.parametrize("force_n", [-0.5, -5.0, -1.0013 + 0.5, float("nan")])
-def test_a_force_that_no_amplitude_gives_is_refused(force_n) -> None:
+def test_a_force_that_no_amplitude_gives_is_refused(force_n):
     with pytest.raises(InputError, match="force_n"):
         amplitude_for_force(TWO_FACTOR, THETA[TWO_FACTOR], force_n=force_n, h0_m=5e-6)
 
 
-def test_a_force_beyond_contact_is_refused() -> None:
+def test_a_force_beyond_contact_is_refused():
     # theta1 < 1: the model stays finite up to contact, at 1.73 N for these parameters.
     theta = [1.5, 0.5, -0.5]
     contact = np.sqrt(2.5 / 0.5) - 0.5
@@ -125,12 +126,12 @@ def test_a_force_beyond_contact_is_refused() -> None:
         ({"h0_m": [5e-6, 6e-6, 7e-6], "phi_deg": [0, 45]}, "different lengths"),
     ],
 )
-def test_bad_factors_are_refused(wrong, message) -> None:
+def test_bad_factors_are_refused(wrong, message):
     with pytest.raises(InputError, match=message):
         Factors.of(**({"h0_m": 5e-6, "hv_m": 1e-6} | wrong))
 
 
-def test_wrong_shapes_and_names_are_refused() -> None:
+def test_wrong_shapes_and_names_are_refused():
     with pytest.raises(InputError, match="3 parameters"):
         TWO_FACTOR.evaluate([1.0, 2.0], some_factors())
     with pytest.raises(InputError, match="h0_m, hv_m"):

@@ -3,8 +3,6 @@
 Mutations are drawn with fixed seeds: a failure comes again.
 """
 
-from __future__ import annotations
-
 import math
 import random
 import re
@@ -18,10 +16,8 @@ import yaml
 from squeezefilm.cli.use.example_scan import scan_text
 from squeezefilm.film.vibration.scans import smoothed_scan
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import ScenePoint
-from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import check_study, scene_of
+from squeezefilm.studies.study import check_study
 
 RADIUS_M = 0.01
 # Every fourth point of the example, so that a fit takes a millisecond.
@@ -29,60 +25,36 @@ LINES = scan_text(noise=0.02, missing=0.1, seed=1).splitlines()
 SCAN = [LINES[0], *LINES[1::4]]
 RADIAL = ["r_mm,amplitude_um", *(f"{r / 4:g},{math.cos(r / 30):.4f}" for r in range(40))]
 CELLS = ["", "nan", "NaN", "inf", "-inf", "1e999", "-1", "0", "1e-300", "1e300", "9" * 400, "1_0"]
-CELLS += [
-    "0x10",
-    "1,5",
-    "«",
-    "\x00",
-    '"',
-    "'",
-    "#",
-    "None",
-    "true",
-    "1;2",
-    " 3 ",
-    "٣",
-    "\ud800"[:0],
-]
+CELLS += ["0x10", "1,5", "«", "\x00", '"', "'", "#", "None", "true", "1;2", " 3 ", "٣"]
 NAMES = ["x", "x_mm", "X_mm", "y_um", "r_m", "phi_deg", "phi_rad", "amplitude_nm", "amplitude"]
 NAMES += ["phase_deg", "sign", "sign_m", "time_s", "", "x_mm_mm", "_mm", "amplitude_°"]
 
 
 def mutated(lines: list[str], draw: random.Random) -> str:
     """A table with up to three things done to it."""
-    table = [line.split(",") for line in lines]
-    text = None
+    lines = list(lines)
     for _ in range(draw.randint(0, 3)):
-        row = draw.randrange(len(table))
-        kind = draw.randrange(10)
-        if kind <= 2 and table[row]:
-            table[row][draw.randrange(len(table[row]))] = draw.choice(CELLS)
-        elif kind == 3:
-            table[0][draw.randrange(len(table[0]))] = draw.choice(NAMES)
-        elif kind == 4:
-            table[row] = table[row] + [draw.choice(CELLS)]
-        elif kind == 5:
-            del table[row][-1:]
-        elif kind == 6:
-            table = table[: max(1, draw.randrange(len(table)))]
-        elif kind == 7:
-            column = draw.randrange(len(table[0]))
-            table = [cells[:column] + cells[column + 1 :] for cells in table]
-        elif kind == 8:
-            table.insert(row, list(table[draw.randrange(len(table))]))
+        row = draw.choice([0, draw.randrange(len(lines))])
+        cells, what = lines[row].split(","), draw.randrange(7)
+        column = draw.randrange(len(cells))
+        if what <= 1:
+            cells[column] = draw.choice(CELLS if row else NAMES)
+        elif what == 2:
+            cells.append(draw.choice(CELLS))
+        elif what == 3:
+            del cells[column]
+        elif what == 4:
+            cells[column] += draw.choice(['"', "\r", "\x00", "\n", "é"])
+        elif what == 5:
+            lines = lines[: row + 1]
         else:
-            place = draw.randrange(200)
-            text = "\n".join(",".join(cells) for cells in table)
-            text = (
-                text[:place] + draw.choice(['"', "\r", "\x00", ",", "\n", "é"]) + text[place + 1 :]
-            )
-            table = [line.split(",") for line in text.split("\n")]
-        table = [cells for cells in table if cells] or [[""]]
-    return "\n".join(",".join(cells) for cells in table)
+            lines.append(lines[row])
+        lines[row] = ",".join(cells)
+    return "\n".join(lines)
 
 
-@pytest.mark.parametrize("block", range(4))
-def test_a_scan_runs_or_is_refused(block: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize("block", range(2))
+def test_a_scan_runs_or_is_refused(block, tmp_path):
     draw = random.Random(block)
     path = tmp_path / "scan.csv"
     line = np.linspace(-0.007, 0.007, 5)
@@ -91,15 +63,11 @@ def test_a_scan_runs_or_is_refused(block: int, tmp_path: Path) -> None:
     for _ in range(60):
         path.write_text(mutated(draw.choice([SCAN, RADIAL]), draw), encoding="utf-8", newline="")
         smoothed_scan.cache_clear()
+        axisymmetric = draw.random() < 0.7
         try:
-            smoothed = smoothed_scan(
-                path, surface_radius_m=RADIUS_M, axisymmetric=draw.random() < 0.7
-            )
+            smoothed = smoothed_scan(path, surface_radius_m=RADIUS_M, axisymmetric=axisymmetric)
         except InputError as error:
             message = str(error)
-        else:
-            message = ""
-        if message:
             assert "scan.csv" in message
             if "finite number" in message or "cells" in message:
                 assert re.search(r"line \d+", message)
@@ -141,10 +109,8 @@ def study(repository: Path) -> dict[str, Any]:
     return {**load_config(repository / "config" / "paper.yaml")}
 
 
-@pytest.mark.parametrize("block", range(4))
-def test_a_profile_and_a_finger_run_or_are_refused(
-    block: int, repository: Path, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("block", range(2))
+def test_a_profile_and_a_finger_run_or_are_refused(block, repository, tmp_path):
     draw = random.Random(block)
     (tmp_path / "scan.csv").write_text("\n".join(SCAN), encoding="utf-8")
     path = tmp_path / "study.yaml"
@@ -172,31 +138,3 @@ def test_a_profile_and_a_finger_run_or_are_refused(
         assert not message or re.search(r"study\.yaml|scan\.csv|etc/passwd", message), message
         accepted += not message
     assert 2 <= accepted <= 14  # some of both
-
-
-@pytest.mark.parametrize("seed", range(len(PROFILES)))
-def test_what_is_accepted_has_a_force(seed: int, repository: Path, tmp_path: Path) -> None:
-    draw = random.Random(seed)
-    (tmp_path / "scan.csv").write_text("\n".join(SCAN), encoding="utf-8")
-    whole = study(repository)
-    whole["actuator"] = {**whole["actuator"], "profile": PROFILES[seed]}
-    whole["finger"] = {
-        "shape": ("rectangle", "ellipse")[seed % 2],
-        "length_x_m": draw.uniform(0.004, 0.01),
-        "length_y_m": draw.uniform(0.004, 0.01),
-        "rotation_deg": draw.uniform(-180, 180),
-        "speed_x_m_per_s": (0, 0.1)[seed // 2 % 2],
-        "gap": {
-            "tilt_x_m": draw.choice([0, 1e-6]),
-            "tilt_y_m": draw.choice([0, -1e-6]),
-            "bulge_m": draw.choice([0, 3e-6, -1e-6]),
-        },
-    }
-    path = tmp_path / "study.yaml"
-    path.write_text(yaml.safe_dump(whole), encoding="utf-8")
-    config = check_study(load_config(path))
-    scene = scene_of(ScenePoint("1", 6e-6, 1e-6, 0.001, 20.0), config)
-    (solution,) = solve([scene], tolerance=1e-2)
-    assert solution.status == "ok"
-    assert 0 <= solution.force_error_n <= 1.1e-2 * abs(solution.force_n)
-    assert 0 < abs(solution.force_n) < 1

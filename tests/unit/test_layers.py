@@ -1,7 +1,5 @@
 """The house: four packages, arrows downwards only; within the library, rooms likewise."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections import Counter
@@ -34,7 +32,7 @@ def above(order: tuple[str, ...], name: str) -> set[str]:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_packages_import_downwards(package: str) -> None:
+def test_packages_import_downwards(package):
     files = sorted((WORKFLOW / package).rglob("*.py"))
     assert len(files) > 5
     for path in files:
@@ -43,7 +41,7 @@ def test_packages_import_downwards(package: str) -> None:
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_rooms_of_the_library_import_downwards(room: str) -> None:
+def test_rooms_of_the_library_import_downwards(room):
     for path in sorted((WORKFLOW / "squeezefilm" / room).rglob("*.py")):
         ours = [name.split(".") for name in imported(path) if name.startswith("squeezefilm.")]
         upwards = {parts[1] for parts in ours} & above(ROOMS, room)
@@ -72,7 +70,7 @@ def commands() -> list[tuple[str, Path]]:
     return [pair for pair in found if re.search(r"^def run\(", pair[1].read_text("utf-8"), re.M)]
 
 
-def test_no_command_imports_another() -> None:
+def test_no_command_imports_another():
     """What two commands share is no command's: it has a room below them."""
     names = {name for name, _ in commands()}
     assert len(names) > 30
@@ -86,13 +84,13 @@ def test_no_command_imports_another() -> None:
         assert not others, (name, others)
 
 
-def test_every_room_has_its_place() -> None:
+def test_every_room_has_its_place():
     found = {path.parent.name for path in (WORKFLOW / "squeezefilm").glob("*/__init__.py")}
     assert found == set(ROOMS)
     assert {path.parent.name for path in WORKFLOW.glob("*/__init__.py")} == set(PACKAGES)
 
 
-def test_the_library_draws_nothing_and_knows_no_workflow() -> None:
+def test_the_library_draws_nothing_and_knows_no_workflow():
     for path in sorted((WORKFLOW / "squeezefilm").rglob("*.py")):
         found = {name.split(".")[0] for name in imported(path)} & NOT_IN_THE_LIBRARY
         assert not found, (path, found)

@@ -1,7 +1,5 @@
 """What the Makefile hands to snakemake, and that the docs say the same."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 
@@ -25,12 +23,12 @@ def commands(repository: Path, *words: str) -> list[str]:
 
 
 @pytest.mark.parametrize("target", ["resume", "paper", "quick", "report"])
-def test_options_reach_snakemake(repository: Path, target: str) -> None:
+def test_options_reach_snakemake(repository, target):
     first, *_ = commands(repository, target, f"OPTIONS={PROFILE}")
     assert PROFILE in first
 
 
-def test_a_run_is_resumed_with_its_options_study_and_target(repository: Path) -> None:
+def test_a_run_is_resumed_with_its_options_study_and_target(repository):
     words = (f"OPTIONS=sweep {PROFILE}", "CONFIG=config/sweep.yaml")
     (line,) = commands(repository, "resume", *words)
     # The target stands before --configfile, which would take it for another file.
@@ -38,7 +36,7 @@ def test_a_run_is_resumed_with_its_options_study_and_target(repository: Path) ->
     assert expected in line
 
 
-def test_there_is_one_recipe_to_resume_on_a_cluster(repository: Path) -> None:
+def test_there_is_one_recipe_to_resume_on_a_cluster(repository):
     for page in ("docs/cluster.md", "docs/faults.md"):
         assert RECIPE in (repository / page).read_text(encoding="utf-8"), page
     for path in [repository / "README.md", *sorted((repository / "docs").glob("*.md"))]:

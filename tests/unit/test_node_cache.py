@@ -1,7 +1,5 @@
 """On a cluster's node kernels lie in the user's own folder there, and are built by one job."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import time
@@ -13,20 +11,13 @@ from squeezefilm.runs import node_cache
 
 
 @pytest.fixture(autouse=True)
-def caches(monkeypatch: pytest.MonkeyPatch) -> None:
+def caches(monkeypatch):
     for name in ("POCL_CACHE_DIR", "XDG_CACHE_HOME", node_cache.VARIABLE):
         monkeypatch.setenv(name, "elsewhere")  # so that it is put back afterwards
         monkeypatch.delenv(name)
 
 
-def test_without_the_variable_caches_stay_where_they_are() -> None:
-    with node_cache.one_build_at_a_time():
-        assert "POCL_CACHE_DIR" not in os.environ
-
-
-def test_both_caches_go_to_the_named_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_both_caches_go_to_the_named_folder(tmp_path, monkeypatch):
     monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path / "scratch"))
     with node_cache.one_build_at_a_time():
         for name in ("POCL_CACHE_DIR", "XDG_CACHE_HOME"):
@@ -35,22 +26,16 @@ def test_both_caches_go_to_the_named_folder(
     assert own.stat().st_mode & 0o777 == 0o700
 
 
-def test_a_folder_that_others_may_write_to_is_not_used(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path))
-    own = tmp_path / f"squeezefilm-{os.getuid()}"
-    own.mkdir()
-    own.chmod(0o777)
-    with node_cache.one_build_at_a_time():
-        assert "POCL_CACHE_DIR" not in os.environ
-
-
-def test_a_folder_that_cannot_be_made_is_not_used(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").write_text("")
-    monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path / "file"))
+@pytest.mark.parametrize("folder", [None, "open to others", "a file"])
+def test_a_folder_that_is_not_one_s_own_is_not_used(folder, tmp_path, monkeypatch):
+    if folder == "a file":
+        (tmp_path / "scratch").write_text("")
+    elif folder:
+        own = tmp_path / "scratch" / f"squeezefilm-{os.getuid()}"
+        own.mkdir(parents=True)
+        own.chmod(0o777)
+    if folder:
+        monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path / "scratch"))
     with node_cache.one_build_at_a_time():
         assert "POCL_CACHE_DIR" not in os.environ
 
@@ -63,7 +48,7 @@ def build(log: Path) -> None:
             time.sleep(0.05)
 
 
-def test_jobs_build_one_after_the_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_jobs_build_one_after_the_other(tmp_path, monkeypatch):
     monkeypatch.setenv(node_cache.VARIABLE, str(tmp_path))
     log = tmp_path / "log"
     fork = multiprocessing.get_context("fork")

@@ -1,7 +1,5 @@
 """The command that certifies designs and judges plans beside them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -22,7 +20,7 @@ def optimal(folder: Path, *words: object) -> int:
 
 
 @pytest.fixture(scope="module", params=["two_factor", "four_factor"])
-def made(request, study, repository: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple:
+def made(request, study, repository, tmp_path_factory):
     folder = tmp_path_factory.mktemp("optimal")
     fit = {"two_factor": "screen", "four_factor": "four_factor"}[request.param]
     points = study.root / "simulations" / fit
@@ -38,7 +36,7 @@ def made(request, study, repository: Path, tmp_path_factory: pytest.TempPathFact
     return request.param, folder
 
 
-def test_the_local_design_is_certified(made: tuple) -> None:
+def test_the_local_design_is_certified(made):
     _, folder = made
     summary = json.loads((folder / "s.json").read_text())
     for name in ("local", "bayesian", "maximin"):
@@ -47,15 +45,21 @@ def test_the_local_design_is_certified(made: tuple) -> None:
     assert data["sensitivity"].max() <= 1 + 1e-6
     at_points = data[data["layer"] == "design"]["sensitivity"]
     np.testing.assert_allclose(at_points, 1, atol=1e-4)
+    assert main(["plot", "sensitivity", f"{folder}/m.csv", f"--output={folder}/m.svg"]) == 0
+    assert "sensitivity d/p" in (folder / "m.svg").read_text(encoding="utf-8")
 
 
-def test_efficiencies_are_true_and_their_bounds_below_them(made: tuple) -> None:
+def test_efficiencies_are_true_and_their_bounds_below_them(made):
     name, folder = made
     table = pd.read_csv(folder / "p.csv", index_col="plan")
     assert (table["lower_bound"] <= table["d_efficiency"]).all()
     assert (table["lower_bound_alone"] <= table["d_efficiency"] + 1e-12).all()
     assert (table["least_over_ranges"] <= table["mean_over_ranges"]).all()
     assert table.loc["local", "d_efficiency"] == pytest.approx(1)
+    for exact in ("exact-5", "exact-8"):  # without replicates
+        assert table.loc[exact, "scenes"] == table.loc[exact, "points"]
+    if name == "two_factor":
+        assert (table.loc[["pattern A (unit)", "pattern B (unit)"], "d_efficiency"] > 0.999).all()
     model = {"two_factor": TWO_FACTOR, "four_factor": FOUR_FACTOR}[name]
     theta = json.loads((folder / "s.json").read_text())["theta"]
     designs = pd.read_csv(folder / "d.csv")
@@ -71,14 +75,7 @@ def test_efficiencies_are_true_and_their_bounds_below_them(made: tuple) -> None:
     assert ratio == pytest.approx(listed["exact-8"] / listed["exact-5"], rel=1e-6)
 
 
-def test_exact_designs_have_no_replicates(made: tuple) -> None:
-    _, folder = made
-    table = pd.read_csv(folder / "p.csv", index_col="plan")
-    for name in ("exact-5", "exact-8"):
-        assert table.loc[name, "scenes"] == table.loc[name, "points"]
-
-
-def test_an_addition_keeps_what_is_there(made: tuple, study) -> None:
+def test_an_addition_keeps_what_is_there(made, study):
     name, folder = made
     designs = pd.read_csv(folder / "d.csv")
     rows = designs[designs["design"] == "augmented"]
@@ -89,25 +86,7 @@ def test_an_addition_keeps_what_is_there(made: tuple, study) -> None:
     assert (rows["origin"] == "added").sum() == added
 
 
-def test_patterns_are_judged_by_their_names(made: tuple) -> None:
-    name, folder = made
-    table = pd.read_csv(folder / "p.csv", index_col="plan")
-    if name == "two_factor":
-        assert table.loc["pattern A (unit)", "d_efficiency"] > 0.999
-        assert table.loc["pattern B (unit)", "d_efficiency"] > 0.999
-
-
-def test_the_sensitivity_is_drawn(made: tuple) -> None:
-    _, folder = made
-    assert (
-        main(["plot", "sensitivity", str(folder / "m.csv"), "--output", str(folder / "m.svg")]) == 0
-    )
-    assert "sensitivity d/p" in (folder / "m.svg").read_text(encoding="utf-8")
-
-
-def test_a_plan_off_the_centre_is_refused_for_a_centred_model(
-    study, repository: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_plan_off_the_centre_is_refused_for_a_centred_model(study, repository, tmp_path, capsys):
     done = optimal(
         tmp_path,
         study.root / "fits/screen.json",

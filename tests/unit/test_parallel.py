@@ -1,13 +1,10 @@
 """Tasks on several processes come back whole and in order."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import psutil
 import pytest
@@ -17,17 +14,17 @@ from squeezefilm.io.parallel import parallel_map
 
 
 @pytest.mark.parametrize("processes", [1, 3])
-def test_results_are_those_of_a_plain_loop_in_order(processes: int) -> None:
+def test_results_are_those_of_a_plain_loop_in_order(processes):
     offset = 7
     results = parallel_map(lambda item: item * item + offset, range(20), processes=processes)
     assert results == [item * item + offset for item in range(20)]
 
 
-def test_several_processes_share_the_work() -> None:
+def test_several_processes_share_the_work():
     assert os.getpid() not in parallel_map(lambda _: os.getpid(), range(4), processes=2)
 
 
-def test_a_refusal_in_a_process_reaches_the_caller() -> None:
+def test_a_refusal_in_a_process_reaches_the_caller():
     def refuse(item: int) -> int:
         raise InputError(f"no {item}")
 
@@ -35,7 +32,7 @@ def test_a_refusal_in_a_process_reaches_the_caller() -> None:
         parallel_map(refuse, range(3), processes=2)
 
 
-def test_a_process_that_is_killed_is_told_and_not_waited_for() -> None:
+def test_a_process_that_is_killed_is_told_and_not_waited_for():
     def end(item: int) -> int:
         if item == 2:
             os.kill(os.getpid(), signal.SIGKILL)
@@ -45,7 +42,7 @@ def test_a_process_that_is_killed_is_told_and_not_waited_for() -> None:
         parallel_map(end, range(4), processes=2)
 
 
-def test_processes_end_with_the_one_that_started_them(repository: Path) -> None:
+def test_processes_end_with_the_one_that_started_them(repository):
     code = (
         "import os, time; from squeezefilm.io.parallel import parallel_map\n"
         "task = lambda _: (os.write(1, b'%d\\n' % os.getpid()), time.sleep(60))\n"

@@ -1,7 +1,5 @@
 """Ranges of parameters: exact where the model is linear, open where nothing bounds them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from reference_forces import reference_forces
@@ -17,7 +15,7 @@ EPSILON = np.linspace(0.05, 0.4, 12)
 AT = Factors.of(h0_m=5e-6, hv_m=5e-6 * EPSILON)
 
 
-def test_ranges_of_a_straight_line_are_the_intervals_of_student() -> None:
+def test_ranges_of_a_straight_line_are_the_intervals_of_student():
     force = 0.1 + 2 * EPSILON + 0.01 * np.sin(40 * EPSILON)
     theta = local_fit(LINE, AT, force, [0.0, 1.0])
     ranges = parameter_ranges(LINE, AT, force, theta)
@@ -32,7 +30,7 @@ def test_ranges_of_a_straight_line_are_the_intervals_of_student() -> None:
         assert found.upper == pytest.approx(value + t * error)
 
 
-def test_at_the_end_of_a_range_the_sum_of_squares_is_what_was_asked_for() -> None:
+def test_at_the_end_of_a_range_the_sum_of_squares_is_what_was_asked_for():
     at, forces = reference_forces("screen")
     theta = local_fit(TWO_FACTOR, at, forces, (7.6, 1.9, -1.0))
     least = sum_of_squares(TWO_FACTOR, at, forces, theta)
@@ -45,7 +43,7 @@ def test_at_the_end_of_a_range_the_sum_of_squares_is_what_was_asked_for() -> Non
             assert reached == pytest.approx(wanted, rel=1e-4)
 
 
-def test_a_parameter_that_the_points_do_not_bound_has_an_open_range() -> None:
+def test_a_parameter_that_the_points_do_not_bound_has_an_open_range():
     """exp(-t0 eps) is nothing for every large t0."""
     step = make_model("step", {"expression": "t1*(1 - exp(-t0*hv/h0))"}, place="test")
     force = 0.5 + 1e-4 * np.sin(50 * EPSILON)
@@ -55,17 +53,17 @@ def test_a_parameter_that_the_points_do_not_bound_has_an_open_range() -> None:
     assert 10 < slope.lower < slope.estimate
 
 
-def test_fits_without_a_spare_point_have_no_range() -> None:
+def test_fits_without_a_spare_point_have_no_range():
     with pytest.raises(InputError, match="more points than parameters"):
         parameter_ranges(LINE, AT.take(np.arange(2)), [0.1, 0.2], [0.0, 1.0])
 
 
-def test_parameters_that_are_not_the_best_fit_are_refused() -> None:
+def test_parameters_that_are_not_the_best_fit_are_refused():
     with pytest.raises(InputError, match="not those of the best fit"):
         parameter_ranges(LINE, AT, 0.1 + 2 * EPSILON, [0.1, 2.5])
 
 
-def test_a_fit_does_not_leave_the_region_where_the_model_is_defined() -> None:
+def test_a_fit_does_not_leave_the_region_where_the_model_is_defined():
     force = TWO_FACTOR.evaluate([7.0, 2.0, -1.0], AT)
     found = local_fit(TWO_FACTOR, AT, force, [3.0, 5.0, -0.5])
     np.testing.assert_allclose(found, [7, 2, -1], rtol=1e-5)

@@ -1,13 +1,10 @@
 """The report's own words: a caption for every figure, a line for every category."""
 
-from __future__ import annotations
-
 import re
-from pathlib import Path
 
 import pytest
 
-from reporting.rooms import Room, described
+from reporting.rooms import described
 from squeezefilm.io.errors import InputError
 from squeezefilm.runs.code import WORKFLOW
 
@@ -15,7 +12,7 @@ FIGURES = [described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"
 
 
 @pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.module)
-def test_every_figure_has_a_caption(figure: Room) -> None:
+def test_every_figure_has_a_caption(figure):
     number = figure.place.removeprefix("figures/fig")
     if number.isdigit():
         assert figure.title == f"Figure {int(number)}"
@@ -24,7 +21,7 @@ def test_every_figure_has_a_caption(figure: Room) -> None:
 
 
 @pytest.mark.parametrize("text", ["", '"""Figure 5: no caption."""', '"""A line.\n\nA text."""'])
-def test_a_figure_without_a_caption_is_refused(text: str, tmp_path: Path) -> None:
+def test_a_figure_without_a_caption_is_refused(text, tmp_path):
     path = tmp_path / "fig05.py"
     path.write_text(f"{text}\nINPUTS = {{'table': 'a.csv'}}\n")
     with pytest.raises(InputError, match=r"fig05\.py: a figure's docstring says .* caption"):
@@ -39,14 +36,14 @@ def test_a_figure_without_a_caption_is_refused(text: str, tmp_path: Path) -> Non
         ("INPUTS = {'a': 'a.csv', 'b': 'b.csv'}", "drawn from one table"),
     ],
 )
-def test_a_figure_says_what_it_is_made_from(text: str, message: str, tmp_path: Path) -> None:
+def test_a_figure_says_what_it_is_made_from(text, message, tmp_path):
     path = tmp_path / "fig05.py"
     path.write_text(f'"""Figure 5: a thing.\n\nIts caption.\n"""\n{text}\n')
     with pytest.raises(InputError, match=message):
         described(path)
 
 
-def test_the_report_s_first_page_names_every_category(repository: Path) -> None:
+def test_the_report_s_first_page_names_every_category(repository):
     rules = (path.read_text() for path in (repository / "workflow/rules").glob("*.smk"))
     pattern = re.compile(r'(?:category=|^    "\w+": )"(\d+ [^"]+)"', re.MULTILINE)
     found = {name for text in rules for name in pattern.findall(text)}

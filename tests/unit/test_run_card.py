@@ -1,10 +1,7 @@
 """Every file can be traced to the run that made it, also when that run was killed."""
 
-from __future__ import annotations
-
 import json
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,20 +9,16 @@ import pytest
 from squeezefilm.cli.main import main
 from squeezefilm.io import job as this_job
 from squeezefilm.runs import locks, run_card
-from squeezefilm.studies.config import Config
-
-Capture = pytest.CaptureFixture[str]
-Start = Callable[[], locks.Owner]
 
 
 @pytest.fixture
-def cards(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cards(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return Path("results/quick/run_cards")
 
 
 @pytest.fixture
-def start(cards: Path, quick: Config, monkeypatch: pytest.MonkeyPatch) -> Start:
+def start(cards, quick, monkeypatch):
     """Begin a run; the one before is dead."""
     numbers = iter(range(1000))
 
@@ -44,7 +37,7 @@ def start(cards: Path, quick: Config, monkeypatch: pytest.MonkeyPatch) -> Start:
 
 
 @pytest.fixture
-def job(quick: Config, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+def job(quick, monkeypatch):
     """A job of the run: a real command, as in a process of its own."""
 
     def job(*words: str) -> None:
@@ -60,9 +53,7 @@ def job(quick: Config, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 PLAN = ("plan", "screen", "--output", "results/quick/scenes.csv")
 
 
-def test_a_completed_run_says_what_made_what(
-    cards: Path, start: Start, job: Callable[..., None], quick: Config
-) -> None:
+def test_a_completed_run_says_what_made_what(cards, start, job, quick):
     owner = start()
     job(*PLAN)
     run_card.end(cards, owner, outcome=run_card.COMPLETED)
@@ -83,9 +74,7 @@ def test_a_completed_run_says_what_made_what(
         assert word in page
 
 
-def test_the_card_of_a_killed_run_is_completed_by_the_next(
-    cards: Path, start: Start, job: Callable[..., None]
-) -> None:
+def test_the_card_of_a_killed_run_is_completed_by_the_next(cards, start, job):
     start()
     job(*PLAN)
     assert json.loads((cards / "000.json").read_text())["outcome"] == "running"
@@ -98,9 +87,7 @@ def test_the_card_of_a_killed_run_is_completed_by_the_next(
     assert not list(cards.glob("*.jobs"))
 
 
-def test_a_file_is_traced_by_its_content(
-    cards: Path, start: Start, job: Callable[..., None], capsys: Capture
-) -> None:
+def test_a_file_is_traced_by_its_content(cards, start, job, capsys):
     for outcome in (run_card.COMPLETED, run_card.FAILED):
         owner = start()
         job(*PLAN)
@@ -118,9 +105,7 @@ def test_a_file_is_traced_by_its_content(
     assert "run 001 made another file of this name" in capsys.readouterr().err
 
 
-def test_a_file_is_traced_to_the_device_of_what_it_was_made_from(
-    cards: Path, start: Start, job: Callable[..., None], capsys: Capture
-) -> None:
+def test_a_file_is_traced_to_the_device_of_what_it_was_made_from(cards, start, job, capsys):
     part, forces = "results/quick/part.csv", "results/quick/forces.csv"
     start()
     job(*PLAN)
@@ -137,9 +122,7 @@ def test_a_file_is_traced_to_the_device_of_what_it_was_made_from(
     assert ", driver " not in capsys.readouterr().out
 
 
-def test_changed_results_are_named_and_kept(
-    cards: Path, start: Start, job: Callable[..., None], capsys: Capture
-) -> None:
+def test_changed_results_are_named_and_kept(cards, start, job, capsys):
     owner = start()
     job(*PLAN)
     run_card.end(cards, owner, outcome=run_card.COMPLETED)
@@ -153,6 +136,6 @@ def test_changed_results_are_named_and_kept(
     assert Path(f"{PLAN[-1]}.damaged").read_bytes() == whole[:-5]
 
 
-def test_by_hand_no_records_are_written(cards: Path, job: Callable[..., None]) -> None:
+def test_by_hand_no_records_are_written(cards, job):
     job(*PLAN)
     assert not cards.exists()

@@ -1,20 +1,18 @@
 """A scene has the dimensionless numbers of the paper, and no physically empty scene passes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import nan
 
 import numpy as np
 import pytest
 
-from squeezefilm.film.scene import Scene, check_scene
+from squeezefilm.film.scene import check_scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Piston, Sinc
 from squeezefilm.io.errors import InputError
 
 
-def test_dimensionless_numbers_of_the_paper(scene: Scene) -> None:
+def test_dimensionless_numbers_of_the_paper(scene):
     assert scene.epsilon == pytest.approx(0.44)
     assert scene.sigma == pytest.approx(2331, abs=0.5)
     assert replace(scene, h0_m=10e-6).sigma == pytest.approx(583, abs=0.5)
@@ -27,7 +25,7 @@ def test_dimensionless_numbers_of_the_paper(scene: Scene) -> None:
     assert stroking.bearing_number == pytest.approx(0.043, abs=0.0005)
 
 
-def test_sinc_is_one_in_the_middle_and_zero_at_its_node() -> None:
+def test_sinc_is_one_in_the_middle_and_zero_at_its_node():
     profile = make_profile(kind="sinc", surface_radius_m=0.01, wave_number_per_m=109.8)
     assert profile == Sinc(109.8)
     x_m = np.array([0.0, 1 / 109.8, 0.5 / 109.8])
@@ -37,7 +35,7 @@ def test_sinc_is_one_in_the_middle_and_zero_at_its_node() -> None:
     assert (Piston().amplitude(x_m=x_m, y_m=x_m) == 1).all()
 
 
-def test_the_profile_is_seen_from_where_the_finger_is(scene: Scene) -> None:
+def test_the_profile_is_seen_from_where_the_finger_is(scene):
     moved = replace(scene, phi_r_m=2.9e-3, phi_deg=30.0)
     middle = moved.amplitude(np.array([0.5]), np.array([0.5]))
     assert middle == pytest.approx(np.sinc(109.8 * 2.9e-3))
@@ -64,9 +62,7 @@ def test_the_profile_is_seen_from_where_the_finger_is(scene: Scene) -> None:
         ({"phi_r_m": 3.7e-3}, "off the actuator's 10.00 mm disc"),
     ],
 )
-def test_a_scene_without_a_film_is_refused(
-    scene: Scene, changes: dict[str, float], message: str
-) -> None:
+def test_a_scene_without_a_film_is_refused(scene, changes, message):
     with pytest.raises(InputError, match="point 1: ") as refusal:
         check_scene(replace(scene, **changes))
     assert message in str(refusal.value)
@@ -76,5 +72,5 @@ def test_a_scene_without_a_film_is_refused(
     "changes",
     [{"hv_m": 0.0}, {"hv_m": 4.999e-6}, {"phi_r_m": 2.92e-3, "phi_deg": 45.0}, {"phi_r_m": 3.6e-3}],
 )
-def test_a_scene_at_the_limit_passes(scene: Scene, changes: dict[str, float]) -> None:
+def test_a_scene_at_the_limit_passes(scene, changes):
     check_scene(replace(scene, **changes))

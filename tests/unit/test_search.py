@@ -22,7 +22,7 @@ def stepped(x: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("objective", [bumpy, stepped])
 @pytest.mark.parametrize("seed", [1, 2**32 - 1])
-def test_it_is_pymoos_genetic_algorithm(objective, seed) -> None:
+def test_it_is_pymoos_genetic_algorithm(objective, seed):
     class Search(Problem):
         def _evaluate(self, x, out, *args, **kwargs) -> None:
             out["F"] = objective(x)[:, None]
@@ -39,14 +39,3 @@ def test_it_is_pymoos_genetic_algorithm(objective, seed) -> None:
     )
     assert np.array_equal(ours.x, theirs.opt[0].X)
     assert ours.value == theirs.opt[0].F[0]
-
-
-def test_the_first_population_is_evaluated_once() -> None:
-    calls = []
-
-    def objective(x: np.ndarray) -> np.ndarray:
-        calls.append(len(x))
-        return bumpy(x)
-
-    found = genetic_search(objective, lower=LOWER, upper=UPPER, seed=1, first=900, generations=5)
-    assert found.evaluations == sum(calls) == 900 + 4 * 40

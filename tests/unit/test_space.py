@@ -1,7 +1,5 @@
 """The space holds what can be simulated, and nothing else."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +8,11 @@ import pytest
 from squeezefilm.designs.box import Box
 from squeezefilm.film.scene import check_scene
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.space import Space
 
 
 @pytest.fixture(scope="module")
-def space(paper: Config) -> Space:
+def space(paper):
     return Space.of(paper, centred=False)
 
 
@@ -25,7 +22,7 @@ def wide(space: Space) -> Space:
     return replace(space, box=Box(space.box.names, **limits))
 
 
-def test_the_space_is_the_screens_and_the_positions(space: Space, paper: Config) -> None:
+def test_the_space_is_the_screens_and_the_positions(space, paper):
     assert space.box.lower == (5e-6, 0.2e-6, 0.0, 0.0)
     assert space.box.upper == (10e-6, 2e-6, 2.9e-3, 45.0)
     centred = Space.of(paper, centred=True)
@@ -33,7 +30,7 @@ def test_the_space_is_the_screens_and_the_positions(space: Space, paper: Config)
 
 
 @pytest.mark.parametrize("kind", ["grid", "sample"])
-def test_points_that_cannot_be_simulated_are_left_out(space: Space, kind: str) -> None:
+def test_points_that_cannot_be_simulated_are_left_out(space, kind):
     larger = wide(space)
     points = larger.grid(500, distinct=True) if kind == "grid" else larger.sample(300, seed=1)
     assert np.all(points[:, 1] < points[:, 0])
@@ -43,7 +40,7 @@ def test_points_that_cannot_be_simulated_are_left_out(space: Space, kind: str) -
     assert list(larger.allowed(corner)) == [True, False]
 
 
-def test_a_sample_is_fair_and_repeatable(space: Space) -> None:
+def test_a_sample_is_fair_and_repeatable(space):
     points = space.sample(400, seed=3)
     unit = space.box.to_unit(points)
     np.testing.assert_allclose(unit.mean(axis=0), 0.5, atol=0.02)
@@ -52,7 +49,7 @@ def test_a_sample_is_fair_and_repeatable(space: Space) -> None:
     assert not np.array_equal(points, space.sample(400, seed=4))
 
 
-def test_a_grid_has_its_limits_and_each_scene_once(space: Space) -> None:
+def test_a_grid_has_its_limits_and_each_scene_once(space):
     points = space.grid(1500, distinct=True)
     unit = space.box.to_unit(points)
     assert unit.min() == 0
@@ -60,9 +57,14 @@ def test_a_grid_has_its_limits_and_each_scene_once(space: Space) -> None:
     places = np.round(space.coordinates(points), 12)
     assert len(np.unique(places, axis=0)) == len(points)
     assert len(space.grid(1500, distinct=False)) == 6**4
+    # The first direction of a full circle is its last one.
+    box = Box(space.box.names, (*space.box.lower[:3], 0.0), (*space.box.upper[:3], 360.0))
+    around = replace(space, box=box)
+    points = around.grid(3000, distinct=True)
+    assert len(np.unique(np.round(around.coordinates(points), 9), axis=0)) == len(points)
 
 
-def test_points_go_to_a_table_and_back(space: Space, paper: Config) -> None:
+def test_points_go_to_a_table_and_back(space, paper):
     points = space.sample(5, seed=1)
     np.testing.assert_allclose(space.points(space.table(points)), points, rtol=1e-11)
     centred = Space.of(paper, centred=True)
@@ -70,7 +72,7 @@ def test_points_go_to_a_table_and_back(space: Space, paper: Config) -> None:
         centred.points(space.table(points))
 
 
-def test_a_space_without_a_position_on_the_surface_is_refused(space: Space) -> None:
+def test_a_space_without_a_position_on_the_surface_is_refused(space):
     limits = {"lower": (5e-6, 0.2e-6, 5e-3, 0.0), "upper": (10e-6, 2e-6, 6e-3, 45.0)}
     with pytest.raises(InputError, match="hardly any finger position"):
         replace(space, box=Box(space.box.names, **limits)).sample(5, seed=1)

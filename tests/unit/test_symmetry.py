@@ -1,8 +1,5 @@
 """Positions that symmetry makes equal have equal forces, and all others are in the space."""
 
-from __future__ import annotations
-
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +7,6 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.designs.box import Box
 from squeezefilm.film.directions import Directions
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
@@ -40,10 +36,8 @@ def bessel(nodal_diameters: int) -> dict[str, Any]:
 # The finger, the profile (none: the paper's sinc), and where the sector begins and ends.
 CASES: dict[str, tuple[dict[str, Any], dict[str, Any] | None, tuple[float, float]]] = {
     "square": ({}, None, (0, 45)),
-    "bulging square": (tilted(0, 0), None, (0, 45)),
     "circle": (CIRCLE, None, (0, 45)),
     "rectangle": (RECTANGLE, None, (0, 90)),
-    "ellipse": ({**RECTANGLE, "shape": "ellipse"}, None, (0, 90)),
     "turned square": ({**SMALL, "rotation_deg": 30}, None, (30, 75)),
     "turned rectangle": ({**RECTANGLE, "rotation_deg": 20}, None, (20, 110)),
     "sliding square": ({"speed_x_m_per_s": 2.0}, None, (0, 180)),
@@ -73,14 +67,14 @@ def study(quick: Config, finger: dict[str, Any], profile: dict[str, Any] | None 
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_sector_of_positions_is_that_of_pad_and_vibration(case: str, quick: Config) -> None:
+def test_the_sector_of_positions_is_that_of_pad_and_vibration(case, quick):
     finger, profile, (start, stop) = CASES[case]
     directions = directions_of(study(quick, finger, profile))
     assert (directions.start_deg, directions.stop_deg) == pytest.approx((start, stop))
 
 
 @pytest.mark.parametrize("case", [case for case, (*_, sector) in CASES.items() if sector[1] < 360])
-def test_a_direction_and_its_fold_have_one_force(case: str, quick: Config) -> None:
+def test_a_direction_and_its_fold_have_one_force(case, quick):
     """At its images by both edges of the sector, or by a turn of its width: they make all."""
     config = study(quick, *CASES[case][:2])
     directions = directions_of(config)
@@ -98,7 +92,7 @@ def test_a_direction_and_its_fold_have_one_force(case: str, quick: Config) -> No
     np.testing.assert_allclose(force, force[0], atol=2 * error, rtol=0)
 
 
-def test_the_template_s_directions_stand_for_all_that_differ(quick: Config) -> None:
+def test_the_template_s_directions_stand_for_all_that_differ(quick):
     given = [0, 15, 30, 45]
     assert Directions(0, 45, mirror=True).images(given) == given
     assert Directions(0, 90, mirror=True).images(given) == [0, 15, 30, 45, 60, 75, 90]
@@ -113,45 +107,28 @@ def test_the_template_s_directions_stand_for_all_that_differ(quick: Config) -> N
     assert Space.of(rectangle, centred=False).box.upper[3] == 90
 
 
-def test_the_paper_s_positions_are_as_they_were(paper: Config) -> None:
+def test_the_paper_s_positions_are_as_they_were(paper):
     assert box_of(paper).ranges["phi_deg"] == (0, 45)
     angles, radii = [0, 15, 30, 45], paper["positions"]["phi_r_m"]
     assert finger_positions(paper) == [(0, 0), *((r, angle) for r in radii for angle in angles)]
 
 
-def test_a_rectangle_has_two_axes_and_not_four(quick: Config) -> None:
-    config = study(quick, RECTANGLE)
-    along_x, along_y = (
-        scene_of(ScenePoint("1", 5e-6, 2e-6, 0.0015, phi), config) for phi in (0.0, 90.0)
-    )
-    x, y = (solution.force_n for solution in solve([along_x, along_y], tolerance=1e-4))
-    assert abs(x / y - 1) > 0.01
-
-
 @pytest.mark.parametrize("phi_deg", [[0, 90], [0, 45, 90], [180, 270]])
-def test_any_direction_may_be_given(phi_deg: list[float], quick: Config, tmp_path: Path) -> None:
+def test_any_direction_may_be_given(phi_deg, quick, tmp_path):
     sections = {**study(quick, RECTANGLE), "positions": {"phi_r_m": [0.001], "phi_deg": phi_deg}}
     config = check_study(Config(path=tmp_path / "study.yaml", sections=sections))
     assert {0.0, 90.0} <= {angle for _, angle in finger_positions(config)}
 
 
-def test_a_pad_that_leaves_the_disc_between_the_directions_given_is_refused(quick: Config) -> None:
+def test_a_pad_that_leaves_the_disc_between_the_directions_given_is_refused(quick):
     pad = study(quick, {"length_x_m": 0.014, "length_y_m": 0.009})
     sections = {**pad, "positions": {"phi_r_m": [0.0017], "phi_deg": [0, 90]}}
     with pytest.raises(InputError, match=r"positions: point \(0\.0017 m, 32\.7\d*°\).* off the"):
         check_study(Config(path=quick.path, sections=sections))
 
 
-def test_the_first_direction_of_a_full_circle_is_not_simulated_twice(quick: Config) -> None:
-    space = Space.of(quick, centred=False)
-    box = Box(space.box.names, (*space.box.lower[:3], 0.0), (*space.box.upper[:3], 360.0))
-    points = Space(box, space.scene).grid(3000, distinct=True)
-    places = np.round(Space(box, space.scene).coordinates(points), 9)
-    assert len(np.unique(places, axis=0)) == len(points)
-
-
 @pytest.fixture(scope="module")
-def rectangle(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def rectangle(repository, tmp_path_factory):
     """A folder with a 14 × 9 mm pad's study, and a model fitted to simulations of its space."""
     folder = tmp_path_factory.mktemp("rectangle")
     text = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
@@ -183,7 +160,7 @@ def rectangle(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
     return folder
 
 
-def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle: Path) -> None:
+def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle):
     config, out = load_config(rectangle / "study.yaml"), rectangle / "out.csv"
     words = ["predict", f"{rectangle}/fit.json", "--h0=6um", "--hv=2um", f"--output={out}"]
     assert cli.main([*words, "--x=-1.5mm,0mm,2mm", "--y=-1mm,0mm,2mm"]) == 0
@@ -200,14 +177,9 @@ def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle: Path) 
     assert np.ptp(simulated) > 0.03 * np.max(simulated)
 
 
-def test_exported_code_says_which_directions_it_takes(
-    rectangle: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_working_point_is_found_in_any_direction_and_code_says_which_it_takes(rectangle, capsys):
     assert cli.main(["export", f"{rectangle}/fit.json", "--language=c"]) == 0
     assert "directions of 0 to 90 deg" in capsys.readouterr().out
-
-
-def test_a_working_point_is_found_in_any_direction(rectangle: Path) -> None:
     words = ["working-point", f"{rectangle}/fit.json", "--force=0.3N", "--h0=6um"]
     out = rectangle / "points.csv"
     assert cli.main([*words, "--x=0mm", "--y=-2mm,2mm", f"--output={out}"]) == 0
@@ -218,7 +190,7 @@ def test_a_working_point_is_found_in_any_direction(rectangle: Path) -> None:
 @pytest.mark.parametrize(
     "damage", [{"width_deg": 60}, {"mirror": 1}, {"start_deg": None}, {"start_deg": float("nan")}]
 )
-def test_damaged_directions_are_refused(damage: dict[str, Any]) -> None:
+def test_damaged_directions_are_refused(damage):
     plain = Directions(30.0, 45.0, mirror=True).to_dict()
     assert Directions.from_dict(plain, place="here") == Directions(30.0, 45.0, mirror=True)
     with pytest.raises(InputError, match="here: must have"):

@@ -1,8 +1,5 @@
 """A table is read as it is written, or refused with a message that names the file and the place."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,11 +21,10 @@ from squeezefilm.io.tables import (
 )
 
 HEADER = ",".join(SCENE_COLUMNS)
-Write = Callable[[str | bytes], Path]
 
 
 @pytest.fixture
-def scenes(tmp_path: Path) -> Write:
+def scenes(tmp_path):
     def write(text: str | bytes) -> Path:
         path = tmp_path / "scenes.csv"
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
@@ -37,7 +33,7 @@ def scenes(tmp_path: Path) -> Write:
     return write
 
 
-def test_a_plan_is_read_in_its_order_with_text_for_names(scenes: Write) -> None:
+def test_a_plan_is_read_in_its_order_with_text_for_names(scenes):
     table = read_scenes(scenes(f"{HEADER}\n007,5e-6,1e-6,0,0\na b,6e-06,.1e-5,0.001,45\n"))
     assert list(table["point_id"]) == ["007", "a b"]
     assert list(table["h0_m"]) == [5e-6, 6e-6]
@@ -58,7 +54,7 @@ def test_a_plan_is_read_in_its_order_with_text_for_names(scenes: Write) -> None:
     ],
     ids=["byte order mark", "CRLF", "blank lines", "no last newline", "quotes", "spaces", "order"],
 )
-def test_what_does_not_matter_is_accepted(text: str | bytes, scenes: Write) -> None:
+def test_what_does_not_matter_is_accepted(text, scenes):
     table = read_scenes(scenes(text))
     assert table.to_dict("records") == [
         {"point_id": "1", "h0_m": 5e-6, "hv_m": 1e-6, "phi_r_m": 0.0, "phi_deg": 0.0}
@@ -97,7 +93,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_a_wrong_table_is_refused(case: str, scenes: Write) -> None:
+def test_a_wrong_table_is_refused(case, scenes):
     text, message = WRONG[case]
     with pytest.raises(InputError) as refusal:
         read_scenes(scenes(text))
@@ -105,9 +101,10 @@ def test_a_wrong_table_is_refused(case: str, scenes: Write) -> None:
     assert "scenes.csv" in str(refusal.value)
 
 
-def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no such table"):
-        read_scenes(tmp_path / "none.csv")
+def test_what_is_no_file_is_refused(tmp_path):
+    for name in ("none.csv", "none.parquet"):
+        with pytest.raises(InputError, match="no such table"):
+            read_scenes(tmp_path / name)
     with pytest.raises(InputError, match="cannot be read"):
         read_scenes(tmp_path)
 
@@ -117,80 +114,52 @@ def forces(**changes: object) -> pd.DataFrame:
     return pd.DataFrame([row, {**row, "point_id": "2", **changes}])
 
 
-def test_numbers_come_back_to_the_last_bit(tmp_path: Path) -> None:
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+@pytest.mark.parametrize("pieces", [1, 2])
+def test_a_table_comes_back_to_the_last_bit_in_how_many_pieces_it_was_written(
+    tmp_path, suffix, pieces
+):
     force = np.random.default_rng(1).standard_normal(2) * 1e-3
-    write_table(forces().assign(force_n=force), tmp_path / "forces.csv")
-    assert (read_ok_forces(tmp_path / "forces.csv")["force_n"] == force).all()
+    table = forces(point_id="a b").assign(force_n=force, nx=[16, 24])
+    if pieces == 1:
+        write_table(table, tmp_path / f"forces.{suffix}")
+    else:
+        with table_writer(tmp_path / f"forces.{suffix}") as write:
+            for row in range(2):
+                write(table.iloc[row : row + 1])
+    read = read_ok_forces(tmp_path / f"forces.{suffix}")
+    for name in ("point_id", "status", "h0_m", "force_n"):
+        assert list(read[name]) == list(table[name])
+    assert list(read["nx"].astype(int)) == [16, 24]
 
 
-def test_a_point_that_failed_keeps_its_row_but_cannot_be_used(tmp_path: Path) -> None:
+def test_a_point_that_failed_keeps_its_row_but_cannot_be_used(tmp_path):
     write_table(forces(status="did not converge", force_n=None), tmp_path / "forces.csv")
     table = read_forces(tmp_path / "forces.csv")
     assert list(table["status"]) == ["ok", "did not converge"]
     assert np.isnan(table["force_n"].iloc[1])
     with pytest.raises(InputError, match="point 2: did not converge"):
         read_ok_forces(tmp_path / "forces.csv")
-
-
-def test_a_point_without_a_force_is_not_ok(tmp_path: Path) -> None:
     write_table(forces(force_n=None), tmp_path / "forces.csv")
     with pytest.raises(InputError, match="point 2: force_n is not a finite number"):
         read_forces(tmp_path / "forces.csv")
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", "3", '{"a": 1', "\x00"])
-def test_a_wrong_json_file_is_refused(text: str, tmp_path: Path) -> None:
+def test_a_wrong_json_file_is_refused(text, tmp_path):
     (tmp_path / "fit.json").write_text(text)
     with pytest.raises(InputError, match=r"fit\.json"):
         read_json(tmp_path / "fit.json")
 
 
-def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
-    write_json({"a": 1}, tmp_path / "new" / "fit.json")
-    assert read_json(tmp_path / "new" / "fit.json") == {"a": 1}
+def test_a_json_file_has_no_number_that_is_none(tmp_path):
     with pytest.raises(ValueError, match="not JSON compliant"):
-        write_json({"a": float("nan")}, tmp_path / "new" / "fit.json")
-    assert read_json(tmp_path / "new" / "fit.json") == {"a": 1}
-    assert [path.name for path in (tmp_path / "new").iterdir()] == ["fit.json"]
-
-
-def test_parquet_brings_back_the_same_table_as_csv(tmp_path: Path) -> None:
-    table = forces(point_id="a b").assign(force_n=[0.1 + 0.2, 1 / 3], nx=[16, 24])
-    write_table(table, tmp_path / "forces.csv")
-    write_table(table, tmp_path / "forces.parquet")
-    text, binary = (read_forces(tmp_path / f"forces.{suffix}") for suffix in ("csv", "parquet"))
-    for name in ("point_id", "status", "h0_m", "force_n", "force_error_n"):
-        assert list(text[name]) == list(binary[name])
-    assert list(binary["nx"]) == [16, 24]
+        write_json({"a": float("nan")}, tmp_path / "fit.json")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
-def test_a_table_written_in_pieces_is_the_table_written_at_once(
-    tmp_path: Path, suffix: str
-) -> None:
-    table = forces()
-    with table_writer(tmp_path / f"pieces.{suffix}") as write:
-        for row in range(len(table)):
-            write(table.iloc[row : row + 1])
-    write_table(table, tmp_path / f"whole.{suffix}")
-    whole, pieces = (read_forces(tmp_path / f"{name}.{suffix}") for name in ("whole", "pieces"))
-    assert whole.equals(pieces)
-
-
-@pytest.mark.parametrize("suffix", ["csv", "parquet"])
-def test_a_table_that_breaks_off_leaves_nothing(tmp_path: Path, suffix: str) -> None:
-    def break_off() -> None:
-        with table_writer(tmp_path / f"a.{suffix}") as write:
-            write(forces())
-            raise RuntimeError("broken off")
-
-    with pytest.raises(RuntimeError, match="broken off"):
-        break_off()
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("suffix", ["csv", "parquet"])
-def test_some_rows_of_a_plan_are_read_alone(tmp_path: Path, suffix: str) -> None:
+def test_some_rows_of_a_plan_are_read_alone(tmp_path, suffix):
     ids = [str(number) for number in range(10)]
     table = pd.concat([forces().iloc[:1]] * 10).assign(point_id=ids)[list(SCENE_COLUMNS)]
     path = tmp_path / f"scenes.{suffix}"
@@ -215,7 +184,7 @@ WRONG_PARQUET: dict[str, tuple[dict[str, object], str]] = {
 
 
 @pytest.mark.parametrize("case", WRONG_PARQUET)
-def test_a_wrong_parquet_table_is_refused(case: str, tmp_path: Path) -> None:
+def test_a_wrong_parquet_table_is_refused(case, tmp_path):
     changes, message = WRONG_PARQUET[case]
     table = forces()[list(SCENE_COLUMNS)].astype({"h0_m": float, "hv_m": float})
     for name, values in changes.items():
@@ -225,7 +194,7 @@ def test_a_wrong_parquet_table_is_refused(case: str, tmp_path: Path) -> None:
         read_scenes(tmp_path / "scenes.parquet")
 
 
-def test_a_parquet_file_that_is_none_is_refused(tmp_path: Path) -> None:
+def test_a_parquet_file_that_is_none_is_refused(tmp_path):
     path = tmp_path / "scenes.parquet"
     write_table(forces()[list(SCENE_COLUMNS)], path)
     whole = path.read_bytes()
@@ -233,5 +202,3 @@ def test_a_parquet_file_that_is_none_is_refused(tmp_path: Path) -> None:
         path.write_bytes(content)
         with pytest.raises(InputError, match=r"scenes\.parquet: the table cannot be read"):
             read_scenes(path)
-    with pytest.raises(InputError, match="there is no such table"):
-        read_scenes(tmp_path / "none.parquet")

@@ -1,13 +1,10 @@
 """A point is trusted on the evidence of simulations that the fit never saw, and never else."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess
 from copy import deepcopy
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -126,9 +123,7 @@ def fitted(config: Config, kind: str) -> tuple[str, np.ndarray, Trust, float]:
 
 @pytest.mark.parametrize("kind", ["screen, points left out", "five points", "finger anywhere"])
 @pytest.mark.parametrize("name", STUDIES)
-def test_at_trusted_points_the_simulation_lies_within_the_band(
-    name: str, kind: str, paper: Config
-) -> None:
+def test_at_trusted_points_the_simulation_lies_within_the_band(name, kind, paper):
     config = changed(paper, STUDIES[name])
     model, theta, trust, reach = fitted(config, kind)
     table = random_plan(points=24_000, seed=9, **box(config, reach_m=reach, beyond=0.2))
@@ -146,16 +141,11 @@ def test_at_trusted_points_the_simulation_lies_within_the_band(
     assert np.all(verdict.error_n[chosen] <= MOST_RELATIVE_ERROR * np.abs(force[chosen]))
 
 
-@pytest.fixture(scope="module")
-def paper_fit(paper: Config) -> tuple[str, np.ndarray, Trust, float]:
-    return fitted(paper, "finger anywhere")
-
-
-def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:
+def test_the_page_computes_the_same(repository, paper):
     node = shutil.which("node")
     if node is None:
         pytest.skip("no node here")
-    model, theta, trust, _ = paper_fit
+    model, theta, trust, _ = fitted(paper, "finger anywhere")
     trust = replace(trust, scan_error=0.01)
     ranges = {"h0_m": (4e-6, 11e-6), "hv_m": (0.1e-6, 2.2e-6)}
     table = random_plan(points=300, seed=3, **ranges, phi_r_m=(0, 2e-3), phi_deg=(0, 50))
@@ -194,12 +184,6 @@ def test_the_page_computes_the_same(repository: Path, paper_fit) -> None:
     assert 20 < np.sum(verdict.trusted) < 280
 
 
-def test_a_fit_is_read_with_its_evidence(paper_fit) -> None:
-    trust = replace(paper_fit[2], scan_error=0.01)
-    again = Trust.from_dict(json.loads(json.dumps(trust.to_dict())), place="test")
-    assert again.to_dict() == trust.to_dict()
-
-
 def evidence(count: int, *, error_n: float = 1e-3) -> tuple[Factors, Unseen]:
     """A fit to a grid and simulations between its points, all off by as much."""
     grid = centred_grid(h0_m=np.linspace(5e-6, 10e-6, 3), hv_m=np.linspace(0.2e-6, 2e-6, 3))
@@ -212,7 +196,19 @@ def evidence(count: int, *, error_n: float = 1e-3) -> tuple[Factors, Unseen]:
     return factors, unseen
 
 
-def test_a_fitted_point_is_no_evidence() -> None:
+AT = Factors.of(h0_m=6e-6, hv_m=1.5e-6)
+
+
+def test_a_few_unseen_simulations_are_not_enough():
+    few, enough = (
+        Trust.of(*evidence(count)).judge(AT, [0.3]) for count in (LEAST_POINTS - 1, LEAST_POINTS)
+    )
+    assert [*few.trusted, *enough.trusted] == [False, True]
+    # The error of the simulations is in the band.
+    assert enough.error_n[0] >= 1e-3 + 1e-4 * 0.3 * (1 - 1e-9)
+
+
+def test_a_fitted_point_is_no_evidence():
     """A model that is exact at its points is not trusted for that, not even there."""
     factors, _ = evidence(LEAST_POINTS)
     force = 5 * factors.epsilon**2
@@ -222,30 +218,16 @@ def test_a_fitted_point_is_no_evidence() -> None:
     assert all("judged by 0 simulations that the fit never saw" in r for r in verdict.reasons)
 
 
-@pytest.mark.parametrize(("count", "trusted"), [(LEAST_POINTS - 1, False), (LEAST_POINTS, True)])
-def test_a_few_unseen_simulations_are_not_enough(count: int, trusted: bool) -> None:
-    factors, unseen = evidence(count)
-    verdict = Trust.of(factors, unseen).judge(Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3])
-    assert verdict.trusted.tolist() == [trusted]
-
-
-def test_what_the_scan_leaves_open_is_in_the_band() -> None:
+def test_what_the_scan_leaves_open_is_in_the_band():
     """No simulation shows it, neither a point left out nor a control point."""
     factors, unseen = evidence(100)
-    at, force = Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3]
     (without,), (within,) = (
-        Trust.of(factors, unseen, scan_error=share).with_control(unseen).judge(at, force).error_n
+        Trust.of(factors, unseen, scan_error=share).with_control(unseen).judge(AT, [0.3]).error_n
         for share in (0.0, 0.05)
     )
     assert within == pytest.approx(without + 0.05 * 0.3)
-    (reason,) = Trust.of(factors, unseen, scan_error=0.2).judge(at, force).reasons
+    (reason,) = Trust.of(factors, unseen, scan_error=0.2).judge(AT, [0.3]).reasons
     assert "20 % of it by the scan" in reason
-
-
-def test_the_error_of_the_simulations_is_in_the_band() -> None:
-    factors, unseen = evidence(40)
-    verdict = Trust.of(factors, unseen).judge(Factors.of(h0_m=6e-6, hv_m=1.5e-6), [0.3])
-    assert verdict.error_n[0] >= 1e-3 + 1e-4 * 0.3 * (1 - 1e-9)
 
 
 @pytest.mark.parametrize(
@@ -257,25 +239,19 @@ def test_the_error_of_the_simulations_is_in_the_band() -> None:
         ((6e-6, 1.5e-6, 0.0), ""),
     ],
 )
-def test_outside_its_ranges_a_fit_is_not_trusted(
-    point: tuple[float, float, float], reason: str
-) -> None:
+def test_outside_its_ranges_a_fit_is_not_trusted(point, reason):
     factors, unseen = evidence(40)
     at = Factors.of(h0_m=point[0], hv_m=point[1], phi_r_m=point[2], phi_deg=0.0)
     verdict = Trust.of(factors, unseen).judge(at, [0.3])
     assert reason in verdict.reasons[0]
     assert verdict.trusted[0] == (not reason)
-
-
-def test_the_ratio_of_amplitude_and_gap_has_its_own_range() -> None:
-    """(5, 6) µm lies in neither point's reach where only (5, 2) and (10, 6) µm were fitted."""
+    # (7, 6) µm lies in neither point's reach where only (7, 2) and (10, 6) µm were fitted.
     factors = Factors.of(h0_m=[7e-6, 10e-6, 7e-6], hv_m=[2e-6, 6e-6, 1e-6])
-    assert Trust.of(factors, None).outside(Factors.of(h0_m=7e-6, hv_m=6e-6)) == [
-        "hv_m/h0_m outside 0.1429 … 0.6"
-    ]
+    outside = Trust.of(factors, None).outside(Factors.of(h0_m=7e-6, hv_m=6e-6))
+    assert outside == ["hv_m/h0_m outside 0.1429 … 0.6"]
 
 
-def test_far_from_every_unseen_simulation_the_reason_is_the_distance() -> None:
+def test_far_from_every_unseen_simulation_the_reason_is_the_distance():
     factors, unseen = evidence(40)
     slope = replace(unseen, error_n=0.05 * (unseen.factors.hv_m / 1e-6 - 1))
     verdict = Trust.of(factors, slope).judge(Factors.of(h0_m=9e-6, hv_m=0.3e-6), [0.005])
@@ -284,19 +260,17 @@ def test_far_from_every_unseen_simulation_the_reason_is_the_distance() -> None:
     assert verdict.distance[0] > 0.3
 
 
-def test_control_points_make_five_fitted_points_trusted(study, tmp_path: Path, capsys) -> None:
+def test_control_points_make_five_fitted_points_trusted(study, tmp_path):
     fit = f"{study.root}/fits/two_factor_design.json"
-    out = f"--output={tmp_path}/out.csv"
-    point = ["--h0=7um", "--hv=1.5um", out]
-    assert cli.main(["predict", fit, *point]) == 0
-    row = pd.read_csv(tmp_path / "out.csv").iloc[0]
-    assert np.isnan(row["within_percent"])
-    assert "--control" in row["note"]
-    control = f"{study.root}/simulations/screen/forces.csv"
-    assert cli.main(["predict", fit, *point, "--control", control]) == 0
-    row = pd.read_csv(tmp_path / "out.csv").iloc[0]
-    assert 0 < row["within_percent"] < 15
-    arguments = ["working-point", fit, "--force=0.3N", "--h0=6um", out, "--control", control]
-    assert cli.main(arguments) == 0
-    row = pd.read_csv(tmp_path / "out.csv").iloc[0]
-    assert 0 < row["within_percent"] < 15
+
+    def row(command: str, *words: str) -> pd.Series:
+        assert cli.main([command, fit, *words, f"--output={tmp_path}/out.csv"]) == 0
+        return pd.read_csv(tmp_path / "out.csv").iloc[0]
+
+    point = ("predict", "--h0=7um", "--hv=1.5um")
+    alone = row(*point)
+    assert np.isnan(alone["within_percent"])
+    assert "--control" in alone["note"]
+    control = f"--control={study.root}/simulations/screen/forces.csv"
+    for words in (point, ("working-point", "--force=0.3N", "--h0=6um")):
+        assert 0 < row(*words, control)["within_percent"] < 15

@@ -23,11 +23,11 @@ def model(expression: str, **settings) -> ExpressionModel:
         ("limit + t0*sigma**1.5", ("N",)),
     ],
 )
-def test_the_units_of_parameters_follow_from_the_formula(expression, units) -> None:
+def test_the_units_of_parameters_follow_from_the_formula(expression, units):
     assert model(expression).parameter_units == units
 
 
-def test_the_papers_parameters_have_the_units_that_the_paper_uses() -> None:
+def test_the_papers_parameters_have_the_units_that_the_paper_uses():
     assert TWO_FACTOR.parameter_units == ("1", "1", "1")
     assert FOUR_FACTOR.parameter_units == ("1", "1", "1", "1/deg", "1/m")
 
@@ -46,12 +46,12 @@ def test_the_papers_parameters_have_the_units_that_the_paper_uses() -> None:
         ("limit*limit", "the result is in N..2"),
     ],
 )
-def test_units_that_do_not_fit_are_refused_with_the_part(expression, message) -> None:
+def test_units_that_do_not_fit_are_refused_with_the_part(expression, message):
     with pytest.raises(InputError, match=rf"models\.own\.expression: .*{message}"):
         model(expression)
 
 
-def test_a_declared_unit_is_held_against_the_formula() -> None:
+def test_a_declared_unit_is_held_against_the_formula():
     fits = model("t0*hv", parameters={"t0": "Pa*m"})
     assert fits.parameter_units == ("N/m",)
     with pytest.raises(InputError, match="result is in m"):
@@ -72,12 +72,12 @@ def test_a_declared_unit_is_held_against_the_formula() -> None:
         ({"expression": " + ".join(f"t{i}*hv" for i in range(31))}, "'t30'"),
     ],
 )
-def test_names_are_checked(settings, message) -> None:
+def test_names_are_checked(settings, message):
     with pytest.raises(InputError, match=message):
         model(**({"expression": "t0*hv"} | settings))
 
 
-def test_parameters_are_those_that_were_declared_and_then_t0_t1() -> None:
+def test_parameters_are_those_that_were_declared_and_then_t0_t1():
     assert model("t10*hv + t2*h0 + rise*hv", parameters=["rise"]).parameter_names == (
         "rise",
         "t2",
@@ -85,7 +85,7 @@ def test_parameters_are_those_that_were_declared_and_then_t0_t1() -> None:
     )
 
 
-def test_a_position_is_cartesian_unless_the_formula_is_polar() -> None:
+def test_a_position_is_cartesian_unless_the_formula_is_polar():
     assert model("t0*x").factor_names == ("h0_m", "hv_m", "x_m", "y_m")
     assert model("t0*r*cos(angle)").factor_names == ("h0_m", "hv_m", "phi_r_m", "phi_deg")
     assert model("t0*hv").factor_names == ("h0_m", "hv_m")

@@ -1,7 +1,5 @@
 """One finished run of the quick study, shared by all tests of the workflow."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -75,7 +73,7 @@ class Finished:
 
 
 @pytest.fixture(scope="session")
-def finished(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Finished:
+def finished(repository, tmp_path_factory):
     """The quick study, run from start to end with every process watched."""
     folder = copy_checkout(repository, tmp_path_factory.mktemp("run") / "checkout")
     traces = tmp_path_factory.mktemp("traces")
@@ -150,7 +148,7 @@ class Planner:
 
 
 @pytest.fixture(scope="session")
-def planner(finished: Finished) -> Iterator[Planner]:
+def planner(finished):
     planner = Planner(finished.folder)
     yield planner
     planner.close()

@@ -5,8 +5,6 @@ rows of Snakemake's summary. Every question is a fork of one process that has Sn
 most of a dry run's time is loading; the library itself is loaded by each fork anew.
 """
 
-from __future__ import annotations
-
 import contextlib
 import csv
 import importlib

@@ -1,7 +1,5 @@
 """A study given by another workflow, or twice on the command line, is used as given or refused."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -30,7 +28,7 @@ Edit = Callable[[dict[str, Any]], object]
 
 
 @pytest.fixture
-def outer(repository: Path, tmp_path: Path) -> Callable[..., Path]:
+def outer(repository, tmp_path):
     """A folder with a workflow of its own that uses this one as a module."""
 
     def write(edit: Edit = lambda study: None, *, config: str = "config", more: str = "") -> Path:
@@ -52,7 +50,7 @@ def other_gaps(study: dict[str, Any]) -> None:
     study["screen"]["h0_m"] = {"start": 5e-6, "stop": 7e-6, "levels": 3}
 
 
-def test_a_module_makes_the_study_that_it_is_given(outer: Callable[..., Path]) -> None:
+def test_a_module_makes_the_study_that_it_is_given(outer):
     folder = outer(other_gaps)
     done = snakemake(folder, SCENES, "--cores", "1")
     assert done.returncode == 0, done.stdout
@@ -67,40 +65,25 @@ def test_a_module_makes_the_study_that_it_is_given(outer: Callable[..., Path]) -
     assert "Nothing to be done" in again.stdout
 
 
-def test_a_module_plans_as_much_as_the_workflow_alone(outer: Callable[..., Path]) -> None:
+def test_a_module_plans_as_much_as_the_workflow_alone(outer):
     done = snakemake(outer(), "film_everything", "--dry-run", "--quiet", "progress")
     assert done.returncode == 0, done.stdout
     assert "results/mine/models/two_factor" in done.stdout
     assert "results/paper" not in done.stdout
 
 
-def test_a_module_s_prefix_is_for_its_results(outer: Callable[..., Path]) -> None:
+def test_a_module_s_prefix_is_for_its_results(outer):
     folder = outer(more='    prefix: "sub"')
     done = snakemake(folder, f"sub/{SCENES}", "--dry-run")
     assert done.returncode == 0, done.stdout
 
 
-@pytest.mark.parametrize(
-    ("edit", "message"),
-    [
-        (lambda study: study.pop("gas"), "top level: missing 'gas'"),
-        (lambda study: study["solver"].update(tolerance=7), "solver.tolerance: 7"),
-        (lambda study: study.update(study="../paper"), "study: '../paper'"),
-        (
-            lambda study: study["actuator"].update(
-                profile={"kind": "measured", "file": "scan.csv", "axisymmetric": True}
-            ),
-            "scan.csv: there is no such scan",
-        ),
-    ],
-)
-def test_a_module_s_study_is_checked_as_a_file_is(
-    outer: Callable[..., Path], edit: Edit, message: str
-) -> None:
-    refused(snakemake(outer(edit), SCENES, "--dry-run").stdout, message)
+def test_a_module_s_study_is_checked_as_a_file_is(outer):
+    folder = outer(lambda study: study["solver"].update(tolerance=7))
+    refused(snakemake(folder, SCENES, "--dry-run").stdout, "solver.tolerance: 7")
 
 
-def test_a_module_without_a_study_is_not_the_paper(outer: Callable[..., Path]) -> None:
+def test_a_module_without_a_study_is_not_the_paper(outer):
     folder = outer(config="dict()")
     refused(snakemake(folder, "film_all", "--dry-run").stdout, "the module's config: there is none")
 
@@ -113,11 +96,17 @@ def refused(output: str, *messages: str) -> None:
     assert "Building DAG" not in output
 
 
-@pytest.mark.parametrize("between", [(), ("--configfile",)], ids=["one option", "two options"])
-def test_two_files_are_refused_by_name(
-    repository: Path, tmp_path: Path, between: tuple[str, ...]
-) -> None:
-    quick, paper = (str(repository / f"config/{name}.yaml") for name in ("quick", "paper"))
-    words = ("--snakefile", str(repository / "Snakefile"), "--dry-run")
-    done = snakemake(tmp_path, *words, "--configfile", quick, *between, paper)
-    refused(done.stdout, f"--configfile names {quick} and {paper}")
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--configfile", "{quick}", "{paper}"), "--configfile names {quick} and {paper}"),
+        (("--configfile", "{quick}", "--configfile", "{paper}"), "{quick} and {paper}"),
+        (("--config", "study=mine"), "squeezefilm: error:"),
+    ],
+)
+def test_a_mixture_of_studies_is_refused(repository, tmp_path, words, message):
+    files = {name: repository / f"config/{name}.yaml" for name in ("quick", "paper")}
+    start = ("--snakefile", str(repository / "Snakefile"), "--dry-run")
+    done = snakemake(tmp_path, *start, *(word.format(**files) for word in words))
+    assert done.returncode != 0
+    refused(done.stdout, message.format(**files))

@@ -1,9 +1,5 @@
 """A study with a measured profile is made anew where its table changes."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import pytest
 
 from .conftest import copy_checkout, snakemake
@@ -12,7 +8,7 @@ SCAN = "vibrometer.csv"
 
 
 @pytest.fixture(scope="module")
-def bases(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
+def bases(repository, tmp_path_factory):
     """What the results of each command rest on: files and sections."""
     folder = copy_checkout(repository, tmp_path_factory.mktemp("measured") / "checkout")
     with (folder / "config/vibrometer.yaml").open("a", encoding="utf-8") as study:
@@ -26,7 +22,7 @@ def bases(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[st
     }
 
 
-def test_commands_that_read_the_actuator_rest_on_the_scan(bases: dict[str, set[str]]) -> None:
+def test_commands_that_read_the_actuator_rest_on_the_scan(bases):
     with_scan = {command for command, listed in bases.items() if SCAN in listed}
     with_actuator = {command for command, listed in bases.items() if "actuator" in listed}
     assert with_scan == with_actuator

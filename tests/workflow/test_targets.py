@@ -1,9 +1,6 @@
 """Every target can be planned, from nothing, and makes its own part alone."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,7 +9,7 @@ from .conftest import Planner, copy_checkout, snakemake
 
 
 @pytest.fixture(scope="module")
-def fresh(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Planner]:
+def fresh(repository, tmp_path_factory):
     """A checkout without results."""
     planner = Planner(copy_checkout(repository, tmp_path_factory.mktemp("fresh") / "checkout"))
     yield planner
@@ -39,7 +36,7 @@ FOUR_FACTOR = {
 }
 
 
-def test_every_target_can_be_planned(fresh: Planner) -> None:
+def test_every_target_can_be_planned(fresh):
     names = targets(fresh.folder)
     assert {"paper", "all", "two_factor", "four_factor", "figures", "tables", "claims"} <= set(
         names
@@ -49,38 +46,39 @@ def test_every_target_can_be_planned(fresh: Planner) -> None:
     assert len(planned) > len(fresh.rows("paper"))
 
 
-def test_the_default_target_is_everything(fresh: Planner) -> None:
+def test_the_default_target_is_everything(fresh):
     everything = fresh.made_anew()
     assert everything == fresh.made_anew("paper")
-    for name in ("two_factor", "four_factor", "figures", "tables", "claims"):
+    for name in ("two_factor", "claims"):
         assert fresh.made_anew(name) < everything
-    assert plans_of(fresh.rows()) == TWO_FACTOR | FOUR_FACTOR
 
 
-def test_two_factors_need_no_simulation_of_four(fresh: Planner) -> None:
-    assert plans_of(fresh.rows("two_factor")) == TWO_FACTOR
+@pytest.mark.parametrize(
+    ("target", "plans"),
+    [
+        ("paper", TWO_FACTOR | FOUR_FACTOR),
+        ("two_factor", TWO_FACTOR),
+        ("fig07", set()),
+        ("fig08", {"screen"}),
+        ("fig13", TWO_FACTOR),  # a fit is judged on all its sets of points in one job
+    ],
+)
+def test_a_target_needs_its_own_simulations_alone(target, plans, fresh):
+    assert plans_of(fresh.rows(target)) == plans
 
 
-def test_a_figure_needs_its_own_simulations_alone(fresh: Planner) -> None:
-    assert plans_of(fresh.rows("fig07")) == set()
-    assert plans_of(fresh.rows("fig08")) == {"screen"}
-    # A fit is judged on all its sets of points in one job.
-    judged = {"screen", "error_map", "extrapolation"}
-    assert plans_of(fresh.rows("fig13")) == {"two_factor_design", *judged}
-
-
-def test_the_paper_is_the_default_study(fresh: Planner) -> None:
+def test_the_paper_is_the_default_study(fresh):
     done = snakemake(fresh.folder, "fig08", "--dry-run", "--quiet", "all")
     assert "Simulate screen, part 1 of 1" in done.stdout
     assert done.returncode == 0
 
 
-def test_a_sweep_is_simulated_in_chunks(fresh: Planner) -> None:
+def test_a_sweep_is_simulated_in_chunks(fresh):
     done = snakemake(fresh.folder, "sweep", "--summary", "--configfile", "config/sweep.yaml")
     assert re.search(r"sweep/chunks/2-of-[2-9]\.parquet", done.stdout)
 
 
-def test_a_study_without_a_reference_can_be_reported(fresh: Planner) -> None:
+def test_a_study_without_a_reference_can_be_reported(fresh):
     (fresh.folder / "tests/reference/quick").mkdir(parents=True)
     assert "results/quick/report/check.html" in fresh.made_anew("everything")
     config = Path("config/quick.yaml")

@@ -53,12 +53,16 @@ class Film:
             phi_r_m=hypot(self.x, self.y) * LENGTH_M,
             phi_deg=degrees(atan2(self.y, self.x)),
             gas=Gas(
+                inertia="none",
                 viscosity_pa_s=viscosity,
                 ambient_pressure_pa=PRESSURE_PA,
                 density_kg_per_m3=1.2,
                 mean_free_path_m=self.knudsen * H0_M or 67e-9,
                 rarefaction="slip" if self.knudsen else "none",
                 polytropic_exponent=1.0,
+                prandtl=0.71,
+                heat_capacity_ratio=1.4,
+                viscosity_exponent=0.7,
             ),
             actuator=Actuator(
                 frequency_hz=FREQUENCY_HZ, surface_radius_m=1.0, profile=self.profile

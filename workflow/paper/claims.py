@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from paper.findings import FINDINGS, Results
+from paper.findings import BUDGET_COLUMNS, FINDINGS, Results
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.sources import read_columns
@@ -83,6 +83,7 @@ INPUTS = {
     "design_on_screen": "validation/two_factor_design_on_screen.json",
     "design_errors": "validation/two_factor_design_on_screen.csv",
     "extrapolation": "simulations/extrapolation/forces.csv",
+    "extrapolation_budget": "simulations/extrapolation/budget.csv",
     "four_factor": "simulations/four_factor/forces.csv",
     "four_factor_design": "designs/four_factor.csv",
     "four_factor_design_on_plan": "validation/four_factor_design_on_four_factor.json",
@@ -129,6 +130,7 @@ READERS: dict[str, Callable[[Path], Any]] = {
     "design_on_screen": _read_summary,
     "design_errors": partial(read_columns, columns=(*FACTOR_COLUMNS, "relative_error")),
     "extrapolation": _read_extrapolation,
+    "extrapolation_budget": partial(read_columns, columns=BUDGET_COLUMNS),
     "four_factor": read_ok_forces,
     "four_factor_design": read_design,
     "four_factor_design_on_plan": _read_summary,

@@ -15,6 +15,14 @@ import pandas as pd
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.force_model import Factors, get_model
 
+BUDGET_COLUMNS = (
+    "point_id",
+    "inertia_percent",
+    "slip_percent",
+    "heat_percent",
+    "left_out_least_percent",
+    "left_out_most_percent",
+)
 TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
 GUESS = (
@@ -232,9 +240,27 @@ def _extrapolated_simulation(results: Results) -> Finding:
         explanation=(
             f"At {_place(point)}; {_percent_of(force, 0.99)} of the paper's. The paper's amplitude "
             f"has two digits: at {1e6 * wanted['hv_m']:.3f} µm, where our five-point fit expects "
-            f"the wanted force, it is {wanted['force_n']:.3f} N. What else would explain the "
-            "difference: tables/uncertainty.md."
+            f"the wanted force, it is {wanted['force_n']:.3f} N. {_beyond_the_equation(results)} "
+            "What else would explain the difference: tables/uncertainty.md."
         ),
+    )
+
+
+def _beyond_the_equation(results: Results) -> str:
+    """What the terms that eq. (1) does not have would make of the force at the operating point."""
+    table = results.extrapolation_budget
+    budget = table[table["point_id"] == "operating_point"].iloc[0]
+    force = float(_extrapolated(results, "operating_point")["force_n"])
+    low, high = (
+        force * (1 + float(budget[f"left_out_{end}_percent"]) / 100) for end in ("least", "most")
+    )
+    effects = ", ".join(
+        f"{name} {budget[f'{name}_percent']:+.1f} %".replace("-", "−")
+        for name in ("inertia", "slip", "heat")
+    )
+    return (
+        f"Eq. (1) leaves out {effects} and a loss at the rim (first order, "
+        f"simulations/extrapolation/budget.csv): with all of them {low:.3f} to {high:.3f} N."
     )
 
 

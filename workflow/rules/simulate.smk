@@ -163,6 +163,27 @@ rule sweep:
         "Every scene of the sweep has its force"
 
 
+rule plan_budget:
+    input:
+        code=code("budget"),
+        config=ancient(CONFIG_FILE),
+        scenes="<results>/simulations/{plan}/scenes.csv",
+        kernels="<results>/simulations/device.json",
+    output:
+        "<results>/simulations/{plan}/budget.csv",
+    log:
+        "<logs>/budget/{plan}.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    message:
+        "What the film equation leaves out of the forces of {wildcards.plan}"
+    shell:
+        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
+        "python -m squeezefilm budget {input.scenes} --config {input.config} "
+        "--output {output} >{log} 2>&1"
+
+
 rule explain:
     input:
         code=code("explain"),

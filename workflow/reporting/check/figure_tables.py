@@ -46,7 +46,17 @@ GIVEN_COLUMNS = (
     "phi_r_max_mm",
     "phi_max_deg",
 )
-OF_DESIGNS = ("fig09", "fig10", "fig11", "fig12", "fig13", "fig16", "error_map", "overview")
+OF_DESIGNS = (
+    "fig09",
+    "fig10",
+    "fig11",
+    "fig12",
+    "fig13",
+    "fig16",
+    "error_map",
+    "overview",
+    "budget",
+)
 PLACES = ("epsilon", "h0_um", "hv_um", "phi_r_mm", "phi_deg")
 SLIDING_FITS = ("optimal design, the paper's form", "optimal design, distinct scenes")
 

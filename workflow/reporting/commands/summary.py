@@ -13,7 +13,9 @@ from reporting.pages.summary import to_markdown
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.reynolds.regime import regime_notes
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.effects.budget import budgets
+from squeezefilm.reynolds.effects.words import notes_of_budget
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import scene_of
 
@@ -49,12 +51,13 @@ def run(options: argparse.Namespace) -> None:
 
 def _notes(config: Config) -> dict[str, list[str]]:
     """What the equation leaves out at the screen's smallest and largest gap, the finger centred."""
-    gaps, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
+    levels, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
+    gaps = (levels["start"], levels["stop"])
+    scenes = [scene_of(ScenePoint("1", gap, amplitude, 0.0, 0.0), config) for gap in gaps]
+    found = budgets(scenes, device=choose_device(config["solver"]["device"]))
     return {
-        f"h0 = {1e6 * gap:g} µm": regime_notes(
-            scene_of(ScenePoint("1", gap, amplitude, 0.0, 0.0), config)
-        )
-        for gap in (gaps["start"], gaps["stop"])
+        f"h0 = {1e6 * gap:g} µm": notes_of_budget(budget)
+        for gap, budget in zip(gaps, found, strict=True)
     }
 
 

@@ -49,7 +49,7 @@ class Explanation:
 def explain(
     scenes: Sequence[Scene], *, tolerance: float, method: str = "auto"
 ) -> list[Explanation]:
-    """How ``solve`` will treat the scenes; its arguments."""
+    """How ``solve`` will treat the scenes; its arguments. What is ``auto`` has to be decided."""
 
     def ways(some: Sequence[Scene]) -> list[Explanation]:
         needs = [needs_of(scene) for scene in some]

@@ -9,9 +9,7 @@ import numpy as np
 
 from squeezefilm.reynolds.spectral import Axis, axis
 
-# Modes of a function along an axis, in degrees of its polynomial, that a velocity across it is
-# differentiated in: so many, and one more for every so many nodes.
-ACROSS_LEAST, ACROSS_PER_NODE = 8.0, 0.25
+# How steeply the modes that are kept of a velocity across an axis end.
 ACROSS_STEEPNESS = 8
 
 
@@ -65,18 +63,17 @@ class FluxPoints:
         at_nodes = self._values_at(self.axis.all_nodes[1:-1]) @ self._derivative
         return self._folded(at_nodes, odd=True)
 
-    @property
-    def across(self) -> np.ndarray:
+    def across(self, most: float) -> np.ndarray:
         """Derivative on the nodes, along this axis, of a velocity along the other one.
 
-        That velocity vanishes where the gas comes in from the sides and hardly differs from zero
-        where it goes out. Differentiated are its lowest modes alone: what goes in and out with the
-        gas is not told at the rim, and the highest modes would grow by it without bound.
+        That velocity vanishes at the ends where the gas comes in, and hardly differs from zero
+        where it goes out. Of its modes along this axis those of degrees up to about ``most`` are
+        differentiated: the highest, carried out through an end where they must vanish, would grow
+        without bound.
         """
         first = self._folded(self.axis.derivative[1:-1, 1:-1], odd=False)
         _, modes, to_modes = self.axis.modes
         degrees = np.arange(self.axis.points) * (2 if self.axis.folded else 1)
-        most = ACROSS_LEAST + ACROSS_PER_NODE * self.axis.full_points
         kept = np.exp(-((degrees / most) ** ACROSS_STEEPNESS))
         return np.asarray(first @ (modes * kept) @ to_modes)
 

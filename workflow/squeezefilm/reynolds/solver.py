@@ -14,6 +14,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.limits import forces as limits
 from squeezefilm.reynolds.limits.forces import LimitForces, limit_axis, limit_points
 from squeezefilm.reynolds.march import marching
@@ -99,6 +100,7 @@ def solve(
     scenes: Sequence[Scene],
     *,
     tolerance: float,
+    model_tolerance: float = MODEL_TOLERANCE,
     method: str = "auto",
     device: Device | None = None,
     report: Callable[[int], object] = lambda solved: None,
@@ -110,6 +112,8 @@ def solve(
 
     Args:
         tolerance: relative error asked for.
+        model_tolerance: change of a force, relative, from which on a term that is ``auto`` in a
+            scene is included.
         method: one of METHODS. ``auto`` takes the first limit whose error estimate holds the
             tolerance, of those that may by their order, else the periodic state, on a grid or,
             where that does not know the finger, in its modes (galerkin.py). A limit asked for by
@@ -129,7 +133,13 @@ def solve(
             report(more)
 
         try:
-            return _solve(some, tolerance=tolerance, method=method, device=device, report=count)
+            return _solve(
+                decided(some, model_tolerance=model_tolerance, method=method, device=device),
+                tolerance=tolerance,
+                method=method,
+                device=device,
+                report=count,
+            )
         except Exception:
             report(-finished)
             raise

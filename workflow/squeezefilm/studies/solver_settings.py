@@ -1,7 +1,7 @@
 """How a command solves: the study's solver section, unless the command line says otherwise."""
 
 import argparse
-from typing import Any
+from dataclasses import dataclass
 
 from squeezefilm.io import job
 from squeezefilm.io.errors import InputError
@@ -10,6 +10,13 @@ from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import Config
 
 TOLERANCES = (1e-10, 0.1)
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    tolerance: float
+    model_tolerance: float
+    method: str
 
 
 def device_of(config: Config, *, option: str | None = None) -> Device:
@@ -28,7 +35,7 @@ def add_solver_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=METHODS, help="instead of the config's solver.method")
 
 
-def solver_settings(options: argparse.Namespace, config: Config) -> dict[str, Any]:
+def solver_settings(options: argparse.Namespace, config: Config) -> SolverSettings:
     """The tolerance and the method that the options and the configuration ask for together.
 
     Raises InputError for a tolerance that no method is made for.
@@ -38,4 +45,8 @@ def solver_settings(options: argparse.Namespace, config: Config) -> dict[str, An
         raise InputError(
             f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
         )
-    return {"tolerance": tolerance, "method": options.method or config["solver"]["method"]}
+    return SolverSettings(
+        tolerance=tolerance,
+        model_tolerance=config["solver"]["model_tolerance"],
+        method=options.method or config["solver"]["method"],
+    )

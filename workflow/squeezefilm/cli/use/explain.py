@@ -3,8 +3,9 @@
   squeezefilm explain SCENES.csv --config CONFIG.yaml
   squeezefilm explain SCENES.csv --config CONFIG.yaml --output EXPLAINED.csv
 
-Nothing is solved. The expected error is relative, the expected cost in millions of floating-point
-operations; notes say where the Reynolds equation itself is stretched.
+No force is solved for. The expected error is relative, the expected cost in millions of
+floating-point operations. What the Reynolds equation itself leaves out is found on a coarse grid,
+in per cent of the force (`squeezefilm budget` has its columns alone); notes name what is large.
 """
 
 import argparse
@@ -14,10 +15,13 @@ import pandas as pd
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.budget import NAMES, Budget, budgets
+from squeezefilm.reynolds.effects.words import budget_row, notes_of_budget
 from squeezefilm.reynolds.explain import Explanation, explain
-from squeezefilm.reynolds.regime import regime_notes
+from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.solver_settings import add_solver_arguments, solver_settings
+from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
@@ -27,6 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", metavar="EXPLAINED.csv", help="table to write, with every row")
+    parser.add_argument(
+        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
+    )
     add_solver_arguments(parser)
 
 
@@ -36,16 +43,23 @@ def run(options: argparse.Namespace) -> None:
     points = scene_points(read_scenes(options.scenes))
     with naming(options.scenes):
         scenes = [scene_of(point, config) for point in points]
-    explanations = explain(scenes, **settings)
-    table = pd.DataFrame(
-        [_row(scene, each) for scene, each in zip(scenes, explanations, strict=True)]
+    device = device_of(config, option=options.device)
+    scenes = decided(
+        scenes,
+        model_tolerance=settings.model_tolerance,
+        method=settings.method,
+        device=device,
     )
+    explanations = explain(scenes, tolerance=settings.tolerance, method=settings.method)
+    left_out = budgets(scenes, device=device)
+    table = pd.DataFrame([_row(*each) for each in zip(scenes, explanations, left_out, strict=True)])
     if options.output is not None:
         write_table(table, options.output)
-    print(_summary(table, tolerance=settings["tolerance"]))
+    print(_summary(table, tolerance=settings.tolerance))
 
 
-def _row(scene: Scene, explanation: Explanation) -> dict[str, object]:
+def _row(scene: Scene, explanation: Explanation, budget: Budget) -> dict[str, object]:
+    budget_columns = {f"budget_{name}": value for name, value in budget_row(budget).items()}
     return {
         "point_id": scene.point_id,
         "epsilon": scene.epsilon,
@@ -64,7 +78,8 @@ def _row(scene: Scene, explanation: Explanation) -> dict[str, object]:
         "why": "; ".join(f"{part.what}: {part.why}" for part in explanation.left_out),
         "expected_error": explanation.expected_error,
         "expected_mflop": explanation.expected_mflop,
-        "notes": "; ".join(regime_notes(scene)),
+        **budget_columns,
+        "notes": "; ".join((*notes_of(scene), *notes_of_budget(budget))),
     }
 
 
@@ -82,6 +97,11 @@ def _summary(table: pd.DataFrame, *, tolerance: float) -> str:
         expected_mflop=("expected_mflop", "sum"),
     )
     notes = table.loc[table["notes"] != "", "notes"]
+    beyond = [
+        f"{name} {table[column].min():+.2g} … {table[column].max():+.2g}"
+        for name in NAMES
+        if table[column := f"budget_{name}_percent"].abs().max() > 0
+    ]
     lines = [f"{len(table)} scenes at tolerance {tolerance:g}:", ""]
     lines.append(summary.to_string(index=False, float_format=lambda value: f"{value:.3g}"))
     doubtful = table[table["status"] != "ok"]
@@ -91,6 +111,9 @@ def _summary(table: pd.DataFrame, *, tolerance: float) -> str:
             f"  {len(alike)} scenes, such as point {alike['point_id'].iloc[0]}: {status}"
             for status, alike in doubtful.groupby("status", sort=False)
         ]
+    if beyond:
+        what = "beyond the equation, in per cent of the force (the rim for C = 1)"
+        lines += ["", f"{what}: {', '.join(beyond)}"]
     if len(notes):
         lines += ["", f"{len(notes)} scenes carry notes, such as: {notes.iloc[0]}"]
     return "\n".join(lines)

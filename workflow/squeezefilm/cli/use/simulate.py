@@ -17,7 +17,6 @@ from contextlib import nullcontext
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -36,11 +35,19 @@ from squeezefilm.io.tables import (
 from squeezefilm.io.typed_units import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.budget import budgets
+from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.reynolds.regime import regime_notes
+from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
+from squeezefilm.studies.solver_settings import (
+    SolverSettings,
+    add_solver_arguments,
+    device_of,
+    solver_settings,
+)
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
@@ -80,7 +87,7 @@ def run(options: argparse.Namespace) -> None:
         _simulate_table(options, config, settings)
 
 
-def _simulate_one(options: argparse.Namespace, config: Config, settings: dict[str, Any]) -> None:
+def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
     if options.scenes is not None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.h0 is None or options.hv is None:
@@ -92,9 +99,16 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: dict[st
         phi_r_m=quantity(options.phi_r, option="--phi-r", unit="m"),
         phi_deg=quantity(options.phi, option="--phi", unit="deg"),
     )
-    scene = scene_of(point, config)
     device = device_of(config, option=options.device)
-    (solution,) = solve([scene], **settings, device=device)
+    (scene,) = decided(
+        [scene_of(point, config)],
+        model_tolerance=settings.model_tolerance,
+        method=settings.method,
+        device=device,
+    )
+    (solution,) = solve(
+        [scene], tolerance=settings.tolerance, method=settings.method, device=device
+    )
     if not isfinite(solution.force_n):
         raise RunError(solution.status)
     print(_force_text(scene, solution, config=config, device=device))
@@ -107,10 +121,12 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: dict[st
         f"{solution.krylov_iterations} Krylov iterations; left out: {solution.left_out}; "
         f"{device.name}"
     )
-    for note in regime_notes(scene):
+    (budget,) = budgets([scene], device=device)
+    print(f"beyond the equation: {budget_text(budget)}")
+    for note in notes_of(scene):
         print(f"note: {note}")
     if solution.status != "ok":
-        raise RunError(f"{solution.status}, above the tolerance {settings['tolerance']:g}")
+        raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
 
 
 def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Device) -> str:
@@ -131,7 +147,7 @@ def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Dev
     return text + f"\nwarning: {FOLDED}" * smoothed.folded
 
 
-def _simulate_table(options: argparse.Namespace, config: Config, settings: dict[str, Any]) -> None:
+def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
     if options.scenes is None or options.output is None:
         raise InputError("give a table of scenes and --output, or one scene by --h0 and --hv")
     rows = all_rows if options.chunk is None else partial(chunk_rows, options.chunk)
@@ -153,7 +169,14 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: dict[
         for piece in pieces:
             scenes = _scenes(piece, config, path=options.scenes)
             start = time.perf_counter()
-            solutions = solve(scenes, **settings, device=device, report=bar.update)
+            solutions = solve(
+                scenes,
+                tolerance=settings.tolerance,
+                model_tolerance=settings.model_tolerance,
+                method=settings.method,
+                device=device,
+                report=bar.update,
+            )
             wall = time.perf_counter() - start
             seconds += wall
             write(_forces(piece, solutions))

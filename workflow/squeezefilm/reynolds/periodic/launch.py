@@ -270,7 +270,7 @@ def _offsets(
     offsets |= pile.add_each(profile_fields(problems, grid), problems.places)
     offsets |= pile.add_each(*_time_modes(problems, grid))
     for term in problems.terms:
-        offsets |= pile.add_each(term.operators(problems.numbers, grid))
+        offsets |= pile.add_each(term.operators(problems.numbers, grid, aspect=problems.aspect))
     return offsets
 
 

@@ -189,6 +189,7 @@ def _judge(
         narrowest=narrowest,
         mean=states.mean,
         tolerance=tolerance,
+        margin=max((term.ESTIMATE_MARGIN for term in group[0].needs.terms), default=1.0),
     )
     finer = finer_grid(grids[-1], room=room)
     return [

@@ -12,9 +12,9 @@ from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
-from squeezefilm.reynolds.terms.term import HOOKS, LEAST_SHARE, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import HOOKS, LeftOut, Numbers, Term
 
-__all__ = ["HOOKS", "LEAST_SHARE", "TERMS", "LeftOut", "Term", "Terms"]
+__all__ = ["HOOKS", "TERMS", "LeftOut", "Term", "Terms"]
 
 TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic, Inertia)
 Terms = tuple[Term, ...]
@@ -68,6 +68,11 @@ def own_fields(terms: Terms) -> int:
 def state_refused(scene: Scene, terms: Terms, *, thinnest: float) -> str:
     """Why a state found lies outside the range of a term; empty if it does not."""
     return first_reason(term.refused_state(scene, thinnest=thinnest) for term in terms)
+
+
+def notes_of(scene: Scene) -> list[str]:
+    """What the terms say of themselves where a scene stretches them."""
+    return [note for kind in TERMS if (note := kind.note(scene))]
 
 
 def first_reason(reasons: Iterable[str]) -> str:

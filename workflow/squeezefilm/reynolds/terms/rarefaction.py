@@ -8,11 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.limits.forces import limit_axis, limit_points, small_amplitude
-from squeezefilm.reynolds.terms.term import LEAST_SHARE, NEGLIGIBLE, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 
 # Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
 # inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
@@ -21,7 +18,6 @@ FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
 FUKUI_KANEKO_LEAST_D = 5.0
 # First-order slip is meant for Knudsen numbers up to here (Burgdorfer 1959 for small ones).
 SLIP_MOST_KNUDSEN = 0.1
-GRID_TOLERANCE = 1e-2
 
 
 def flow_coefficients(scene: Scene) -> tuple[float, ...]:
@@ -54,7 +50,7 @@ class Rarefaction(Term):
                 f"slip of first order is meant for Kn up to {SLIP_MOST_KNUDSEN:g}, fukui-kaneko "
                 f"for up to 0.17 (Kn {scene.knudsen:.2g})"
             )
-        return _slip_left_out(scene) if scene.gas.rarefaction == "none" else ""
+        return ""
 
     @classmethod
     def put_back(cls, scene: Scene) -> Scene:
@@ -79,40 +75,3 @@ class Rarefaction(Term):
         if self.label != "fukui-kaneko" or not least < FUKUI_KANEKO_LEAST_D:
             return ""
         return f"gas too rarefied: D falls to {least:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
-
-
-def slip_share(scene: Scene) -> float:
-    """What slip would change of the mean force, relative, to second order in ε; NaN of no force.
-
-    Within a quarter of the solver's own difference up to ε = 0.4 and within a factor of 2.3 up to
-    0.8 (sinc and piston, σ 2–2331). An ellipse is taken as the square inside it, any gap as flat,
-    the finger as at rest.
-    """
-    side = np.sqrt(0.5) if scene.finger.shape == "ellipse" else 1.0
-    nodes = [
-        0.5
-        + side * (limit_axis(limit_points(tolerance=GRID_TOLERANCE, sigma=sigma)).all_nodes - 0.5)
-        for sigma in (scene.sigma, scene.sigma * scene.aspect**2)
-    ]
-    amplitude = scene.amplitude(*np.meshgrid(*nodes, indexing="ij"))
-    with np.errstate(all="ignore"):
-        viscous, slipping = small_amplitude(
-            epsilon=np.full(2, 0.1),
-            sigma=np.full(2, scene.sigma),
-            amplitude=np.stack([amplitude, amplitude]),
-            aspect=scene.aspect,
-            slip=np.array([0.0, 6 * scene.knudsen]),
-        ).mean
-        return float(slipping / viscous - 1)
-
-
-def _slip_left_out(scene: Scene) -> str:
-    share = slip_share(scene)
-    if not abs(share) >= LEAST_SHARE:  # of no force at all it is not a number
-        return ""
-    change = "takes" if share < 0 else "adds"
-    more = " or more" if scene.knudsen > SLIP_MOST_KNUDSEN else ""
-    return (
-        f"slip, left out, {change} about {abs(share):.1%}{more} of the force "
-        f"(Kn {scene.knudsen:.2g})"
-    )

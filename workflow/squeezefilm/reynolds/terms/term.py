@@ -30,9 +30,6 @@ HOOKS = {
     "carry": "(g, film, coarser, coarse)",
 }
 
-# Of a force, from which on a note says what is left out.
-LEAST_SHARE = 0.005
-
 # What is put back to see what leaving it out saves.
 NEGLIGIBLE = 1e-14
 
@@ -60,6 +57,7 @@ class Term:
         HOOKS: those of HOOKS that these sources fill, by functions ``HOOK_NAME``.
         UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
+        ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
     """
 
@@ -73,6 +71,7 @@ class Term:
     HOOKS: ClassVar[tuple[str, ...]] = ()
     UNKNOWN_FIELDS: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
+    ESTIMATE_MARGIN: ClassVar[float] = 1.0
     CARRYING: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
@@ -90,7 +89,7 @@ class Term:
 
     @classmethod
     def note(cls, scene: Scene) -> str:
-        """How much of the force it would change where it is left out, or where it is stretched."""
+        """Where a scene that has it stretches it; empty elsewhere."""
         return ""
 
     def numbers(self, scene: Scene) -> Numbers:
@@ -127,7 +126,7 @@ class Term:
         """The matrices of CARRYING between two grids."""
         return {}
 
-    def operators(self, numbers: np.ndarray, grid: Grid) -> Arrays:
+    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
         """What the periodic state needs for each scene by itself, each shape (scenes, …).
 
         A name that the grid has too takes the place of that one's.

@@ -73,6 +73,7 @@ class SimulatedSpace:
         found = solve(
             [self.scenes[point] for point in points],
             tolerance=solver["tolerance"],
+            model_tolerance=solver["model_tolerance"],
             method=solver["method"],
             device=self.device,
         )

@@ -1,0 +1,328 @@
+"""The budget of a force: each effect against a yardstick, a limit, or the solver with it in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import isnan
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from effects_yardstick import Numbers, effects
+from films import PISTON, SINC, film
+from numpy.linalg import solve as solve_linear
+
+from squeezefilm.cli.main import main
+from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.io.tables import write_table
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.effects import budget as budget_module
+from squeezefilm.reynolds.effects import sensitivity as sensitivity_module
+from squeezefilm.reynolds.effects import sliding
+from squeezefilm.reynolds.effects.budget import BASIS, NAMES, budgets
+from squeezefilm.reynolds.effects.fields import Fields
+from squeezefilm.reynolds.effects.sensitivity import answer, response, sensitivity
+from squeezefilm.reynolds.effects.words import budget_row, budget_text, notes_of_budget
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.spectral import axis
+
+
+def slipping(scene: Scene, rarefaction: str = "slip") -> Scene:
+    return replace(scene, gas=replace(scene.gas, rarefaction=rarefaction))
+
+
+@pytest.mark.parametrize(
+    ("h0_m", "inertia", "heat", "rim"),
+    [(5e-6, 2.15, -0.178, -0.322), (10e-6, 9.73, -0.874, -1.334)],
+)
+def test_effects_in_the_paper_s_scenes(
+    scene: Scene, h0_m: float, inertia: float, heat: float, rim: float
+) -> None:
+    """physics.md, T10 to T12, computed by others; C = 1."""
+    (found,) = budgets([replace(scene, h0_m=h0_m, hv_m=2e-6)])
+    assert found.inertia.percent == pytest.approx(inertia, abs=0.02)
+    assert found.heat.percent == pytest.approx(heat, rel=0.01)
+    assert found.rim.percent == pytest.approx(rim, rel=0.01)
+    assert found.basis == ""
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "sigma", "profile", "x", "y"),
+    [(0.4, 2331.0, SINC, 0.0, 0.0), (0.3, 583.0, SINC, 0.2, 0.1), (0.5, 40.0, PISTON, 0.0, 0.0)],
+)
+def test_effects_are_those_of_the_yardstick(
+    epsilon: float, sigma: float, profile: Profile, x: float, y: float
+) -> None:
+    scene = film(epsilon=epsilon, sigma=sigma, profile=profile, x=x, y=y)
+    with_slip = film(epsilon=epsilon, sigma=sigma, profile=profile, x=x, y=y, knudsen=1e-9)
+    numbers = Numbers(epsilon, sigma, scene.modified_reynolds, knudsen=scene.knudsen)
+    expected = effects(numbers, scene.amplitude, points=32, instants=20)
+    (found,) = budgets([scene])
+    for name in ("inertia", "heat", "rim"):
+        assert getattr(found, name).percent == pytest.approx(expected[name], rel=0.02), name
+    # The flow factor's first coefficient is 1.1466 times that of slip; without the others.
+    (dilute,) = budgets([with_slip])
+    share = 1.1466 * with_slip.knudsen / scene.knudsen
+    assert dilute.slip.percent == pytest.approx(share * expected["slip"], rel=0.01)
+
+
+def test_the_whole_finger_gives_what_a_quarter_gives() -> None:
+    scene = film(epsilon=0.4, sigma=583.0)
+    by_fold = []
+    for fold, points in ((True, 12), (False, 24)):
+        grid = Grid(nx=points, ny=points, nt=12, fold_x=fold, fold_y=fold)
+        (found,) = budget_module._budgets([scene], grid, device=choose_device())
+        by_fold.append([getattr(found, name).percent for name in NAMES])
+    assert by_fold[0] == pytest.approx(by_fold[1], rel=2e-3)
+
+
+@pytest.mark.parametrize(("rarefaction", "exponent"), [("none", 1.0), ("fukui-kaneko", 1.4)])
+def test_the_adjoint_answers_as_the_equation_itself(rarefaction: str, exponent: float) -> None:
+    scene = film(
+        epsilon=0.5,
+        sigma=300.0,
+        x=0.2,
+        bearing=3.0,
+        aspect=1.5,
+        rarefaction=rarefaction,
+        polytropic_exponent=exponent,
+    )
+    grid = Grid(nx=16, ny=16, nt=12, fold_x=False, fold_y=True)
+    problems = problems_of([scene], grid, tolerance=1e-8)
+    states = solve_batch(problems=problems, grid=grid, device=choose_device())
+    films = Fields(problems, grid, states.overpressure)
+    source = np.random.default_rng(1).normal(size=(1, *grid.shape))
+    change = response(films, source, tolerance=1e-12)
+    rise = films.with_rim(change) / (films.gap * films.density_slope)
+    by_adjoint = answer(films, sensitivity(films, tolerance=1e-12), source)
+    assert by_adjoint == pytest.approx(films.mean(rise), rel=1e-8)
+
+
+def test_slip_is_the_difference_of_two_forces_for_a_dense_gas() -> None:
+    """Its ratio to first order goes to one linearly, by what the budget says is missed."""
+    for knudsen in (3e-2, 3e-3, 3e-4):
+        scene = film(epsilon=0.4, sigma=583.0, knudsen=knudsen)
+        without, having = (
+            each.force_n for each in solve([scene, slipping(scene, "fukui-kaneko")], tolerance=1e-9)
+        )
+        true = 100 * (having / without - 1)
+        (found,) = budgets([scene])
+        missed = abs(found.slip.percent - true)
+        assert missed <= found.slip.missed_percent + 0.005 * abs(true)
+        assert missed >= 0.5 * found.slip.missed_percent - 0.005 * abs(true)
+        (included,) = budgets([slipping(scene, "fukui-kaneko")])
+        assert included.slip.in_force
+        assert included.kinetic.percent == found.kinetic.percent == 0
+        assert not found.slip.in_force
+
+
+def test_what_first_order_slip_lacks_is_the_difference_to_the_flow_factor() -> None:
+    """Fukui and Kaneko's factor is 1.1466 times slip where the gas is dense."""
+    scene = slipping(film(epsilon=0.4, sigma=583.0, knudsen=3e-4))
+    slip, factor = solve([scene, slipping(scene, "fukui-kaneko")], tolerance=1e-9)
+    (found,) = budgets([scene])
+    true = 100 * (factor.force_n / slip.force_n - 1)
+    assert found.slip.in_force
+    assert not found.kinetic.in_force
+    assert found.kinetic.percent == pytest.approx(true, rel=0.02)
+    assert found.kinetic.percent == pytest.approx(0.1466 * found.slip.percent, rel=0.01)
+
+
+def test_no_inertia_no_effect_of_it() -> None:
+    """Inertia, heat and the rim's loss are proportional to Re, and at most that."""
+    scene = film(epsilon=0.4, sigma=583.0)
+    light = replace(scene, gas=replace(scene.gas, density_kg_per_m3=1.2e-6))
+    found, lighter = budgets([scene, light])
+    for name in ("inertia", "heat", "rim"):
+        full, little = getattr(found, name).percent, getattr(lighter, name).percent
+        assert little == pytest.approx(1e-6 * full, rel=1e-6)
+        assert abs(full) > 0.01
+
+
+def test_a_finger_at_rest_has_nothing_of_sliding() -> None:
+    (found,) = budgets([film(epsilon=0.4, sigma=583.0, x=0.2)])
+    assert found.bearing.percent == 0
+    assert found.passing.percent == 0
+
+
+def test_sliding_either_way_is_the_same_at_the_middle_and_opposite_beside() -> None:
+    for x, sign in ((0.0, 1.0), (0.2, -1.0)):
+        to_and_fro = [film(epsilon=0.4, sigma=583.0, x=x, bearing=speed) for speed in (1e-2, -1e-2)]
+        first, second = budgets(to_and_fro)
+        for name in ("bearing", "passing"):
+            to, fro = (getattr(each, name).percent for each in (first, second))
+            assert to == pytest.approx(sign * fro, rel=0.15), name
+            assert abs(to) > 1e-6
+
+
+def test_the_bearing_term_is_what_the_solver_puts_in() -> None:
+    scene = film(epsilon=0.4, sigma=583.0, x=0.2, bearing=0.5)
+    having, without = solve([scene, sliding.at_rest(scene)], tolerance=1e-8)
+    (found,) = budgets([scene])
+    assert found.bearing.in_force
+    assert found.bearing.percent == pytest.approx(
+        100 * (1 - without.force_n / having.force_n), rel=0.02
+    )
+
+
+class Ridge:
+    """The paper's profile along x, the same all along y."""
+
+    largest = 1.0
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        return np.asarray(np.sinc(109.8 * x_m) + 0 * y_m)
+
+
+def marched_past(*, epsilon: float, sigma: float, place: float, rate: float) -> float:
+    """Mean overpressure of a strip at ``place`` as it passes there, by ``rate`` per T.
+
+    BDF2 and Newton, from ambient pressure; a mean of means over the period, thrice, which a signal
+    that changes slowly beside its oscillation passes through but for its curvature.
+    """
+    periods, steps, line = 16, 128, axis(24, False)
+    step, derivative, inner = 2 * np.pi / steps, line.derivative, slice(1, -1)
+    pressure, x = np.ones(len(line.all_nodes)), line.all_nodes - 0.5
+    begin = (3 * steps - 3) / 2 * step - 2 * np.pi * periods
+
+    def gap_at(time: float) -> np.ndarray:
+        s = np.sinc(1.098 * (x + place + rate * time))
+        return np.asarray(1 + epsilon * s * np.sin(time))
+
+    last = before = gap_at(begin)[inner]
+    means = []
+    for k in range(1, periods * steps + 1):
+        gap = gap_at(begin + k * step)
+        lead, tail = (1.0, last) if k == 1 else (1.5, 2 * last - before / 2)
+        change = np.ones(1)
+        while np.abs(change).max() > 1e-11:
+            slope = derivative @ pressure
+            left = (derivative @ (gap**3 * pressure * slope))[inner] - sigma / step * (
+                lead * (gap * pressure)[inner] - tail
+            )
+            jacobian = derivative @ ((gap**3 * pressure)[:, None] * derivative)
+            jacobian += derivative * (gap**3 * slope)
+            square = jacobian[inner, inner] - np.diag(sigma / step * lead * gap[inner])
+            change = -solve_linear(square, left)
+            pressure[inner] += change
+        before, last = last, (gap * pressure)[inner]
+        means.append(line.weights @ (pressure[inner] - 1))
+    box = np.ones(steps) / steps
+    window = np.convolve(np.convolve(box, box), box)
+    return float(window @ np.array(means)[-len(window) :])
+
+
+@pytest.mark.parametrize("place", [0.0, 0.25])
+def test_a_profile_that_passes_against_a_march_along_it(place: float) -> None:
+    """On a strip, both orders, by the difference of two fingers of which one is longer."""
+    epsilon, sigma, rate, apart = 0.3, 100.0, 2e-3, 0.02
+    back, rest, forth = (
+        marched_past(epsilon=epsilon, sigma=sigma, place=place, rate=each)
+        for each in (-rate, 0.0, rate)
+    )
+    beside = [
+        marched_past(epsilon=epsilon, sigma=sigma, place=place + each, rate=0.0)
+        for each in (-apart, apart)
+    ]
+    bend = (beside[0] - 2 * rest + beside[1]) / apart**2
+    curvature = bend * rate**2 / 2 * (2 * np.pi) ** 2 / 4  # of the window over a bent F(c)
+    found = []
+    for aspect in (4.0, 8.0):
+        scene = film(epsilon=epsilon, sigma=sigma, x=place, aspect=aspect, profile=Ridge())
+        grid = Grid(nx=24, ny=40, nt=12, fold_x=False, fold_y=False)
+        films = []
+        for each in sliding.line(scene):
+            problems = problems_of([each], grid, tolerance=1e-9)
+            states = solve_batch(problems=problems, grid=grid, device=choose_device())
+            films.append(Fields(problems, grid, states.overpressure))
+        orders = sliding.change_by_passing(films, bearing=np.array([-rate * sigma / 2]))
+        found.append(aspect * np.array(orders)[:, 0])
+    first, second = (found[1] - found[0]) / 4
+    assert first == pytest.approx((forth - back) / 2, rel=0.05, abs=1e-12)
+    assert second == pytest.approx((forth + back) / 2 - rest - curvature, rel=0.05)
+
+
+def test_what_is_not_known_has_no_number(scene: Scene) -> None:
+    still = replace(scene, hv_m=0.0)
+    adiabatic = replace(scene, gas=replace(scene.gas, polytropic_exponent=1.4))
+    bulging = replace(scene, finger=replace(scene.finger, gap=GapShape(bulge_m=1e-6)))
+    round_pad = replace(scene, finger=replace(scene.finger, shape="ellipse"))
+    found = dict(
+        zip(
+            ("still", "adiabatic", "bulging", "round", "flat"),
+            budgets([still, adiabatic, bulging, round_pad, scene]),
+            strict=True,
+        )
+    )
+    assert found["still"].status != "ok"
+    assert all(isnan(each.percent) for each in found["still"].effects.values())
+    assert isnan(found["adiabatic"].heat.percent)
+    assert isnan(found["adiabatic"].sums(left_out_only=True)[0])
+    assert found["bulging"].basis == found["round"].basis == BASIS
+    assert found["bulging"].inertia == found["flat"].inertia
+    assert found["round"].inertia != found["flat"].inertia
+    for budget in found.values():
+        assert BASIS in budget_text(budget) or not budget.basis
+
+
+def test_a_scene_that_fails_does_not_touch_the_others(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hard = film(epsilon=0.9, sigma=3.0)
+    (alone,) = budgets([film(epsilon=0.4, sigma=583.0)])
+    monkeypatch.setattr(sensitivity_module, "MOST_ITERATIONS", 12)
+    grid = Grid(nx=8, ny=8, nt=12, fold_x=True, fold_y=True)
+    easy = film(epsilon=0.1, sigma=583.0)
+    first, second = budget_module._budgets([hard, easy], grid, device=choose_device())
+    assert "did not converge" in first.status
+    assert second.status == "ok"
+    assert second.inertia.percent == pytest.approx(alone.inertia.percent, rel=0.05)
+
+
+def test_notes_name_what_is_large_and_what_is_above_its_range(scene: Scene) -> None:
+    thin, thick, slow = budgets(
+        [
+            replace(scene, hv_m=2e-6),
+            replace(scene, h0_m=20e-6, hv_m=2e-6),
+            replace(slipping(scene), actuator=replace(scene.actuator, frequency_hz=1e3), hv_m=2e-6),
+        ]
+    )
+    inertia, slip = notes_of_budget(thin)
+    assert (
+        inertia == "inertia, left out, adds 2.1 % of the force at first order (higher ones: 0.1 %)"
+    )
+    assert slip.startswith("slip, left out, takes 1.3 % of the force")
+    assert "rim's entrance loss -0.32 to -0.5 %" in budget_text(thin)
+    assert any("inertia" in note and "above its range" in note for note in notes_of_budget(thick))
+    said = notes_of_budget(slow)
+    assert not any(note.startswith("slip") for note in said)
+    assert any(note.startswith("what first-order slip lacks, left out, takes") for note in said)
+    assert "slip" in budget_row(slow)["in_force"]  # type: ignore[operator]
+    assert budget_row(thick)["above_range"] == "inertia; heat"
+
+
+def test_the_command_writes_a_row_for_each_scene(
+    tmp_path: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    columns = ("point_id", "h0_m", "hv_m", "phi_r_m", "phi_deg")
+    rows = [("a", 5e-6, 2e-6, 0.0, 0.0), ("b", 5e-6, 0.0, 0.0, 0.0)]
+    write_table(pd.DataFrame(rows, columns=columns), "scenes.csv")
+    config = str(repository / "config" / "paper.yaml")
+    assert main(["budget", "scenes.csv", "--config", config, "--output", "budget.csv"]) == 0
+    table = pd.read_csv("budget.csv")
+    assert list(table["point_id"]) == ["a", "b"]
+    assert table["status"][0] == "ok"
+    assert table["status"][1] != "ok"
+    effects_of = table[[f"{name}_percent" for name in NAMES]]
+    assert np.isfinite(effects_of.iloc[0]).all()
+    assert effects_of.iloc[1].isna().all()
+    first = table.iloc[0]
+    total = effects_of.iloc[0].drop("rim_percent").sum()
+    ends = sorted(total + c * first["rim_percent"] for c in (1.0, 1.54))
+    assert [first["sum_least_percent"], first["sum_most_percent"]] == pytest.approx(ends)

@@ -1,0 +1,157 @@
+"""Budget: what the film equation itself leaves out of the force.
+
+Each effect on the mean force at first order, in per cent of it: maps over gap and amplitude for a
+centred finger, and lines over the finger's distance from the centre, at the smallest gap and
+largest amplitude of that plan. The loss of pressure where gas streams in at the rim is known up to
+a coefficient C; it is shown for C = 1, the sum of all that the force does not have for the middle
+of C = 1 to 1.54. Dashed maps are of effects too large somewhere for a first order.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from reporting.figures.parts import plane, style
+from reporting.figures.parts.tables import Inputs, micrometres
+from squeezefilm.io.sources import read_columns
+from squeezefilm.reynolds.effects.words import THIS_SCENE
+from squeezefilm.studies.config import Config
+
+INPUTS = {
+    "plane": "simulations/screen/budget.csv",
+    "positions": "simulations/four_factor/budget.csv",
+}
+EFFECTS = {
+    "inertia": (style.BLUE, "inertia"),
+    "slip": (style.VERMILLION, "slip"),
+    "heat": (style.ORANGE, "heat"),
+    "rim": (style.GREEN, "rim, C = 1"),
+    "left_out": (style.GREY, "left out in all"),
+}
+# Contours nearer to the least or the largest value, in shares of the range, have no room.
+EDGE = 0.04
+COLUMNS = (
+    "layer",
+    "h0_um",
+    "hv_um",
+    "phi_r_mm",
+    "phi_deg",
+    *(f"{name}_percent" for name in EFFECTS),
+    "above_range",
+    "note",
+)
+
+
+def build(inputs: Inputs, config: Config) -> pd.DataFrame:
+    """Layers plane (the screen) and radius (the four-factor plan's point of the largest ε)."""
+    screen, positions = (_read(inputs[name]) for name in INPUTS)
+    largest = positions["hv_um"] / positions["h0_um"]
+    chosen = positions[largest >= largest.max() * (1 - 1e-9)]
+    first = chosen.iloc[0]
+    note = (
+        f"Maps: finger at the centre. (f): h0 = {first['h0_um']:.3g} µm, "
+        f"hv = {first['hv_um']:.3g} µm, open circles the first direction of the plan, squares the "
+        "last. First order about the film that the forces are of, on "
+        "coarse grids."
+    )
+    if screen["basis"].iloc[0] != THIS_SCENE:
+        note += f" Estimates, of {screen['basis'].iloc[0]}."
+    return pd.concat(
+        [screen.assign(layer="plane"), chosen.assign(layer="radius")], ignore_index=True
+    ).assign(note=note)[list(COLUMNS)]
+
+
+def _read(path: Any) -> pd.DataFrame:
+    table = read_columns(
+        path, columns=("h0_m", "hv_m", "phi_r_m", "phi_deg", "above_range", "basis")
+    )
+    middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
+    return table.assign(
+        h0_um=micrometres(table["h0_m"]),
+        hv_um=micrometres(table["hv_m"]),
+        phi_r_mm=micrometres(table["phi_r_m"]) / 1e3,
+        left_out_percent=middle,
+        above_range=table["above_range"].fillna(""),
+    )
+
+
+def draw(data: pd.DataFrame) -> Figure:
+    """A map for each effect and for what is left out in all, and lines over the position."""
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.3)
+    panels = list(figure.subplots(2, 3).flat)
+    maps = style.rows(data, "plane")
+    for letter, axes, name in zip("abcde", panels, EFFECTS, strict=False):
+        _draw_map(axes, maps, name)
+        axes.set_title(f"({letter}) {EFFECTS[name][1]} (%)")
+        axes.set_xlabel(plane.H0_LABEL)
+        axes.set_ylabel(plane.HV_LABEL)
+    _draw_lines(panels[-1], style.rows(data, "radius"))
+    panels[-1].set_title("(f) along the radius")
+    style.add_note(figure, data)
+    return figure
+
+
+def _draw_map(axes: Any, maps: pd.DataFrame, name: str) -> None:
+    """Contour lines of one effect, in its colour; dashed where some of it is above its range."""
+    table = maps.pivot(index="hv_um", columns="h0_um", values=f"{name}_percent")
+    values = table.to_numpy()
+    axes.set_xlim(table.columns.min(), table.columns.max())
+    axes.set_ylim(table.index.min(), table.index.max())
+    if not np.isfinite(values).any():
+        axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
+        return
+    above = maps["above_range"].fillna("").str.split("; ").map(lambda names: name in names)
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    edge = EDGE * (high - low)
+    ticks = MaxNLocator(nbins=8).tick_values(low, high)
+    levels = [level for level in ticks if low + edge <= level <= high - edge] or [low]
+    lines = axes.contour(
+        table.columns.to_numpy(),
+        table.index.to_numpy(),
+        values,
+        levels=levels,
+        colors=EFFECTS[name][0],
+        linestyles="dashed" if above.any() else "solid",
+        linewidths=0.9,
+    )
+    axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:+.3g}".replace("-", "−"))
+
+
+def _draw_lines(axes: Any, rows: pd.DataFrame) -> None:
+    """Each effect over the distance from the centre, in the first direction and in the last."""
+    rows = rows.drop_duplicates(["phi_r_mm", "phi_deg"]).sort_values("phi_r_mm")
+    off = rows[rows["phi_r_mm"] > 0]
+    farthest = float(rows["phi_r_mm"].max())
+    for marker, angle in (("o", off["phi_deg"].min()), ("s", off["phi_deg"].max())):
+        along = rows[(rows["phi_r_mm"] == 0) | (rows["phi_deg"] == angle)]
+        along = along.drop_duplicates("phi_r_mm")
+        for name, (colour, label) in EFFECTS.items():
+            values = along[f"{name}_percent"]
+            axes.plot(
+                along["phi_r_mm"],
+                values,
+                marker + "-",
+                color=colour,
+                markersize=4 if marker == "o" else 3,
+                markerfacecolor="white" if marker == "o" else colour,
+            )
+            if marker == "s" and np.isfinite(values.iloc[-1]):
+                axes.annotate(
+                    label.removesuffix(", C = 1").removesuffix(" in all"),
+                    (float(along["phi_r_mm"].iloc[-1]), float(values.iloc[-1])),
+                    xytext=(5, 0),
+                    textcoords="offset points",
+                    va={"heat": "bottom", "rim": "top"}.get(name, "center"),
+                    color=colour,
+                    fontsize=6,
+                )
+    axes.set_xlim(-0.05 * farthest, 1.35 * farthest or 1.0)
+    axes.axhline(0, color="black", linewidth=0.5)
+    axes.set_xlabel(r"radial position $\phi_r$ (mm)")
+    axes.set_ylabel("change of the force (%)")
+    axes.grid(True)
