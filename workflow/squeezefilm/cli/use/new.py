@@ -9,16 +9,13 @@ is there already. Both run as they are:
     snakemake --configfile config/my-actuator.yaml
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 from pathlib import Path
 
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 
-SECTIONS: tuple[str, ...] = ()
 EXAMPLES = Path(__file__).resolve().parents[4] / "config"
 EXAMPLE = "vibrometer"
 LONGEST = 60
@@ -42,8 +39,7 @@ def run(options: argparse.Namespace) -> None:
             raise InputError(f"{path}: is there already; choose another name, or remove it")
     texts = {config: _renamed(_example("yaml"), name=name), scan: _example("csv")}
     for path, text in texts.items():
-        with whole_file(path) as part:
-            part.write_text(text, encoding="utf-8")
+        write_text(text, path)
     print(
         f"{config}: the study, commented; change what is yours\n"
         f"{scan}: an example of a vibrometer's table; replace it by yours\n"

@@ -30,6 +30,9 @@ HOOKS = {
     "carry": "(g, film, coarser, coarse)",
 }
 
+# What is put back to see what leaving it out saves.
+NEGLIGIBLE = 1e-14
+
 Numbers = Mapping[str, float | tuple[float, ...]]
 Arrays = Mapping[str, np.ndarray]
 
@@ -79,6 +82,14 @@ class Term:
     def of(cls, scene: Scene) -> Term | None:
         """The term as the scene has it, if it does."""
         raise NotImplementedError
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        """A scene that has so little of it that nothing changes but the work.
+
+        The scene itself where there is no such one: what is left out then is another film.
+        """
+        return scene
 
     @classmethod
     def note(cls, scene: Scene) -> str:
