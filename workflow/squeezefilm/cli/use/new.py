@@ -19,6 +19,9 @@ from squeezefilm.io.errors import InputError
 EXAMPLES = Path(__file__).resolve().parents[4] / "config"
 EXAMPLE = "vibrometer"
 LONGEST = 60
+# The example is compared with the paper's equation; a study of one's own has what it needs.
+EQUATION_OF_THE_EXAMPLE = "  inertia: none\n"
+EQUATION_OF_A_STUDY = "  inertia: auto # included where it changes a force by solver.model_tolerance\n"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -52,6 +55,7 @@ def _renamed(text: str, *, name: str) -> str:
     body = text[text.index("study:") :].replace(f"{EXAMPLE}.csv", f"{name}.csv")
     body = body.replace(f"study: {EXAMPLE} ", f"study: {name} ", 1)
     body = body.replace(f"results/{EXAMPLE}", f"results/{name}", 1)
+    body = body.replace(EQUATION_OF_THE_EXAMPLE, EQUATION_OF_A_STUDY, 1)
     return (
         "# Made by `squeezefilm new`: change what is yours. docs/your-own-actuator.md walks you\n"
         "# through it, config/README.md explains every key; numbers are in SI units.\n" + body
