@@ -1,0 +1,240 @@
+"""The paper's study beside the same one with a gas that has inertia: does its conclusion survive?
+
+The conclusion: a model fitted to five D-optimal points is good enough in place of one fitted to all
+simulations. It survives where the five points do no worse than the paper itself reports (the claims
+``design_error``, ``four_factor_error`` and ``band`` of papers_claims.csv).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from paper.claims import CLAIMS
+from squeezefilm.designs.paper_design import d_efficiency
+from squeezefilm.io.markdown import markdown_table
+from squeezefilm.io.tables import FACTOR_COLUMNS, read_design, read_json, read_ok_forces
+from squeezefilm.models.fitted import FittedModel, number, read_fit
+from squeezefilm.models.force_model import Factors
+from squeezefilm.models.validation import summarise
+
+INPUTS = {
+    "screen": "simulations/screen/forces.csv",
+    "plan": "simulations/four_factor/forces.csv",
+    "extrapolation": "simulations/extrapolation/forces.csv",
+    "screen_fit": "fits/screen.json",
+    "design_fit": "fits/two_factor_design.json",
+    "plan_fit": "fits/four_factor.json",
+    "plan_design_fit": "fits/four_factor_design.json",
+    "plan_distinct_fit": "fits/four_factor_design_distinct.json",
+    "design": "designs/two_factor.csv",
+    "plan_design": "designs/four_factor.csv",
+    "plan_distinct": "designs/four_factor_distinct.csv",
+    "design_on_screen": "validation/two_factor_design_on_screen.json",
+    "design_on_grid": "validation/two_factor_design_on_error_map.json",
+    "plan_design_on_plan": "validation/four_factor_design_on_four_factor.json",
+    "plan_distinct_on_plan": "validation/four_factor_design_distinct_on_four_factor.json",
+    "plan_distinct_on_control": "validation/four_factor_design_distinct_on_four_factor_control.json",
+}
+"""What is needed of either study, by name, each with its place among the study's results."""
+
+FITS = {
+    "screen_fit": "all points, two factors",
+    "design_fit": "five points, two factors",
+    "plan_fit": "all points, four factors",
+    "plan_design_fit": "five points, four factors, the paper's form",
+    "plan_distinct_fit": "five points, four factors, distinct scenes",
+}
+DESIGNS = {
+    "design": ("design, two factors", "screen_fit"),
+    "plan_design": ("design, four factors, the paper's form", "plan_fit"),
+    "plan_distinct": ("design, four factors, distinct scenes", "plan_fit"),
+}
+"""Each design, and the fit that it was found with."""
+JUDGED = {
+    "design_on_screen": ("five points, two factors", "all points"),
+    "design_on_grid": ("five points, two factors", "control grid"),
+    "plan_design_on_plan": ("five points, four factors, the paper's form", "all points"),
+    "plan_distinct_on_plan": ("five points, four factors, distinct scenes", "all points"),
+    "plan_distinct_on_control": ("five points, four factors, distinct scenes", "random points"),
+}
+SHOWN = {
+    "h0_m": ("h0", 1e6, "µm"),
+    "hv_m": ("hv", 1e6, "µm"),
+    "phi_r_m": ("φr", 1e3, "mm"),
+    "phi_deg": ("φφ", 1.0, "°"),
+}
+PARAMETER_UNITS = {"theta2": "N", "theta4": "1/m"}
+COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
+Value = tuple[str, str, str, float]
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is compared of one study, by the names of INPUTS; every value is read when needed."""
+
+    results: Path
+
+    def path(self, name: str) -> Path:
+        return self.results / INPUTS[name]
+
+    def fit(self, name: str) -> FittedModel:
+        return read_fit(self.path(name))
+
+    def design(self, name: str) -> pd.DataFrame:
+        return read_design(self.path(name))
+
+    def forces(self, name: str) -> pd.DataFrame:
+        return read_ok_forces(self.path(name))
+
+    def judged(self, name: str, key: str) -> float:
+        return number(read_json(self.path(name)), key, self.path(name))
+
+    @property
+    def operating_force_n(self) -> float:
+        """The simulated force at the paper's operating point."""
+        table = self.forces("extrapolation").set_index("point_id")
+        return float(table.loc["operating_point", "force_n"])
+
+
+def compare(paper: Study, inertia: Study) -> pd.DataFrame:
+    """A row for each number of the two studies, columns COLUMNS.
+
+    Raises:
+        InputError: naming a result that is missing or lacks what it must have.
+    """
+    pairs = zip(_values(paper, found_by=paper), _values(inertia, found_by=paper), strict=True)
+    rows = [(*mine[:3], mine[3], theirs[3]) for mine, theirs in pairs]
+    rows += [
+        ("the paper's equation judged by forces with inertia", *rest)
+        for rest in _transferred(paper, inertia)
+    ]
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _values(study: Study, *, found_by: Study) -> Iterator[Value]:
+    """Part, quantity, unit and value of one study; ``found_by`` is the one with the first design."""
+    yield "force", "h0 and hv of the operating point", "N", study.operating_force_n
+    for name, part in FITS.items():
+        fit = study.fit(name)
+        for parameter, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
+            yield part, parameter, PARAMETER_UNITS.get(parameter, "–"), value
+        yield part, "global error on its own points", "%", 100 * fit.global_error
+    for name, (part, where) in JUDGED.items():
+        yield part, f"global error, {where}", "%", 100 * study.judged(name, "global_error")
+        worst = abs(study.judged(name, "worst_relative_error"))
+        yield part, f"worst relative error, {where}", "%", 100 * worst
+    for name, (part, fit_name) in DESIGNS.items():
+        fit = study.fit(fit_name)
+        points = _ordered(study.design(name))
+        for index, point in enumerate(points.to_dict("records"), start=1):
+            for factor in fit.force_model.factor_names:
+                symbol, scale, unit = SHOWN[factor]
+                yield part, f"point {index} {symbol}", unit, scale * point[factor]
+        slopes, first = (
+            fit.force_model.gradient(fit.theta, _factors(table))
+            for table in (points, found_by.design(name))
+        )
+        lost = "D-efficiency of the points that the paper's equation finds"
+        yield part, lost, "–", d_efficiency(first, slopes)
+
+
+def _transferred(paper: Study, inertia: Study) -> Iterator[tuple[str, str, float, float]]:
+    """How well fits to the paper's equation say forces without and with inertia."""
+    for fit_name, plan in (("screen_fit", "screen"), ("design_fit", "screen"), ("plan_fit", "plan")):
+        fit = paper.fit(fit_name)
+        found = []
+        for study in (paper, inertia):
+            forces = study.forces(plan)
+            model_n = fit.force_model.evaluate(fit.theta, _factors(forces))
+            found.append(summarise(model_n=model_n, simulation_n=forces["force_n"], band=0.15))
+        errors = [100 * each.global_error for each in found]
+        yield (f"global error, fit to {FITS[fit_name]}", "%", errors[0], errors[1])
+    mine, theirs = (study.forces("screen")["force_n"].to_numpy() for study in (paper, inertia))
+    yield "global difference of the forces of the screen", "%", 0.0, _difference(mine, theirs)
+    yield "largest difference of a force of the screen", "%", 0.0, 100 * _largest(mine, theirs)
+
+
+def _difference(mine: np.ndarray, theirs: np.ndarray) -> float:
+    return float(100 * np.linalg.norm(mine - theirs) / np.linalg.norm(theirs))
+
+
+def _largest(mine: np.ndarray, theirs: np.ndarray) -> float:
+    return float(np.abs(mine / theirs - 1).max())
+
+
+def _ordered(points: pd.DataFrame) -> pd.DataFrame:
+    """Points by gap and amplitude, so that those of two designs stand beside each other."""
+    return points.sort_values(["h0_m", "hv_m", "phi_r_m", "phi_deg"], ignore_index=True)
+
+
+def _factors(table: pd.DataFrame) -> Factors:
+    return Factors.of(**{name: table[name] for name in FACTOR_COLUMNS})
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What five points must hold: a row of the table, and the largest value that the paper has."""
+
+    part: str
+    quantity: str
+    largest: float
+
+
+def conditions() -> tuple[Condition, ...]:
+    """Of the conclusion that five points are enough, with the paper's own errors."""
+    claims = {claim.claim_id: claim for claim in CLAIMS}
+    two, four = "five points, two factors", "five points, four factors, the paper's form"
+    return (
+        Condition(two, "global error, all points", float(claims["design_error"].paper)),
+        Condition(two, "worst relative error, control grid", claims["band"].largest),
+        Condition(four, "global error, all points", float(claims["four_factor_error"].paper)),
+    )
+
+
+def survives(table: pd.DataFrame, *, column: str) -> bool:
+    """Whether five points are enough by the forces of a column of the table."""
+    return all(_value(table, each, column) <= each.largest for each in conditions())
+
+
+def _value(table: pd.DataFrame, condition: Condition, column: str) -> float:
+    rows = (table["part"] == condition.part) & (table["quantity"] == condition.quantity)
+    return float(table.loc[rows, column].iloc[0])
+
+
+def to_markdown(table: pd.DataFrame) -> str:
+    """The comparison for people: the verdict first."""
+    verdict = "survives" if survives(table, column="with_inertia") else "does not survive"
+    said = "; ".join(
+        f"{each.quantity}, {each.part}: {_value(table, each, 'paper_equation'):.2g} % and "
+        f"{_value(table, each, 'with_inertia'):.2g} %, at most {each.largest:g} %"
+        for each in conditions()
+    )
+    parts = [
+        "# The paper's equation and a gas that has inertia\n",
+        f"The paper's conclusion, five points are enough, **{verdict}** where the gas has inertia. "
+        "It is taken to survive where the five points do no worse than the paper reports of its "
+        f"own (without and with inertia): {said}.\n",
+        "Both studies have the same space, plans, seeds and tolerance. Points of designs are in "
+        "the order of their gaps and amplitudes; a point may lie anywhere on a line of equal "
+        "hv/h0, for the models know nothing else.\n",
+    ]
+    for part, rows in table.groupby("part", sort=False):
+        parts += [f"## {str(part)[0].upper()}{str(part)[1:]}\n", markdown_table(_shown(rows))]
+    return "\n".join(parts)
+
+
+def _shown(rows: pd.DataFrame) -> pd.DataFrame:
+    named: dict[str, Any] = {"quantity": rows["quantity"], "unit": rows["unit"]}
+    heads: Mapping[str, str] = {
+        "paper_equation": "the paper's equation",
+        "with_inertia": "with inertia",
+    }
+    for column, head in heads.items():
+        named[head] = rows[column].map(lambda value: f"{value:.5g}".replace("-", "−"))
+    return pd.DataFrame(named)
