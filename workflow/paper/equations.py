@@ -39,7 +39,9 @@ INPUTS = {
     "design_on_grid": "validation/two_factor_design_on_error_map.json",
     "plan_design_on_plan": "validation/four_factor_design_on_four_factor.json",
     "plan_distinct_on_plan": "validation/four_factor_design_distinct_on_four_factor.json",
-    "plan_distinct_on_control": "validation/four_factor_design_distinct_on_four_factor_control.json",
+    "plan_distinct_on_control": (
+        "validation/four_factor_design_distinct_on_four_factor_control.json"
+    ),
 }
 """What is needed of either study, by name, each with its place among the study's results."""
 
@@ -98,8 +100,8 @@ class Study:
     @property
     def operating_force_n(self) -> float:
         """The simulated force at the paper's operating point."""
-        table = self.forces("extrapolation").set_index("point_id")
-        return float(table.loc["operating_point", "force_n"])
+        table = self.forces("extrapolation")
+        return float(table.loc[table["point_id"] == "operating_point", "force_n"].iloc[0])
 
 
 def compare(paper: Study, inertia: Study) -> pd.DataFrame:
@@ -118,8 +120,8 @@ def compare(paper: Study, inertia: Study) -> pd.DataFrame:
 
 
 def _values(study: Study, *, found_by: Study) -> Iterator[Value]:
-    """Part, quantity, unit and value of one study; ``found_by`` is the one with the first design."""
-    yield "force", "h0 and hv of the operating point", "N", study.operating_force_n
+    """Part, quantity, unit and value, for one study; ``found_by`` has the designs to be reused."""
+    yield "force", "at the paper's operating point", "N", study.operating_force_n
     for name, part in FITS.items():
         fit = study.fit(name)
         for parameter, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
@@ -146,7 +148,11 @@ def _values(study: Study, *, found_by: Study) -> Iterator[Value]:
 
 def _transferred(paper: Study, inertia: Study) -> Iterator[tuple[str, str, float, float]]:
     """How well fits to the paper's equation say forces without and with inertia."""
-    for fit_name, plan in (("screen_fit", "screen"), ("design_fit", "screen"), ("plan_fit", "plan")):
+    for fit_name, plan in (
+        ("screen_fit", "screen"),
+        ("design_fit", "screen"),
+        ("plan_fit", "plan"),
+    ):
         fit = paper.fit(fit_name)
         found = []
         for study in (paper, inertia):
