@@ -151,7 +151,7 @@ def test_single_precision_turns_the_small_film_red(monkeypatch):
         pressure = (1 + states.overpressure).astype(np.float32).astype(float) - 1
         weights = np.outer(grid.x.weights, grid.y.weights)
         mean = np.einsum("bxyt,xy->b", pressure, weights) / grid.nt
-        return replace(states, overpressure=pressure, mean=mean)
+        return replace(states, unknowns=pressure[:, None], mean=mean)
 
     def spoilt(landing: periodic.Launch) -> list[list[States]]:
         return [

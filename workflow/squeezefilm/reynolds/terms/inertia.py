@@ -15,6 +15,7 @@ Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -94,6 +95,12 @@ class Inertia(Term):
             "flux_amplitude_x": along_x.from_all_nodes @ s[:, :, inner_y],
             "flux_amplitude_y": s[:, inner_x] @ along_y.from_all_nodes.T,
         }
+
+    def knows_limit(self, name: str) -> bool:
+        return name != "closed-form"
+
+    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+        return {"reynolds": scene.modified_reynolds}
 
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.rarefaction == "fukui-kaneko":
