@@ -76,6 +76,19 @@ def test_points_that_the_paper_s_equation_finds_are_as_good_where_theta_is_the_s
     assert np.allclose(efficiency[["paper_equation", "with_inertia"]], 1)
 
 
+def test_points_of_one_gap_but_for_rounding_keep_their_order(study, other):
+    path = other / INPUTS["design"]
+    points = pd.read_csv(path)
+    middle = np.isclose(points["hv_m"], 1.45e-6)
+    assert middle.sum() == 1
+    points.assign(h0_m=points["h0_m"] + 4e-17 * middle).to_csv(path, index=False)
+    again = compare(Study(study.root), Study(other))
+    amplitudes = again["quantity"].str.fullmatch(r"point \d hv")
+    mine, theirs = (again.loc[amplitudes, name] for name in ("paper_equation", "with_inertia"))
+    assert np.allclose(mine, theirs)
+    assert len(mine) == 15
+
+
 def test_the_conclusion_falls_with_any_of_its_conditions(table):
     assert survives(table, column="with_inertia")
     assert "**survives**" in to_markdown(table)

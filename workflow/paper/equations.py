@@ -71,6 +71,7 @@ SHOWN = {
     "phi_r_m": ("φr", 1e3, "mm"),
     "phi_deg": ("φφ", 1.0, "°"),
 }
+DIGITS = {"h0_m": 8, "hv_m": 8, "phi_r_m": 5, "phi_deg": 1}
 PARAMETER_UNITS = {"theta2": "N", "theta4": "1/m"}
 COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
 Value = tuple[str, str, str, float]
@@ -176,7 +177,10 @@ def _largest(mine: np.ndarray, theirs: np.ndarray) -> float:
 
 def _ordered(points: pd.DataFrame) -> pd.DataFrame:
     """Points by gap and amplitude, so that those of two designs stand beside each other."""
-    return points.sort_values(["h0_m", "hv_m", "phi_r_m", "phi_deg"], ignore_index=True)
+    # What is the same gap but for rounding must not change the order.
+    rounded = points[list(FACTOR_COLUMNS)].round(DIGITS)
+    order = rounded.sort_values(list(FACTOR_COLUMNS)).index
+    return points.loc[order].reset_index(drop=True)
 
 
 def _factors(table: pd.DataFrame) -> Factors:
