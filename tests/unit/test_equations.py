@@ -57,13 +57,13 @@ def test_every_parameter_stands_beside_the_other_once(table, study):
     for name, part in FITS.items():
         fit = read_json(study.root / INPUTS[name])
         for index, theta in enumerate(fit["theta"]):
-            assert value(table, part, f"theta{index}") == theta
+            assert value(table, part, f"θ{index}") == theta
     assert (table["unit"] != "").all()
 
 
 def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(table):
     part = "the paper's equation judged by forces with inertia"
-    largest = value(table, part, "largest difference of a force of the screen")
+    largest = value(table, part, "worst relative error of the forces themselves, screen")
     assert largest == pytest.approx(100 * (1 - 1 / MORE), rel=1e-9)
     judged = f"global error, fit to {FITS['screen_fit']}"
     assert value(table, part, judged, "paper_equation") == pytest.approx(0.533, abs=1e-3)
@@ -106,7 +106,7 @@ def test_the_command_writes_both_files(study, other, tmp_path):
     assert cli.main(["equations", str(study.root), str(other), *paths]) == 0
     table = pd.read_csv(tmp_path / "t.csv")
     text = (tmp_path / "t.md").read_text(encoding="utf-8")
-    assert text.count("\n| ") == len(table) + 2 * table["part"].nunique()
+    assert text.count("\n| ") == len(table) + 2 * (table["part"].nunique() + 1) + 3
 
 
 def test_a_study_that_is_not_made_is_named(study, tmp_path):

@@ -41,7 +41,7 @@ DOME = {"kind": "formula", "expression": "1 - 0.3*(r/0.01)**2"}
 
 
 def profile(settings: dict[str, Any]) -> Profile:
-    return make_profile(surface_radius_m=RADIUS_M, folder=Path(), **settings)
+    return make_profile(surface_radius_m=RADIUS_M, **settings)
 
 
 def raster(step_mm: float) -> tuple[np.ndarray, np.ndarray]:

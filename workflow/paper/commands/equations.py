@@ -5,16 +5,12 @@
 Both studies must be made; the tables say whether five points are still enough.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from paper.equations import Study, compare, to_markdown
-from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,4 +23,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     table = compare(Study(options.paper), Study(options.inertia))
     write_table(table, options.output)
-    write_markdown(to_markdown(table), options.markdown)
+    write_text(to_markdown(table), options.markdown)

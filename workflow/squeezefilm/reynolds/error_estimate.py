@@ -14,9 +14,10 @@ from squeezefilm.reynolds.grid import Grid
 # pairs of grids, drawn over ε 0.01–0.95 and σ 0.1–3e5.
 MOMENTS = 3
 MOMENT_FACTOR = 2.0
-# In a thin layer at the rim all moments change like the force, which may be by little. So much of the
-# mean size of the change counts too: of 120 films (ε 0.02–0.9, σ 0.3–1e5) one, a piston at ε 0.87,
-# had 1.5 times its estimate without. Four times as much made pistons at 1e-6 three times as dear.
+# In a thin layer at the rim all moments change like the force, which may be by little. So much of
+# the mean size of the change counts too: of 120 films (ε 0.02–0.9, σ 0.3–1e5) one, a piston at ε
+# 0.87, had 1.5 times its estimate without. Four times as much made pistons at 1e-6 three times as
+# dear.
 SIZE_SHARE = 5e-4
 # Share of the tolerance that Newton's iteration may leave; the resolution gets the rest.
 ITERATION_SHARE = 0.2

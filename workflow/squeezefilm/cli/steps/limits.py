@@ -8,8 +8,6 @@ that leaves out, and `sigma` the squeeze number. Models may use these columns be
 Where the limit does not hold, the numbers are left out and `status` says so.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table

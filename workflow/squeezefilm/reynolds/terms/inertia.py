@@ -49,6 +49,8 @@ class Inertia(Term):
     HOOKS = ("residual", "response", "step", "carry")
     UNKNOWN_FIELDS = 2
     OWN_FIELDS = 27
+    SPACE_PRODUCTS = 7
+    TIME_PRODUCTS = 8
     ESTIMATE_MARGIN = 2.0
     CARRYING = ("carry_flux_x", "carry_flux_y")
 

@@ -6,8 +6,6 @@ gas' inertia the next order is ε²/σ, without it ε²/σ^(3/2): there `limit_n
 is exact to ε². A scene whose inertia is `auto` counts as having it, for limits cost the same.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
@@ -90,8 +88,7 @@ def _has_inertia(scene: Scene) -> bool:
 def limit_table_of(config: Config) -> LimitTable:
     """The table of a study's limits, checked at random points.
 
-    Raises:
-        InputError: where the limits do not hold all over the space.
+    Raises InputError where the limits do not hold all over the space.
     """
     box = box_of(config).ranges
     box.pop("hv_m")
