@@ -65,6 +65,9 @@ def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(table):
     part = "the paper's equation judged by forces with inertia"
     largest = value(table, part, "worst relative error of the forces themselves, screen")
     assert largest == pytest.approx(100 * (1 - 1 / MORE), rel=1e-9)
+    for which in ("least", "largest"):
+        change = value(table, part, f"{which} change of a force, screen")
+        assert change == pytest.approx(100 * (MORE - 1), rel=1e-9)
     judged = f"global error, fit to {FITS['screen_fit']}"
     assert value(table, part, judged, "paper_equation") == pytest.approx(0.533, abs=1e-3)
     assert value(table, part, judged) > 1.7

@@ -159,6 +159,9 @@ def _transferred(paper: Study, inertia: Study) -> Iterator[tuple[str, str, float
         yield (f"global error, fit to {FITS[fit_name]}", "%", errors[0], errors[1])
     mine, theirs = (study.forces("screen")["force_n"].to_numpy() for study in (paper, inertia))
     yield "global error of the forces themselves, screen", "%", 0.0, _global_percent(mine, theirs)
+    change = 100 * (theirs / mine - 1)
+    yield "least change of a force, screen", "%", 0.0, float(change.min())
+    yield "largest change of a force, screen", "%", 0.0, float(change.max())
     worst = 100 * float(np.abs(mine / theirs - 1).max())
     yield "worst relative error of the forces themselves, screen", "%", 0.0, worst
 
