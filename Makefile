@@ -45,7 +45,7 @@ paper-inertia: paper
 quick: $(VENV)/.run
 	$(SNAKEMAKE) --configfile config/quick.yaml
 
-# All studies are checked, also when the first one fails.
+# All studies are checked, also when one fails.
 check: $(VENV)/.run
 	failed=0; for study in $(STUDIES); do \
 		$(SNAKEMAKE) check --configfile config/$$study.yaml || failed=1; done; exit $$failed
