@@ -21,7 +21,9 @@ EXAMPLE = "vibrometer"
 LONGEST = 60
 # The example is compared with the paper's equation; a study of one's own has what it needs.
 EQUATION_OF_THE_EXAMPLE = "  inertia: none\n"
-EQUATION_OF_A_STUDY = "  inertia: auto # included where it changes a force by model_tolerance\n"
+EQUATION_OF_A_STUDY = (
+    "  inertia: auto # included where it changes a force by solver.model_tolerance\n"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
