@@ -25,7 +25,7 @@ if BOTH_MADE:
             "<logs>/table/equations.log",
         localrule: True
         conda:
-            "../../envs/tables.yaml"
+            "../../envs/fit.yaml"
         params:
             sides=" ".join(SIDES.values()),
         message:
