@@ -129,9 +129,7 @@ def moved_by_leaving_out(
     return len(without), change[np.isfinite(change)]
 
 
-def cost_ratio(
-    scenes: Sequence[Scene], *, tolerance: float, repeats: int, device: Device
-) -> float:
+def cost_ratio(scenes: Sequence[Scene], *, tolerance: float, repeats: int, device: Device) -> float:
     """Processor time of scenes with inertia over that of the same scenes without, medians."""
 
     def seconds(inertia: str) -> Callable[[], float]:
