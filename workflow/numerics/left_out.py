@@ -32,6 +32,7 @@ NEGLIGIBLE = 1e-14
 SLIDING = {"speed_x_m_per_s": NEGLIGIBLE}
 RAREFIED = {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE * 1e-6}
 HEATED = {"polytropic_exponent": 1 + NEGLIGIBLE}
+HEAVY = {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE}
 # A grid that is fine enough for every scene of the paper's space, and the one it is checked with.
 ONE_FOR_ALL = (
     Grid(nx=28, ny=28, nt=16, fold_x=False, fold_y=False),
@@ -88,6 +89,7 @@ def measure(
             "bearing term": _with(finger=SLIDING),
             "rarefaction": _with(gas=RAREFIED),
             "heating": _with(gas=HEATED),
+            "inertia": _with(gas=HEAVY),
             "finest modes for all": _one_grid,
             "everything": _with(finger=SLIDING, gas=RAREFIED | HEATED, solve=_one_grid),
         }
