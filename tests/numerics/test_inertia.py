@@ -212,7 +212,7 @@ def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
         ({}, {"shape": "ellipse"}, "auto", "inertia is not known under this finger"),
         ({}, {"gap": GapShape(tilt_x_m=1e-6)}, "auto", "inertia is not known under this finger"),
         ({}, {}, "march", "march does not know inertia"),
-        ({}, {}, "fast-limit", "fast-limit does not know this scene's"),
+        ({"profile": PISTON}, {}, "closed-form", "closed-form does not know this scene's"),
     ],
 )
 def test_what_does_not_know_inertia_refuses_it(

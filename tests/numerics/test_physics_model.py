@@ -1,5 +1,8 @@
 """The physics limit as a force model: nothing fitted, better than the paper's fitted formula."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -80,3 +83,49 @@ def test_each_corrective_parameter_makes_it_better(paper, control):
     assert errors[1] < errors[0] / 10
     assert errors[2] < errors[1] / 5
     assert errors[3] < errors[2] / 2
+
+
+def with_inertia(table: pd.DataFrame, paper: Config) -> tuple[Factors, np.ndarray, np.ndarray]:
+    """A plan's factors with the limits, their errors and the forces by the periodic state."""
+    scenes = [scene_of(point, paper) for point in scene_points(table)]
+    scenes = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
+    known = with_limits(table, scenes)
+    solutions = solve(scenes, tolerance=1e-5, method="periodic")
+    force_n = np.array([each.force_n for each in solutions])
+    return factors_of(known), known["limit_error_n"].to_numpy(), force_n
+
+
+def test_with_inertia_too_it_needs_no_fitted_parameter(paper) -> None:
+    """On the screen and on random points; inertia itself is 2 to 10 % of these forces."""
+    random = random_plan(points=200, seed=11, **box_of(paper).ranges)
+    plan, _, plan_n = with_inertia(reference_table("four_factor"), paper)
+    for table in (reference_table("screen"), random):
+        factors, error_n, force_n = with_inertia(table, paper)
+        limit_n = factors.column("limit_n")
+        assert global_error("limit", (), (factors, force_n)) < 1.5e-4
+        assert np.abs(limit_n / force_n - 1).max() < 3e-4
+        assert np.all(np.abs(limit_n - force_n) < error_n)
+        assert global_error("fast_limit", (), (factors, force_n)) < 0.012
+        for name in ("limit_1", "limit_2"):
+            theta = fit_model(get_model(name), plan, plan_n).theta
+            assert global_error(name, theta, (factors, force_n)) < 1.5e-4
+
+
+def test_inertia_to_be_decided_is_in_the_limits(paper) -> None:
+    table = reference_table("screen").head(4)
+    scenes = [scene_of(point, paper) for point in scene_points(table)]
+    known = {}
+    for choice in ("none", "auto", "included"):
+        theirs = [replace(each, gas=replace(each.gas, inertia=choice)) for each in scenes]
+        known[choice] = with_limits(table, theirs)
+    pd.testing.assert_frame_equal(known["auto"], known["included"])
+    assert np.all(known["included"]["limit_n"] > 1.01 * known["none"]["limit_n"])
+
+
+def test_table_of_limits_with_inertia_states_its_error(paper, monkeypatch) -> None:
+    """It has more gaps: inertia grows like the square of the gap. Here for a centred finger."""
+    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
+    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
+    gas = paper["gas"] | {"inertia": "auto"}
+    study = Config(path=paper.path, sections=paper.sections | {"gas": gas})
+    assert limits.limit_table_of(study).error < 1e-6

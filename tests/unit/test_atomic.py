@@ -12,9 +12,8 @@ import pytest
 
 from reporting.figures.parts import style
 from squeezefilm.io import atomic, job
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.markdown import write_markdown
 from squeezefilm.io.tables import write_json, write_table
 
 TABLE = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6]})
@@ -29,7 +28,7 @@ WRITERS = {
     "table.csv": lambda path: write_table(TABLE, path),
     "table.parquet": lambda path: write_table(TABLE, path),
     "fit.json": lambda path: write_json({"theta": [1.0]}, path),
-    "table.md": lambda path: write_markdown("text\n", path),
+    "table.md": lambda path: write_text("text\n", path),
     "figure.png": draw,
     "figure.svg": draw,
 }
@@ -75,7 +74,7 @@ def test_twins_that_write_the_same_file_do_not_meet(tmp_path):
 
 def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repository, tmp_path):
     path = tmp_path / "plan" / "forces.csv"
-    write_markdown("before", path)
+    write_text("before", path)
     code = (
         "import os, signal; from squeezefilm.io.atomic import whole_file\n"
         f"with whole_file({str(path)!r}) as part:\n"
@@ -106,10 +105,10 @@ def test_a_job_whose_run_was_followed_by_another_writes_nothing(tmp_path, monkey
     run = tmp_path / "run_cards" / "first"
     path = tmp_path / "forces.csv"
     monkeypatch.setenv(job.RUN_VARIABLE, str(run))
-    write_markdown(json.dumps({"run": "first"}), run.parent / job.CURRENT)
-    write_markdown("of the first run", path)
-    write_markdown(json.dumps({"run": "second"}), tmp_path / "new")
+    write_text(json.dumps({"run": "first"}), run.parent / job.CURRENT)
+    write_text("of the first run", path)
+    write_text(json.dumps({"run": "second"}), tmp_path / "new")
     (tmp_path / "new").replace(run.parent / job.CURRENT)
     with pytest.raises(job.Superseded, match="second has begun: nothing is written"):
-        write_markdown("late", path)
+        write_text("late", path)
     assert path.read_text() == "of the first run"

@@ -25,6 +25,7 @@ PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
 ROOMS = {path.stem: described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"))}
 FIGURES = [name for name, room in ROOMS.items() if room.builds]
 UNITS = {"fig05": "(mm)", "fig06": "(mm)", "fig15": "(mm)", "fig14": "(%)", "uncertainty": "(N)"}
+SHOWN = ("amplitude_ratio", "force_n", "relative_error_percent", "hv_um", "phi_r_mm")
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +59,6 @@ def test_what_is_read_of_a_figure_is_what_its_module_has(name):
     assert room.inputs == module.INPUTS
     assert room.sections == getattr(module, "SECTIONS", ())
     assert room.builds == hasattr(module, "build")
-    assert module.COLUMNS
     assert callable(module.draw)
 
 
@@ -100,16 +100,15 @@ def test_a_drawing_is_its_tables_and_nothing_elses(name, tables, tmp_path):
     assert svg == saved(name, data, tmp_path / "b.svg")
     assert data["note"].iloc[0].split()[0].encode() in svg  # text stays text
     ElementTree.fromstring(svg)
-    shown = ("amplitude_ratio", "force_n", "relative_error_percent", "hv_um", "phi_r_mm")
-    data.loc[len(data) // 2, next(column for column in shown if column in data)] *= 0.9
+    data.loc[len(data) // 2, next(column for column in SHOWN if column in data)] *= 0.9
     assert saved(name, data, tmp_path / "c.svg") != svg
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_table_without_a_column_is_refused(name, tables, tmp_path, capsys):
-    missing = figure_module(name).COLUMNS[0]
-    path = tmp_path / "t.csv"
-    pd.read_csv(tables[name]).drop(columns=missing).to_csv(path, index=False)
+    data, path = pd.read_csv(tables[name]), tmp_path / "t.csv"
+    missing = next(column for column in SHOWN if column in data)
+    data.drop(columns=missing).to_csv(path, index=False)
     assert cli.main(["plot", name, str(path), "--output", str(tmp_path / "t.png")]) == 2
     message = capsys.readouterr().err
     assert "t.csv" in message
@@ -208,9 +207,8 @@ def test_what_has_no_style_is_refused_and_not_left_out(name, row):
 
 
 def test_every_method_that_is_measured_has_a_style():
-    film = measured.COLD_FILM
-    methods = {*measured.OWN, *(peer(film, 0)[0] for peer in measured.PEERS)}
-    assert methods == {method for method, _, _ in figure_module("work_precision").STYLES}
+    styles = figure_module("work_precision").STYLES
+    assert {*measured.OWN, *measured.peers()} == {method for method, _, _ in styles}
 
 
 def test_error_estimates_are_never_rounded_down():

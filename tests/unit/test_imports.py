@@ -22,7 +22,7 @@ def library(tmp_path):
         "__main__.py": "from squeezefilm.cli.main import main",
         "cli/__init__.py": "",
         "cli/main.py": "import importlib",
-        "cli/use/__init__.py": "COMMANDS = {'press': 'press a finger'}",
+        "cli/use/__init__.py": "",
         "cli/use/press.py": (
             "SECTIONS: tuple[str, ...] = ('gas', 'finger')\n"
             "import squeezefilm.solver.core as core, os.path\n"
@@ -60,6 +60,7 @@ def names(library: Path, *words: str) -> set[str]:
 PRESS = {
     "__init__.py",
     "cli/__init__.py",
+    "cli/use/__init__.py",
     "cli/use/press.py",
     "cli/use/helper.py",
     "late.py",
@@ -82,10 +83,20 @@ def test_a_module_loaded_by_name_is_added(library):
     assert names(library, "helper", "squeezefilm.plugin") == {
         "__init__.py",
         "cli/__init__.py",
+        "cli/use/__init__.py",
         "cli/use/helper.py",
         "plugin.py",
         "late.py",
     }
+
+
+def test_modules_that_are_found_in_a_package_are_followed(library):
+    (library / "late.py").write_text("peers = modules_in('squeezefilm.peers')")
+    for name in ("__init__.py", "one.py", "two.py", "deep/__init__.py", "deep/three.py"):
+        (library / "peers" / name).parent.mkdir(parents=True, exist_ok=True)
+        (library / "peers" / name).write_text("")
+    found = {name for name in names(library, "press") - PRESS if "deep" not in name}
+    assert found == {"peers/__init__.py", "peers/one.py", "peers/two.py"}
 
 
 def test_what_does_not_exist_is_refused(library):
@@ -103,6 +114,7 @@ def test_sections_are_read_without_running_the_module(library):
     assert code.sections("press", "squeezefilm.late") == ("gas", "finger")
     assert code.sections("helper", key="a") == ("gas",)
     assert code.sections("helper", key="b") == ()
+    assert code.sections("helper", "squeezefilm.late", key="b") == ()
     with pytest.raises(InputError, match="SECTIONS must be a literal"):
         code.sections("helper", key="c")
     (library / "cli/use/press.py").write_text("SECTIONS = tuple(range(3))")
@@ -221,3 +233,9 @@ def test_every_module_that_a_command_loads_is_among_its_code(command, loaded_by_
     own = WORKFLOW / f"{CODE.command_module(command).replace('.', '/')}.py"
     assert own in loaded
     assert loaded - nothing - frame <= set(CODE.of(command))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_that_reads_a_study_says_which_sections(command):
+    text = Path(CODE.root / f"{COMMANDS[command].replace('.', '/')}.py").read_text("utf-8")
+    assert ("load_config(" in text) == ("SECTIONS" in text)

@@ -112,23 +112,23 @@ def test_distinct_scenes_cost_little_information():
     criterion = Criterion(placed_gradient, PLACED, apart=scenes, separation=0.25)
     found = search_design(criterion, 5, seed=0)
     assert pair_distances(scenes(found.points)).min() > 0.25 - 1e-8
-    best = exchange_design(criterion, 5, levels=7, starts=2)
+    best = exchange_design(criterion, 5, levels=7)
     assert d_efficiency(placed_gradient(found.points), placed_gradient(best.points)) >= 0.999
-    free = exchange_design(Criterion(placed_gradient, PLACED), 5, levels=7, starts=2)
+    free = exchange_design(Criterion(placed_gradient, PLACED), 5, levels=7)
     loss = d_efficiency(placed_gradient(found.points), placed_gradient(free.points))
     assert 0.97 < loss < 0.999
 
 
 def test_equal_seeds_give_equal_designs():
     criterion = Criterion(film_gradient, FILM)
-    first, second = (search_design(criterion, 3, seed=4, generations=10) for _ in range(2))
+    first, second = (search_design(criterion, 3, seed=4) for _ in range(2))
     np.testing.assert_array_equal(first.points, second.points)
 
 
 def test_bad_requests_are_refused():
     criterion = Criterion(film_gradient, FILM, coordinates("unit", FILM))
     with pytest.raises(InputError, match="singular"):
-        search_design(criterion, 2, seed=1, generations=2)
+        search_design(criterion, 2, seed=1)
     with pytest.raises(InputError, match="unit, micrometre, metre, scene"):
         coordinates("inch", FILM)
     with pytest.raises(InputError, match="lengths"):

@@ -18,9 +18,9 @@ AT = Factors.of(h0_m=5e-6, hv_m=5e-6 * EPSILON)
 def test_ranges_of_a_straight_line_are_the_intervals_of_student():
     force = 0.1 + 2 * EPSILON + 0.01 * np.sin(40 * EPSILON)
     theta = local_fit(LINE, AT, force, [0.0, 1.0])
-    ranges = parameter_ranges(LINE, AT, force, theta, level=0.9)
+    ranges = parameter_ranges(LINE, AT, force, theta)
     known = stats.linregress(EPSILON, force)
-    t = stats.t.ppf(0.95, len(force) - 2)
+    t = stats.t.ppf(0.975, len(force) - 2)
     for found, value, error in (
         (ranges[0], known.intercept, known.intercept_stderr),
         (ranges[1], known.slope, known.stderr),

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import nan
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,9 +26,7 @@ def test_dimensionless_numbers_of_the_paper(scene):
 
 
 def test_sinc_is_one_in_the_middle_and_zero_at_its_node():
-    profile = make_profile(
-        kind="sinc", surface_radius_m=0.01, folder=Path(), wave_number_per_m=109.8
-    )
+    profile = make_profile(kind="sinc", surface_radius_m=0.01, wave_number_per_m=109.8)
     assert profile == Sinc(109.8)
     x_m = np.array([0.0, 1 / 109.8, 0.5 / 109.8])
     values = profile.amplitude(x_m=x_m, y_m=np.zeros(3))

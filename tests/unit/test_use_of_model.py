@@ -18,7 +18,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.typed_units import quantities, with_error
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
-from squeezefilm.models.generated_code import c_source, python_source
+from squeezefilm.models.generated_code import LANGUAGES, source
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.trust import Trust, Unseen
 from squeezefilm.studies.config import load_config
@@ -271,7 +271,7 @@ exported = pytest.mark.parametrize(("model", "theta"), EXPORTED, ids=lambda each
 def test_the_python_function_is_the_model(model, theta, write_fit):
     fit = read_fit(write_fit(model, theta))
     names: dict = {}
-    exec(python_source(fit), names)
+    exec(source(fit, "python"), names)
     factors = Factors.of(**sample())
     expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
     columns = [factors.column(name) for name in model.factor_names]
@@ -286,7 +286,7 @@ def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path):
     if compiler is None:
         pytest.skip("no C compiler (cc or gcc) here")
     fit = read_fit(write_fit(model, theta))
-    (tmp_path / "model.h").write_text(c_source(fit))
+    (tmp_path / "model.h").write_text(source(fit, "c"))
     count = len(model.factor_names)
     arguments = ", ".join(f"p[{index}]" for index in range(count))
     reading = "%lf" * count
@@ -323,21 +323,21 @@ def test_generated_code_knows_the_range_of_the_ratio_too(write_fit):
         trust=Trust.of(points, None).to_dict(),
         ranges={"h0_m": [5e-6, 10e-6], "hv_m": [0.5e-6, 6e-6]},
     )
-    exec(python_source(read_fit(fit)), names)
+    exec(source(read_fit(fit), "python"), names)
     inside = names["in_range"]
     assert [inside(5e-6, 2e-6), inside(5e-6, 4e-6), inside(10e-6, 6e-6)] == [True, False, True]
     assert not inside(0.0, 1e-6)
-    assert "&& hv_m / h0_m <= 0.6" in c_source(read_fit(fit))
+    assert "&& hv_m / h0_m <= 0.6" in source(read_fit(fit), "c")
 
 
 def test_outside_its_domain_generated_code_gives_no_number(write_fit):
     names: dict = {}
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"]))
-    exec(python_source(fit), names)
+    exec(source(fit, "python"), names)
     assert math.isnan(names["force_n"](1e-6, 0.99e-6))
     assert math.isnan(names["force_n"](0.0, 1e-6))
     limit: dict = {}
-    exec(python_source(read_fit(write_fit(get_model("limit_2"), THETA["limit_2"]))), limit)
+    exec(source(read_fit(write_fit(get_model("limit_2"), THETA["limit_2"])), "python"), limit)
     assert math.isnan(limit["force_n"](5e-6, 1e-6, 5e-3, 0.0))
 
 
@@ -356,9 +356,9 @@ def test_an_export_goes_to_a_file_or_is_refused(write_fit, tmp_path, refused):
 @pytest.mark.parametrize("name", ['x"); system("true', "a b", "*/", "é", ""])
 def test_a_fits_name_cannot_carry_code(name, write_fit):
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"], model=name))
-    for source in (c_source, python_source):
+    for language in LANGUAGES:
         with pytest.raises(InputError, match="cannot name a function"):
-            source(fit)
+            source(fit, language)
 
 
 def test_the_table_of_limits_states_its_error(limit_table):

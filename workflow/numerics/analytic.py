@@ -4,8 +4,6 @@ Forces are means over a period in units of p0 times the finger's area; s is the 
 on the unit square. They share no code with the solver that they check.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,8 +1,6 @@
 """How accurate must a simulation be? Force errors, and what they do to the fit and the design."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,22 +9,13 @@ import pandas as pd
 from squeezefilm.designs.box import Box, coordinates
 from squeezefilm.designs.paper_design import Criterion, descend
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.progress import say
 from squeezefilm.models.fitting.fit import fit_model
 from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import TWO_FACTOR, Factors
 
 FORCE_ERRORS = tuple(10.0**-k for k in range(2, 9))
 SUCCESS = 1e-6  # relative, on the global error of the best fit
-COLUMNS = (
-    "quantity",
-    "points",
-    "force_error",
-    "draws",
-    "value",
-    "theta0",
-    "theta1",
-    "theta2",
-)
 
 
 def conditioning(
@@ -41,9 +30,8 @@ def conditioning(
     scaling: str,
     bounds: Sequence[float],
     seeds: int,
-    log: Callable[[str], None],
 ) -> pd.DataFrame:
-    """Rows of COLUMNS: `quantity` says what `value` is, `points` on which forces.
+    """Rows in which `quantity` says what `value` is, `points` on which forces.
 
     theta: the fit on the screen; triplets: D-optimal designs of three points each, (3, 2), in
     metres, found for it; scaling: of the distances in their criterion; seeds: draws of force
@@ -57,7 +45,7 @@ def conditioning(
         best = local_fit(TWO_FACTOR, factors, force, theta)
         rows += list(_information(points, best, factors))
         for size in FORCE_ERRORS:
-            log(f"{points}, force error {size:g}")
+            say(f"{points}, force error {size:g}")
             rows += list(
                 _moved(points, factors, force, best, size=size, draws=seeds, screen=screen)
             )
@@ -75,9 +63,9 @@ def conditioning(
             }
         )
     for bound in bounds:
-        log(f"fits within ±{bound:g}")
+        say(f"fits within ±{bound:g}")
         rows.append(_success_rate(screen, screen_force_n, bound=bound, seeds=seeds))
-    return pd.DataFrame(rows).reindex(columns=list(COLUMNS))
+    return pd.DataFrame(rows)
 
 
 def _information(points: str, theta: np.ndarray, factors: Factors) -> Iterator[dict[str, Any]]:

@@ -1,33 +1,17 @@
 """Run time and memory against the size of the problem, each size in a process of its own."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
-import subprocess
-import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.errors import RunError
+from numerics.timing import run_python
+from squeezefilm.io.progress import say
 
-COLUMNS = (
-    "axis",
-    "method",
-    "size",
-    "scenes",
-    "cpu_seconds",
-    "wall_seconds",
-    "peak_bytes",
-    "exponent",
-    "exponent_from",
-    "device",
-)
 # Random operating points of the paper's experimental space, as a user's plan has them.
 PRELUDE = """
 import json, resource, time
@@ -120,16 +104,15 @@ def cost(
     repeats: int,
     device: str,
     device_name: str,
-    log: Callable[[str], None],
 ) -> pd.DataFrame:
-    """A row of COLUMNS per size; seconds and bytes of the whole run, exponents of the processor
+    """A row per size; seconds and bytes of the whole run, exponents of the processor
     time, or of the wall time along the axis of cores.
 
     Raises RunError when a process fails.
     """
     rows = []
     for size in chosen:
-        log(f"{size.axis}, {size.method}: {size.size}")
+        say(f"{size.axis}, {size.method}: {size.size}")
         cpu, wall, peak = _run(size, repeats=repeats, device=device)
         rows.append(
             {
@@ -143,7 +126,7 @@ def cost(
                 "device": device_name,
             }
         )
-    table = pd.DataFrame(rows).reindex(columns=list(COLUMNS))
+    table = pd.DataFrame(rows)
     for (axis, _), line in table.groupby(["axis", "method"]):
         seconds = "wall_seconds" if axis == "cores" else "cpu_seconds"
         start, exponent = _exponent(line["size"], line[seconds])
@@ -155,16 +138,8 @@ def cost(
 def _run(size: Size, *, repeats: int, device: str) -> tuple[float, float, int]:
     code = PRELUDE.format(device=device, body=size.body, prepare=size.prepare, repeats=repeats)
     threads = {} if size.threads is None else {"POCL_MAX_PTHREAD_COUNT": str(size.threads)}
-    run = subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, **threads},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if run.returncode:
-        raise RunError(f"{size.axis}, {size.size}: {run.stderr.strip().splitlines()[-1]}")
-    cpu, wall, peak = json.loads(run.stdout.splitlines()[-1])
+    said = run_python(code, what=f"{size.axis}, {size.size}", environment=threads)
+    cpu, wall, peak = json.loads(said.splitlines()[-1])
     return cpu, wall, peak
 
 

@@ -1,7 +1,5 @@
 """Gap and pressure along the middle of a finger over a period, for pictures."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 
@@ -11,11 +9,10 @@ from squeezefilm.reynolds.modes.galerkin import pressure_at
 POINTS, TIMES = 41, 16
 TOLERANCE = 1e-4
 """Of the largest pressure: a picture shows no more."""
-COLUMNS = ("point_id", "phase_deg", "x_mm", "surface_um", "finger_um", "overpressure_kpa")
 
 
 def cross_section(scene: Scene) -> pd.DataFrame:
-    """The film along y = middle of a finger, columns COLUMNS: a row for each time and place.
+    """The film along y = middle of a finger: a row for each time and place.
 
     x_mm counts from the finger's centre along its own axis, heights from the surface at rest. The
     pressure is that of the periodic state in the pad's modes, NaN where there is none to show.
@@ -38,6 +35,5 @@ def cross_section(scene: Scene) -> pd.DataFrame:
             "surface_um": 1e6 * surface.ravel(),
             "finger_um": (1e6 * finger * shape).ravel(),
             "overpressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * pressure).ravel(),
-        },
-        columns=list(COLUMNS),
+        }
     )

@@ -1,9 +1,7 @@
 """Films given by their dimensionless numbers, as scenes for the solver and for the yardsticks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from math import atan2, degrees, hypot, pi
+from math import atan2, ceil, degrees, hypot, log, log10, pi, sqrt
 
 import numpy as np
 
@@ -127,3 +125,24 @@ class Mirrored:
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return self.profile.amplitude(x_m=x_m, y_m=-y_m)
+
+
+def balanced_points(film: Film, tolerance: float, *, fold: Fold) -> tuple[int, int, int]:
+    """nx, ny and nt of a grid whose errors in space and in time are both about the tolerance.
+
+    Chebyshev points resolve a layer of width 1/sqrt(sigma) with a number in proportion to
+    sigma^(1/4); the harmonics of powers of 1/(1 + epsilon sin T) fall by a factor rho each. Counts
+    are multiples of four, of folded sides those of one half.
+    """
+    rho = film.epsilon / (1 + sqrt(1 - film.epsilon**2))
+    digits = -log10(tolerance)
+
+    def points(sigma: float, folded: bool) -> int:
+        nodes = 7 + 0.36 * digits * sigma**0.25
+        return 4 * ceil(nodes / (8 if folded else 4))
+
+    return (
+        points(film.sigma, fold[0]),
+        points(film.sigma * film.aspect**2, fold[1]),
+        max(8, 4 * ceil(log(tolerance) / log(rho) / 4)),
+    )

@@ -2,20 +2,19 @@
 
 Random scenes over the study's four factors are solved as they need, and again with one thing put
 back: the mirror halves, a term that is zero, more modes than wanted, time where a limit would do.
-A term is put back by a coefficient so small that it changes nothing but has to be computed.
+A term is put back, as it says itself, so little that it changes nothing but has to be computed.
 """
 
-from __future__ import annotations
-
-import time
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from statistics import median
 from typing import Any
 
 import numpy as np
 
+from numerics import timing
+from numerics.timing import Timed
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
@@ -26,13 +25,9 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import TERMS
 
 Solve = Callable[..., list[Solution]]
-NEGLIGIBLE = 1e-14
-SLIDING = {"speed_x_m_per_s": NEGLIGIBLE}
-RAREFIED = {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE * 1e-6}
-HEATED = {"polytropic_exponent": 1 + NEGLIGIBLE}
-HEAVY = {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE}
 # A grid that is fine enough for every scene of the paper's space, and the one it is checked with.
 ONE_FOR_ALL = (
     Grid(nx=28, ny=28, nt=16, fold_x=False, fold_y=False),
@@ -81,42 +76,29 @@ def measure(
     """
     judges = _always_periodic(scenes, tolerance=reference, device=device)
     exact = np.array([each.force_n for each in judges])
+    terms = [kind for kind in TERMS if kind.put_back(scenes[0]) != scenes[0]]
     variants = []
     for tolerance in tolerances:
         ways: dict[str, Solve] = {"": solve, "time (always periodic)": _always_periodic}
         ways |= {
             "mirror halves": partial(_changed_needs, fold_x=False, fold_y=False),
-            "bearing term": _with(finger=SLIDING),
-            "rarefaction": _with(gas=RAREFIED),
-            "heating": _with(gas=HEATED),
-            "inertia": _with(gas=HEAVY),
+            **{kind.ABSENT.what: _with(kind.put_back) for kind in terms},
             "finest modes for all": _one_grid,
-            "everything": _with(finger=SLIDING, gas=RAREFIED | HEATED, solve=_one_grid),
+            "everything": _with(*(kind.put_back for kind in terms), solve=_one_grid),
         }
         base = 0.0
         for put_back, way in ways.items():
-            solutions, cpu, wall = _timed(
-                partial(way, scenes, tolerance=tolerance, device=device), repeats=repeats
-            )
-            base = base or cpu
-            variants.append(
-                _variant(
-                    put_back, solutions, exact, tolerance=tolerance, cpu=cpu, wall=wall, base=base
-                )
-            )
+            run = partial(way, scenes, tolerance=tolerance, device=device)
+            timed = timing.measure(run, repeats=repeats, long_seconds=math.inf)
+            base = base or timed.cpu_seconds
+            variants.append(_variant(put_back, timed, exact, tolerance=tolerance, base=base))
     return variants
 
 
 def _variant(
-    put_back: str,
-    solutions: Sequence[Solution],
-    exact: np.ndarray,
-    *,
-    tolerance: float,
-    cpu: float,
-    wall: float,
-    base: float,
+    put_back: str, timed: Timed[list[Solution]], exact: np.ndarray, *, tolerance: float, base: float
 ) -> Variant:
+    solutions = timed.result
     force = np.array([solution.force_n for solution in solutions])
     estimate = np.array([solution.force_error_n for solution in solutions])
     error = np.abs(force - exact)
@@ -126,26 +108,12 @@ def _variant(
         tolerance=tolerance,
         methods="; ".join(f"{name} {names.count(name)}" for name in dict.fromkeys(names)),
         scenes=len(solutions),
-        cpu_seconds=cpu,
-        wall_seconds=wall,
-        cpu_ratio=cpu / base,
+        cpu_seconds=timed.cpu_seconds,
+        wall_seconds=timed.wall_seconds,
+        cpu_ratio=timed.cpu_seconds / base,
         worst_error=float(np.max(error / np.abs(exact))),
         covered=float(np.mean(error <= estimate)),
     )
-
-
-def _timed(
-    run: Callable[[], list[Solution]], *, repeats: int
-) -> tuple[list[Solution], float, float]:
-    """The solutions, and median processor and wall seconds after a call that warms the kernels."""
-    solutions = run()
-    cpu, wall = [], []
-    for _ in range(repeats):
-        start_cpu, start_wall = time.process_time(), time.perf_counter()
-        solutions = run()
-        cpu.append(time.process_time() - start_cpu)
-        wall.append(time.perf_counter() - start_wall)
-    return solutions, median(cpu), median(wall)
 
 
 def _always_periodic(
@@ -161,24 +129,13 @@ def _changed_needs(
     return solve_periodic(scenes, changed, tolerance=tolerance, device=device)
 
 
-def _with(
-    *,
-    gas: dict[str, Any] | None = None,
-    finger: dict[str, Any] | None = None,
-    solve: Solve = _always_periodic,
-) -> Solve:
-    """The way to solve scenes with another gas or finger."""
+def _with(*changes: Callable[[Scene], Scene], solve: Solve = _always_periodic) -> Solve:
+    """The way to solve scenes that are changed first."""
 
     def changed(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> list[Solution]:
-        others = [
-            replace(
-                scene,
-                gas=replace(scene.gas, **(gas or {})),
-                finger=replace(scene.finger, **(finger or {})),
-            )
-            for scene in scenes
-        ]
-        return solve(others, tolerance=tolerance, device=device)
+        for change in changes:
+            scenes = [change(scene) for scene in scenes]
+        return solve(scenes, tolerance=tolerance, device=device)
 
     return changed
 

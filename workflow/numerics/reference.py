@@ -13,8 +13,6 @@ Uncertainty: the change from a coarser computation, in space and time at once, a
 Source: Karniadakis and Sherwin, Spectral/hp Element Methods, 2005, chapters 2 and 4.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import pairwise

@@ -6,8 +6,6 @@ limit is what the device can do at its best: all rates are those of the fastest 
 and the peak is measured anew beside each grid, for a processor's clock changes.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -4,11 +4,8 @@ Verdicts: *solved*, all checks passed; *refused*, the solver says that it cannot
 where that is documented (`beyond`); *failed*, anything else, with the checks that did not pass.
 """
 
-from __future__ import annotations
-
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -25,6 +22,7 @@ from numerics.state_checks import check_state, unfold
 from squeezefilm.film.scene import check_scene
 from squeezefilm.film.vibration.shapes import Sinc
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.progress import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
@@ -43,40 +41,6 @@ SCRAMBLED = 1e-8
 SINGLE_PRECISION_TOLERANCE = 1e-6
 # Larger grids are not solved anew in single precision or with sums in another order.
 SMALL_GRID = 60_000
-COLUMNS = (
-    "case",
-    "group",
-    "epsilon",
-    "sigma",
-    "bearing",
-    "reynolds",
-    "profile",
-    "verdict",
-    "reason",
-    "method",
-    "force",
-    "estimated_error",
-    "method_difference",
-    "limit",
-    "limit_force",
-    "limit_difference",
-    "limit_allowed",
-    "defect",
-    "state_defect",
-    "lowest_pressure",
-    "mass_balance",
-    "piston_identity",
-    "scrambled_difference",
-    "finer_difference",
-    "single_precision_difference",
-    "residual",
-    "newton_steps",
-    "krylov_iterations",
-    "nx",
-    "ny",
-    "nt",
-    "wall_seconds",
-)
 
 
 @dataclass(frozen=True)
@@ -209,14 +173,14 @@ class _Judgement:
             self.broken.append(f"{name} {value:.1e} above {most:.1e}")
 
 
-def stability(chosen: list[Case], *, device: Device, log: Callable[[str], None]) -> pd.DataFrame:
-    """A row of COLUMNS for each case, forces in units of p0 times the area."""
+def stability(chosen: list[Case], *, device: Device) -> pd.DataFrame:
+    """A row for each case, forces in units of p0 times the area; empty what does not apply."""
     rows = []
     for case in chosen:
         row = _judge(case, device=device)
-        log(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
+        say(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
         rows.append(row)
-    return pd.DataFrame(rows).reindex(columns=list(COLUMNS))
+    return pd.DataFrame(rows)
 
 
 def _judge(case: Case, *, device: Device) -> dict[str, Any]:
@@ -358,9 +322,8 @@ def _single_precision(film: Film, solution: Solution, force: float) -> float:
 
 
 def explicit_limits() -> pd.DataFrame:
-    """Rows of COLUMNS: the step limit of an explicit march, by experiment and by theory."""
-    rows = [_explicit_limit(sigma) for sigma in (20.0, 583.0)]
-    return pd.DataFrame(rows).reindex(columns=list(COLUMNS))
+    """The step limit of an explicit march, by experiment and by theory, as rows of that table."""
+    return pd.DataFrame([_explicit_limit(sigma) for sigma in (20.0, 583.0)])
 
 
 def _explicit_limit(sigma: float) -> dict[str, Any]:

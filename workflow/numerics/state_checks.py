@@ -8,8 +8,6 @@ is evaluated with plain derivatives; what is left is a defect of discretisation,
 code alike. Nothing here is shared with the solver under test but the equation.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

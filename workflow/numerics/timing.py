@@ -1,7 +1,5 @@
 """Run times: processor time of all threads, wall time, medians of repeats, cold starts."""
 
-from __future__ import annotations
-
 import os
 import resource
 import statistics
@@ -62,6 +60,12 @@ def cold_start(code: str, *, environment: dict[str, str] | None = None) -> tuple
     Raises RunError when the code fails.
     """
     before, start = processor_seconds(), time.perf_counter()
+    run_python(code, what="a cold start", environment=environment)
+    return processor_seconds() - before, time.perf_counter() - start
+
+
+def run_python(code: str, *, what: str, environment: dict[str, str] | None = None) -> str:
+    """What a new Python process that runs some code says; RunError when it fails."""
     run = subprocess.run(
         [sys.executable, "-c", code],
         env={**os.environ, **(environment or {})},
@@ -69,7 +73,6 @@ def cold_start(code: str, *, environment: dict[str, str] | None = None) -> tuple
         text=True,
         check=False,
     )
-    wall, cpu = time.perf_counter() - start, processor_seconds() - before
     if run.returncode:
-        raise RunError(f"a cold start failed: {run.stderr.strip().splitlines()[-1]}")
-    return cpu, wall
+        raise RunError(f"{what} failed: {run.stderr.strip().splitlines()[-1]}")
+    return run.stdout

@@ -1,34 +1,29 @@
 """Error against run time of every method, each along its own path of refinement.
 
-A path is a list of settings made by a rule that is written down here, not by looking at errors:
-the parts of a method's error shall fall at the same rate from rung to rung. A rung that takes
+A path is a list of settings made by a rule that is written down, here or in the other method's own
+module, not by looking at errors: the parts of a method's error shall fall at the same rate from
+rung to rung. A rung that takes
 longer than a given time is the last of its path.
 """
 
-from __future__ import annotations
-
-import math
+import importlib
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from numerics.films import Film
-from numerics.peers import (
-    chebyshev_march,
-    finite_elements,
-    freefem,
-    method_of_lines,
-    numpy_periodic,
-)
+from numerics.films import Film, balanced_points
 from numerics.peers.fixed_grid import problems_on_grid, solve_on_grid
-from numerics.peers.yardstick import Fold, periods_to_settle
+from numerics.peers.yardstick import Fold
 from numerics.reference import Reference, reference_force
 from numerics.timing import cold_start, measure
 from squeezefilm.io.errors import RunError
+from squeezefilm.io.found import modules_in
+from squeezefilm.io.progress import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
@@ -44,34 +39,15 @@ FILMS = (
     Film("ε = 0.9, σ = 583", 0.9, 583.0),
 )
 COLD_FILM = FILMS[4]
-COLUMNS = (
-    "scene",
-    "epsilon",
-    "sigma",
-    "method",
-    "path",
-    "batch",
-    "start",
-    "settings",
-    "status",
-    "force",
-    "reference",
-    "reference_uncertainty",
-    "relative_error",
-    "estimated_error",
-    "cpu_seconds",
-    "wall_seconds",
-    "repeats",
-    "device",
-    "model_error",
-)
+COLD_PEERS = {"periodic_numpy": 5, "chebyshev_anderson": 3, "elements_anderson": 2}
+"""Methods that are started cold, each with its rung."""
+NUMPY = "NumPy, SciPy"
 # Methods by their keys; what a reader sees is the figure's matter.
 PERIODIC = "periodic"
 # Other methods of the solver, each with its own region of validity.
 LADDER = ("fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
 MARCH = "march"
 CHOSEN = "auto"
-FREEFEM = "elements_from_rest_freefem"
 OWN = (CHOSEN, PERIODIC, MARCH, *LADDER)
 
 
@@ -85,19 +61,21 @@ class Answer:
 
 
 Run = Callable[[], Answer]
-Rule = Callable[[Film, int], tuple[str, Any, Mapping[str, Any]]]
-"""From a film and a rung to a yardstick's key, its module and its settings."""
 
 
 @dataclass(frozen=True)
 class Rung:
-    """One setting of a method on its path: what it is, and the call that solves `batch` films."""
+    """One setting of a method on its path: what it is, and the call that solves `batch` films.
+
+    device: where it runs, if not on the solver's.
+    """
 
     method: str
     path: str
     settings: str
     run: Run
     batch: int = 1
+    device: str = ""
 
 
 def work_precision(
@@ -109,17 +87,16 @@ def work_precision(
     rungs: int,
     model_error: float,
     device: Device,
-    log: Callable[[str], None],
 ) -> pd.DataFrame:
-    """Rows of COLUMNS: each film by each method, forces in units of p0 l0^2, seconds per film.
+    """Rows: each film by each method, forces in units of p0 l0^2, seconds per film.
 
     repeats, longest_seconds: timings per rung, and the CPU seconds beyond which a path ends;
     batch: films solved together; rungs: the most of any path; model_error: relative error of the
-    empirical model, noted in every row; log: told of each film.
+    empirical model, noted in every row.
     """
     rows = []
     for film in films:
-        log(film.name)
+        say(film.name)
         reference = reference_force(
             epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, fold=film.fold
         )
@@ -129,8 +106,7 @@ def work_precision(
                 rows.append(row)
                 if row["cpu_seconds"] * rung.batch > longest_seconds:
                     break
-    table = pd.DataFrame(rows).assign(model_error=model_error)
-    return table[list(COLUMNS)]
+    return pd.DataFrame(rows).assign(model_error=model_error)
 
 
 def _row(
@@ -162,14 +138,8 @@ def _row(
         "cpu_seconds": timed.cpu_seconds / rung.batch,
         "wall_seconds": timed.wall_seconds / rung.batch,
         "repeats": timed.repeats,
-        "device": _device_of(rung.method, device),
+        "device": rung.device or device.name,
     }
-
-
-def _device_of(method: str, device: Device) -> str:
-    if method in OWN:
-        return device.name
-    return "FreeFEM" if method == FREEFEM else "NumPy, SciPy"
 
 
 def _paths(film: Film, *, batch: int, rungs: int, device: Device) -> Iterator[Iterator[Rung]]:
@@ -182,9 +152,9 @@ def _paths(film: Film, *, batch: int, rungs: int, device: Device) -> Iterator[It
     for method in LADDER:
         yield _limit(film, method, device=device)
     yield _marched(film, rungs=rungs, device=device)
-    for peer in PEERS:
-        if peer is not _freefem or freefem.installed():
-            yield _peer(film, peer, rungs)
+    for method, module in peers().items():
+        if getattr(module, "installed", lambda: True)():
+            yield _peer(film, method, module, rungs)
 
 
 # The solver of this project
@@ -240,26 +210,8 @@ def _fixed(film: Film, *, path: str, batch: int, rungs: int, device: Device) -> 
 
 
 def _balanced_grid(film: Film, tolerance: float, *, fold: Fold) -> Grid:
-    """A grid whose errors in space and in time are both about the tolerance.
-
-    Chebyshev points resolve a layer of width 1/sqrt(sigma) with a number in proportion to
-    sigma^(1/4); the harmonics of powers of 1/(1 + epsilon sin T) fall by a factor rho each. Counts
-    are multiples of four.
-    """
-    rho = film.epsilon / (1 + math.sqrt(1 - film.epsilon**2))
-    digits = -math.log10(tolerance)
-
-    def points(sigma: float, folded: bool) -> int:
-        nodes = 7 + 0.36 * digits * sigma**0.25
-        return 4 * math.ceil(nodes / (8 if folded else 4))
-
-    return Grid(
-        nx=points(film.sigma, fold[0]),
-        ny=points(film.sigma * film.aspect**2, fold[1]),
-        nt=max(8, 4 * math.ceil(math.log(tolerance) / math.log(rho) / 4)),
-        fold_x=fold[0],
-        fold_y=fold[1],
-    )
+    nx, ny, nt = balanced_points(film, tolerance, fold=fold)
+    return Grid(nx=nx, ny=ny, nt=nt, fold_x=fold[0], fold_y=fold[1])
 
 
 def _grid_text(grid: Grid) -> str:
@@ -296,84 +248,28 @@ def _marched(film: Film, *, rungs: int, device: Device) -> Iterator[Rung]:
 # Other people's methods
 
 
-def _peer(film: Film, rule: Rule, rungs: int) -> Iterator[Rung]:
-    for level in range(rungs):
-        method, module, settings = rule(film, level)
+def peers() -> dict[str, ModuleType]:
+    """The module of every method of numerics.peers that is compared, by the method's key."""
+    modules = [importlib.import_module(name) for name in modules_in("numerics.peers").values()]
+    return {key: module for module in modules for key in getattr(module, "METHODS", ())}
 
-        def run(module: Any = module, settings: Mapping[str, Any] = settings) -> Answer:
+
+def _peer(film: Film, method: str, module: ModuleType, rungs: int) -> Iterator[Rung]:
+    for level in range(rungs):
+        settings = module.METHODS[method](film, level)
+
+        def run(settings: Mapping[str, Any] = settings) -> Answer:
             found = module.periodic_force(
                 epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, **settings
             )
             return Answer(found.force)
 
-        shown = {name: value for name, value in settings.items() if name != "fold"}
-        text = " ".join(f"{name}={value:g}" for name, value in shown.items())
-        yield Rung(method, "balanced", text, run)
+        device = getattr(module, "DEVICE", NUMPY)
+        yield Rung(method, "balanced", _settings_text(settings), run, device=device)
 
 
-def _numpy(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
-    """The same grids, without symmetry."""
-    tolerance = 10.0 ** -(level + 1)
-    grid = _balanced_grid(film, tolerance, fold=(False, False))
-    settings = {"nx": grid.nx, "ny": grid.ny, "nt": grid.nt, "tolerance": 1e-3 * tolerance}
-    return "periodic_numpy", numpy_periodic, settings
-
-
-def _chebyshev(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
-    """Spectral in space: two points and one decade of the integrator's tolerance a rung."""
-    settings = {"points": 4 + 2 * level, "rtol": 10.0 ** -(level + 2), "fold": film.fold}
-    return "chebyshev_anderson", chebyshev_march, settings
-
-
-def _elements(film: Film, level: int) -> dict[str, Any]:
-    """Of fourth order in space and second in time: each rung divides both errors by four."""
-    return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level, "fold": film.fold}
-
-
-def _elements_marched(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
-    periods = periods_to_settle(sigma=film.sigma, tolerance=0.1 / 4**level)
-    return (
-        "elements_from_rest",
-        finite_elements,
-        _elements(film, level) | {"periods": periods},
-    )
-
-
-def _freefem(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
-    _, _, settings = _elements_marched(film, level)
-    return FREEFEM, freefem, settings
-
-
-def _elements_anderson(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
-    """The change over a period stands for an error that is larger by the number of e-folds."""
-    tolerance = 1e-3 * film.epsilon**2 / 4**level
-    settings = {"periods": 60, "tolerance": tolerance, "anderson_depth": 10}
-    return (
-        "elements_anderson",
-        finite_elements,
-        _elements(film, level) | settings,
-    )
-
-
-def _volumes(film: Film, level: int) -> tuple[str, Any, Mapping[str, Any]]:
-    """Of second order in space: each rung divides that error and the tolerances by four."""
-    settings = {
-        "cells": 6 * 2**level,
-        "rtol": 1e-3 * film.epsilon / 4**level,
-        "periods": periods_to_settle(sigma=film.sigma, tolerance=0.1 / 4**level),
-        "fold": film.fold,
-    }
-    return "volumes_from_rest", method_of_lines, settings
-
-
-PEERS: tuple[Rule, ...] = (
-    _numpy,
-    _chebyshev,
-    _elements_anderson,
-    _elements_marched,
-    _volumes,
-    _freefem,
-)
+def _settings_text(settings: Mapping[str, Any]) -> str:
+    return " ".join(f"{name}={value:g}" for name, value in settings.items() if name != "fold")
 
 
 # Cold starts
@@ -394,15 +290,15 @@ def cold_starts(*, device: Device, compiling: bool) -> pd.DataFrame:
             empty = {"POCL_CACHE_DIR": folder, "XDG_CACHE_HOME": folder}
             times = cold_start(own, environment=empty)
             rows.append(("tolerance=1e-06", PERIODIC, "cold, empty caches", times))
-    for rule, level in ((_numpy, 5), (_chebyshev, 3), (_elements_anderson, 2)):
-        method, module, settings = rule(film, level)
+    for method, level in COLD_PEERS.items():
+        module = peers()[method]
+        settings = module.METHODS[method](film, level)
         call = (
             f"from numerics.films import Film; import {module.__name__} as peer; "
             f"film = {scene}; peer.periodic_force(epsilon=film.epsilon, sigma=film.sigma, "
             f"amplitude=film.amplitude, **{dict(settings)!r})"
         )
-        shown = " ".join(f"{name}={value:g}" for name, value in settings.items() if name != "fold")
-        rows.append((shown, method, "cold", cold_start(call)))
+        rows.append((_settings_text(settings), method, "cold", cold_start(call)))
     return pd.DataFrame(
         {
             "scene": film.name,
@@ -416,7 +312,7 @@ def cold_starts(*, device: Device, compiling: bool) -> pd.DataFrame:
             "cpu_seconds": cpu,
             "wall_seconds": wall,
             "repeats": 1,
-            "device": device.name if method == PERIODIC else "NumPy, SciPy",
+            "device": device.name if method == PERIODIC else NUMPY,
         }
         for settings, method, start, (cpu, wall) in rows
     )

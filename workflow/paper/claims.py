@@ -5,8 +5,6 @@ intervals were set from what the paper states and with how many digits, and revi
 tuned to make a claim agree. The reasons in ``because`` are what we know; a guess is called a guess.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -145,7 +143,6 @@ READERS: dict[str, Callable[[Path], Any]] = {
 def read_results(inputs: Mapping[str, Path]) -> Results:
     """Read what the claims need, by the names of READERS.
 
-    Raises:
-        InputError: naming the file and what it lacks.
+    Raises InputError naming the file and what it lacks.
     """
     return Results(**{name: read(inputs[name]) for name, read in READERS.items()})

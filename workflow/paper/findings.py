@@ -3,8 +3,6 @@
 Results have an attribute for each of claims.READERS; forces in N, lengths in m, errors as shares.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ so found: the fit on the screen, the fit on the five design points, both judged 
 simulated, since the paper's control simulations came from the same model as its fits.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,6 +19,7 @@ import pandas as pd
 from numerics.peers import finite_elements, method_of_lines
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.progress import say
 from squeezefilm.models.fitting.fit import fit_model
 from squeezefilm.models.force_model import TWO_FACTOR, Factors
 
@@ -30,25 +29,6 @@ PAPER_DESIGN_ERROR = 0.046
 PAPER_FORCE_N = 0.99
 BAND = 0.15
 SMALL_HV_M = 0.4e-6  # our reading of "very small hv"
-COLUMNS = (
-    "variant",
-    "kind",
-    "periods",
-    "status",
-    "screen_fit_error",
-    "design_fit_error",
-    "points",
-    "outside_band",
-    "outside_band_beyond_small_hv",
-    "largest_hv_outside_band_m",
-    "extrapolated_force_n",
-    "error_of_forces",
-    "smallest_force_n",
-    "paper_screen_error",
-    "paper_design_error",
-    "paper_force_n",
-    "reproduces",
-)
 
 
 Forces = Callable[[Scene], np.ndarray]
@@ -149,10 +129,8 @@ class Chain:
     extrapolated_force_n: float
 
 
-def paper_signature(
-    chosen: Sequence[Family], chain: Chain, *, log: Callable[[str], None]
-) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """A row of COLUMNS per variant, the converged simulation first; and for each variant and
+def paper_signature(chosen: Sequence[Family], chain: Chain) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """A row per variant, the converged simulation first; and for each variant and
     point of the screen the relative errors of the force and of the five-point fit."""
     rows, points = [], []
 
@@ -175,7 +153,7 @@ def paper_signature(
     converged = (chain.screen_force_n, chain.design_force_n, chain.extrapolated_force_n)
     add("converged", "none", math.nan, tuple(map(np.asarray, converged)))
     for family in chosen:
-        log(f"{family.kind}: {', '.join(family.names)}")
+        say(f"{family.kind}: {', '.join(family.names)}")
         try:
             screen, design, beyond = (
                 np.array([family.forces(scene) for scene in scenes])
@@ -186,7 +164,7 @@ def paper_signature(
             continue
         for index, (name, periods) in enumerate(zip(family.names, family.periods, strict=True)):
             add(name, family.kind, periods, (screen[:, index], design[:, index], beyond[:, index]))
-    return pd.DataFrame(rows).reindex(columns=list(COLUMNS)), pd.concat(points, ignore_index=True)
+    return pd.DataFrame(rows), pd.concat(points, ignore_index=True)
 
 
 def _judge(

@@ -5,8 +5,6 @@ difference if a plausible value of it brings the force to the paper's, as far as
 tell it. What is plausible was set from what the paper states, with how many digits, and from air.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -169,9 +167,7 @@ def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame
     needed_change_percent, reached_low_n, reached_high_n (over all values tried), verdict, because.
     The curves': claim_id, assumption, change_percent, plausible, force_n, for assumptions that
     can change both ways.
-
-    Raises:
-        RunError: when a film cannot be simulated even with everything as assumed.
+    Raises RunError when a film cannot be simulated even with everything as assumed.
     """
     rows, curves = [], []
     for difference in differences(config):

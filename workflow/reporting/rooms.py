@@ -1,7 +1,5 @@
 """What figures and tables say of themselves in literals: read here, without importing them."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import dataclass
 from functools import cache
@@ -42,8 +40,7 @@ class Room:
 def described(path: Path) -> Room:
     """What the module in a file says of itself; nothing is imported.
 
-    Raises:
-        InputError: naming the file and what it does not say.
+    Raises InputError naming the file and what it does not say.
     """
     tree = _parsed(path)
     line, _, caption = (ast.get_docstring(tree) or "").partition("\n\n")
@@ -72,8 +69,7 @@ def described(path: Path) -> Room:
 def literal(path: Path, name: str) -> Any:
     """The value that a module in a file gives a name of its own, or None where it gives none.
 
-    Raises:
-        InputError: where the value is no plain literal.
+    Raises InputError where the value is no plain literal.
     """
     for node in _parsed(path).body:
         target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)

@@ -29,10 +29,6 @@ rule figure:
     localrule: True
     conda:
         "../../envs/figures.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-        runtime=5,
     params:
         module=lambda wildcards: FIGURES[wildcards.place].module,
         caption=lambda wildcards: "**{0.title}.** {0.caption}".format(FIGURES[wildcards.place]),
@@ -70,10 +66,6 @@ rule table:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         tables=lambda wildcards, input: named(TABLES[wildcards.number].inputs, input),
     message:
@@ -95,10 +87,6 @@ rule compare_claims:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         tables=lambda wildcards, input: named(CLAIM_INPUTS, input),
     message:

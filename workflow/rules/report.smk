@@ -64,10 +64,6 @@ rule pages:
     localrule: True
     conda:
         "../../envs/tables.yaml"
-    threads: 1
-    resources:
-        mem_mb=500,
-        runtime=5,
     params:
         paper=PAPER,
     message:

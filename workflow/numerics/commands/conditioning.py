@@ -7,10 +7,7 @@ The inputs are the forces of the screen and of the five-point design, the fit on
 the searches for D-optimal triplets.
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -55,7 +52,6 @@ def run(options: argparse.Namespace) -> None:
         scaling=config["design"]["scaling"],
         bounds=config["fit"]["bounds"],
         seeds=config["numerics"]["seeds"],
-        log=lambda text: print(text, file=sys.stderr, flush=True),
     )
     write_table(table.assign(note=NOTE), options.output)
 

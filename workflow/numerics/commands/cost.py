@@ -6,16 +6,12 @@ Every size runs in a process of its own, warm, median of repeats: processor time
 wall time, and the process's largest memory.
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 
 from numerics.cost import cost, sizes
-from squeezefilm.io import job
 from squeezefilm.io.tables import write_table
-from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import device_of
 
 SECTIONS = ("solver", "numerics")
 
@@ -27,15 +23,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    settings, wanted = config["numerics"], config["solver"]["device"]
-    device = choose_device(wanted)
-    job.note(device=describe(device))
+    settings, device = config["numerics"], device_of(config)
     table = cost(
         sizes(full=settings["extent"] == "full"),
         repeats=settings["repeats"],
-        device=wanted,
+        device=config["solver"]["device"],
         device_name=device.name,
-        log=lambda text: print(text, file=sys.stderr, flush=True),
     )
     note = (
         f"Warm, median of {settings['repeats']}; {device.name}. Scenes: random points of the "

@@ -6,16 +6,11 @@ One row for each setting of each other method of the work-precision table, for t
 and in a batch.
 """
 
-from __future__ import annotations
-
 import argparse
 
-from numerics import work_precision
-from numerics.equal_error import equal_error
+from numerics.equal_error import NEEDED, equal_error
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import write_table
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,5 +19,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    table = read_columns(options.table, columns=work_precision.COLUMNS)
+    table = read_columns(options.table, columns=NEEDED)
     write_table(equal_error(table), options.output)

@@ -3,18 +3,15 @@
 squeezefilm left-out SCENES.csv --config CONFIG.yaml --output LEFT_OUT.csv
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd
 
 from numerics.left_out import Variant, measure
-from squeezefilm.io import job
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
-from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver", "numerics")
@@ -30,8 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    device = choose_device(config["solver"]["device"])
-    job.note(device=describe(device))
+    device = device_of(config)
     points = [point for path in options.scenes for point in scene_points(read_scenes(path))]
     variants = measure(
         [scene_of(point, config) for point in points],

@@ -3,17 +3,14 @@
 squeezefilm roofline --config CONFIG.yaml --output ROOFLINE.csv
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd
 
 from numerics.roofline import measure
-from squeezefilm.io import job
 from squeezefilm.io.tables import write_table
-from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import device_of
 
 SECTIONS = ("solver",)
 
@@ -25,8 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    device = choose_device(config["solver"]["device"])
-    job.note(device=describe(device))
+    device = device_of(config)
     table = pd.DataFrame([vars(rate) for rate in measure(device)]).assign(device=device.name)
     write_table(table, options.output)
     print(table.drop(columns="device").to_string(index=False, float_format="{:.2f}".format))

@@ -7,19 +7,15 @@ grid, the mass balance over the period, analytic limits, other orders of summati
 is 1 when a case failed; the table is written nevertheless, and the message names the cases.
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 
 import pandas as pd
 
 from numerics.stability import cases, explicit_limits, stability
-from squeezefilm.io import job
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import write_table
-from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import device_of
 
 SECTIONS = ("solver", "numerics")
 NOTE = (
@@ -41,12 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     full = config["numerics"]["extent"] == "full"
-    device = choose_device(config["solver"]["device"])
-    job.note(device=describe(device))
+    device = device_of(config)
     judged = stability(
         [case for case in cases() if full or case.in_sample],
         device=device,
-        log=lambda text: print(text, file=sys.stderr, flush=True),
     )
     table = pd.concat([judged, explicit_limits()], ignore_index=True)
     write_table(table.assign(note=NOTE), options.output)

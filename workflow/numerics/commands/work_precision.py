@@ -8,20 +8,16 @@ empirical model whose own error is noted beside, for it tells where a solver's e
 matters. Times need a quiet machine, and BLAS with a single thread (OPENBLAS_NUM_THREADS=1).
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 
 import pandas as pd
 
 from numerics.peers import freefem
-from numerics.work_precision import COLUMNS, FILMS, cold_starts, work_precision
-from squeezefilm.io import job
+from numerics.work_precision import FILMS, cold_starts, work_precision
 from squeezefilm.io.tables import write_table
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.reynolds.device import choose_device, describe
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import device_of
 
 SECTIONS = ("solver", "numerics")
 SAMPLE = (FILMS[4],)
@@ -39,8 +35,7 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     settings = config["numerics"]
     full = settings["extent"] == "full"
-    device = choose_device(config["solver"]["device"])
-    job.note(device=describe(device))
+    device = device_of(config)
     model_error = read_fit(options.fit).global_error
     warm = work_precision(
         FILMS if full else SAMPLE,
@@ -50,10 +45,9 @@ def run(options: argparse.Namespace) -> None:
         rungs=RUNGS[settings["extent"]],
         model_error=model_error,
         device=device,
-        log=lambda text: print(text, file=sys.stderr, flush=True),
     )
     cold = cold_starts(device=device, compiling=full).assign(model_error=model_error)
-    table = pd.concat([warm, cold], ignore_index=True)[list(COLUMNS)]
+    table = pd.concat([warm, cold], ignore_index=True)
     write_table(table.assign(note=_note(settings["repeats"], device.name)), options.output)
 
 

@@ -123,7 +123,8 @@ def moved_by_leaving_out(
     without = [scene for scene in choices if scene.gas.inertia == "none"]
     beside = [replace(each, gas=replace(each.gas, inertia="included")) for each in without]
     forces = [
-        _forces(solve(some, tolerance=tolerance, device=device))[0] for some in (without, beside)
+        _forces(solve(some, tolerance=tolerance, method="periodic", device=device))[0]
+        for some in (without, beside)
     ]
     change = np.abs(forces[1] / forces[0] - 1)
     return len(without), change[np.isfinite(change)]

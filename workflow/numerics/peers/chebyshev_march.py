@@ -15,10 +15,12 @@ Trefethen, Spectral Methods in MATLAB, 2000.
 
 import math
 import time
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from numerics.films import Film
 from numerics.peers.numpy_periodic import chebyshev_grid
 from numerics.peers.yardstick import Amplitude, FloatArray, Fold, YardstickResult, march_to_periodic
 from squeezefilm.io.errors import RunError
@@ -131,3 +133,11 @@ class _Side:
         if folded:
             self.second = self.second + self.grid.second[1 : count + 1, -2 : -count - 2 : -1]
             self.weights = 2 * self.weights
+
+
+def _rung(film: Film, level: int) -> dict[str, Any]:
+    """Spectral in space: two points and one decade of the integrator's tolerance a rung."""
+    return {"points": 4 + 2 * level, "rtol": 10.0 ** -(level + 2), "fold": film.fold}
+
+
+METHODS = {"chebyshev_anderson": _rung}

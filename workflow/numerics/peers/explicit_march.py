@@ -6,8 +6,6 @@ mode decays at k = |eigenvalue of the discrete Laplacian| (H^2 P) / sigma: the c
 near the rim, 1/n^2 apart, ask for steps of order sigma/n^4.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -21,6 +21,7 @@ Nicolson, Proc. Camb. Phil. Soc. 43, 1947.
 
 import math
 import time
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -29,6 +30,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, BilinearForm, ElementQuad2, MeshQuad
 from skfem.helpers import dot, grad
 
+from numerics.films import Film
 from numerics.peers.yardstick import (
     Amplitude,
     FloatArray,
@@ -36,6 +38,7 @@ from numerics.peers.yardstick import (
     YardstickResult,
     graded_edges,
     march_to_periodic,
+    periods_to_settle,
 )
 from squeezefilm.io.errors import RunError
 
@@ -235,3 +238,24 @@ def _at_quadrature(basis: Basis, shapes: list[FloatArray]) -> sp.csr_matrix:
     columns = np.repeat(basis.element_dofs, basis.dx.shape[1], axis=1).ravel()
     entries = (data, (np.tile(rows, len(shapes)), columns))
     return sp.csr_matrix(entries, shape=(rows.size, basis.N))
+
+
+def _elements(film: Film, level: int) -> dict[str, Any]:
+    """Of fourth order in space and second in time: each rung divides both errors by four."""
+    return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level, "fold": film.fold}
+
+
+def marched_rung(film: Film, level: int) -> dict[str, Any]:
+    """From rest until the transient has decayed as far as the other errors."""
+    periods = periods_to_settle(sigma=film.sigma, tolerance=0.1 / 4**level)
+    return _elements(film, level) | {"periods": periods}
+
+
+def _anderson_rung(film: Film, level: int) -> dict[str, Any]:
+    """The change over a period stands for an error that is larger by the number of e-folds."""
+    tolerance = 1e-3 * film.epsilon**2 / 4**level
+    settings = {"periods": 60, "tolerance": tolerance, "anderson_depth": 10}
+    return _elements(film, level) | settings
+
+
+METHODS = {"elements_anderson": _anderson_rung, "elements_from_rest": marched_rung}

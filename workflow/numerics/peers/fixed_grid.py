@@ -1,7 +1,5 @@
 """The OpenCL solver on one given grid, without its own choice of resolution."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from numerics.films import Film

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from numerics.peers.finite_elements import NEWTON_STEPS, NEWTON_TOLERANCE
+from numerics.peers.finite_elements import NEWTON_STEPS, NEWTON_TOLERANCE, marched_rung
 from numerics.peers.yardstick import Amplitude, Fold, YardstickResult, graded_edges
 from numerics.timing import processor_seconds
 from squeezefilm.io.errors import RunError
@@ -76,3 +76,7 @@ def _run(folder: Path, numbers: Sequence[float]) -> None:
     if run.returncode:
         said = "; ".join(line.strip() for line in (run.stdout + run.stderr).splitlines()[:3])
         raise RunError(f"FreeFEM stopped: {said}")
+
+
+METHODS = {"elements_from_rest_freefem": marched_rung}
+DEVICE = "FreeFEM"

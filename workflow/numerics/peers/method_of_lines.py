@@ -13,13 +13,21 @@ Finite Volume Methods for Hyperbolic Problems, 2002, chapter 4 (the conservative
 
 import math
 import time
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.integrate import solve_ivp
 
-from numerics.peers.yardstick import Amplitude, FloatArray, Fold, YardstickResult, graded_edges
+from numerics.films import Film
+from numerics.peers.yardstick import (
+    Amplitude,
+    FloatArray,
+    Fold,
+    YardstickResult,
+    graded_edges,
+    periods_to_settle,
+)
 from squeezefilm.io.errors import RunError
 
 SAMPLES = 64  # of the last period; their mean is spectrally accurate
@@ -118,3 +126,16 @@ def _jumps(edges: FloatArray, folded: bool) -> tuple[sp.csr_matrix, FloatArray]:
     jump = sp.diags([1.0, -1.0], [0, -1], shape=(cells + 1, cells)).tocsr()
     gap = np.diff(np.concatenate([edges[:1], middle, edges[-1:]]))
     return (jump[:-1], gap[:-1]) if folded else (jump, gap)
+
+
+def _rung(film: Film, level: int) -> dict[str, Any]:
+    """Of second order in space: each rung divides that error and the tolerances by four."""
+    return {
+        "cells": 6 * 2**level,
+        "rtol": 1e-3 * film.epsilon / 4**level,
+        "periods": periods_to_settle(sigma=film.sigma, tolerance=0.1 / 4**level),
+        "fold": film.fold,
+    }
+
+
+METHODS = {"volumes_from_rest": _rung}

@@ -17,11 +17,13 @@ yardstick of the OpenCL solver and restates it independently: no symmetry, no ba
 import math
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 from scipy.sparse.linalg import LinearOperator, gmres
 
+from numerics.films import Film, balanced_points
 from numerics.peers.yardstick import Amplitude, FloatArray, YardstickResult
 from squeezefilm.io.errors import RunError
 
@@ -234,3 +236,13 @@ def _real_eigenvectors(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Eigenvalues and vectors of a Chebyshev second derivative: real, negative, distinct."""
     values, vectors = np.linalg.eig(matrix)
     return values.real, vectors.real
+
+
+def _rung(film: Film, level: int) -> dict[str, Any]:
+    """The grids of the solver, without symmetry."""
+    tolerance = 10.0 ** -(level + 1)
+    nx, ny, nt = balanced_points(film, tolerance, fold=(False, False))
+    return {"nx": nx, "ny": ny, "nt": nt, "tolerance": 1e-3 * tolerance}
+
+
+METHODS = {"periodic_numpy": _rung}

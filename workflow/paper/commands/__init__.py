@@ -1,8 +1,1 @@
 """Commands for what the paper alone has."""
-
-COMMANDS = {
-    "table": "make one of the paper's tables",
-    "claims": "compare the paper's claims with the results",
-    "uncertainty": "how far each assumption would have to move to explain a difference",
-    "paper-signature": "which numerical shortcuts would give the paper's errors",
-}

@@ -5,16 +5,12 @@
 Leave the NAME=PATH out to be told which results are needed.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from paper.claims import INPUTS, judge, read_results, to_markdown
-from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,4 +22,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     claims = judge(read_results(parse_sources(options.inputs, names=tuple(INPUTS), user="claims")))
     write_table(claims, options.output)
-    write_markdown(to_markdown(claims), options.markdown)
+    write_text(to_markdown(claims), options.markdown)

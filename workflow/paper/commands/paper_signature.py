@@ -8,10 +8,7 @@ extrapolated operating point. The screen is simulated anew with coarse meshes, l
 and few periods, and the paper's fits are repeated on what comes out.
 """
 
-from __future__ import annotations
-
 import argparse
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +59,6 @@ def run(options: argparse.Namespace) -> None:
             design_force_n=design_force,
             extrapolated_force_n=float(beyond_force[index]),
         ),
-        log=lambda text: print(text, file=sys.stderr, flush=True),
     )
     write_table(table.assign(note=NOTE), options.output)
     write_table(points, options.points)

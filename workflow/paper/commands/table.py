@@ -6,16 +6,12 @@ Leave the NAME=PATH out to be told which ones a table needs. The CSV has one row
 Markdown file is for people.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from paper.tables import table_module
-from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,4 +28,4 @@ def run(options: argparse.Namespace) -> None:
     )
     table = module.build(inputs)
     write_table(table.data, options.output)
-    write_markdown(table.to_markdown(), options.markdown)
+    write_text(table.to_markdown(), options.markdown)

@@ -7,17 +7,15 @@ Viscosity, ambient pressure, the finger's side, the profile's wave number, slip 
 changed one at a time and the forces simulated anew. The curves say how the force goes with each.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from paper.uncertainty import compare, to_markdown
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import device_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver", "screen", "extrapolation")
 
@@ -31,14 +29,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    settings = config["solver"]
-    device = choose_device(settings["device"])
+    tolerance, device = config["solver"]["tolerance"], device_of(config)
 
     def force(scene: Scene) -> float:
-        [solution] = solve([scene], tolerance=settings["tolerance"], device=device)
+        [solution] = solve([scene], tolerance=tolerance, device=device)
         return solution.force_n
 
     table, curves = compare(config, force=force)
     write_table(table, options.output)
-    write_markdown(to_markdown(table), options.markdown)
+    write_text(to_markdown(table), options.markdown)
     write_table(curves, options.curves)

@@ -6,8 +6,6 @@ finger leaving the surface at any angle. The measured amplitudes of the original
 available.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -21,7 +19,6 @@ from squeezefilm.studies.study import finger_of
 
 INPUTS: dict[str, str] = {}
 SECTIONS = ("actuator", "finger")
-COLUMNS = ("layer", "radius_mm", "angle_deg", "x_mm", "y_mm", "amplitude_ratio", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

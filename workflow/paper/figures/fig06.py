@@ -4,8 +4,6 @@ The model of eq. (2) for the displacement of the actuator's surface, as a mesh. 
 of the original figure are not available.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -16,7 +14,6 @@ from squeezefilm.studies.config import Config
 
 INPUTS: dict[str, str] = {}
 SECTIONS = ("actuator",)
-COLUMNS = ("layer", "radius_mm", "angle_deg", "x_mm", "y_mm", "amplitude_ratio", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

@@ -4,8 +4,6 @@ Space of the experiment: the simulations of the first plan, a screen in mean gap
 the finger centred.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -17,7 +15,6 @@ from squeezefilm.studies.config import Config
 INPUTS = {
     "plan": "simulations/screen/scenes.csv",
 }
-COLUMNS = ("h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -35,16 +32,7 @@ def draw(data: pd.DataFrame) -> Figure:
     """One dot per simulation."""
     figure = style.new_figure()
     axes = figure.subplots()
-    axes.plot(
-        data["h0_um"],
-        data["hv_um"],
-        "o",
-        markersize=4,
-        color=style.BLUE,
-        markeredgecolor="black",
-        markeredgewidth=0.5,
-        clip_on=False,
-    )
+    plane.dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
     plane.set_up(axes, data)
     style.add_note(figure, data)
     return figure

@@ -4,8 +4,6 @@ The force model of eq. (7) fitted to all simulations of the screen (mesh), and t
 (dots).
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -21,7 +19,6 @@ INPUTS = {
     "fit": "fits/screen.json",
     "device": "simulations/device.json",
 }
-COLUMNS = ("layer", "h0_um", "hv_um", "force_n", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -39,12 +36,5 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 def draw(data: pd.DataFrame) -> Figure:
     """Layers model (a mesh) and simulation (dots)."""
-    figure = style.new_figure(height_in=3.1)
-    bottom = style.add_note(figure, data)
-    axes = surface.add_force_axes(figure, bottom=bottom)
-    surface.force_mesh(axes, style.rows(data, "model"))
-    surface.force_points(
-        axes, style.rows(data, "simulation"), color=style.VERMILLION, label="simulation"
-    )
-    surface.add_legend(axes)
-    return figure
+    look = {"color": style.VERMILLION, "label": "simulation"}
+    return surface.model_and_points(data, {"simulation": look})

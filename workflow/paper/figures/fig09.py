@@ -4,8 +4,6 @@ The three points that each search for a D-optimal design ended in, joined to a t
 for each unit in which the distances of criterion (12) can be taken; the outcome depends on it.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,6 +12,7 @@ from paper.figures.parts import patterns
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, add_limits, micrometres
 from reporting.pages.notes import one_digit
+from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_scenes
 from squeezefilm.studies.config import Config
 
@@ -22,7 +21,6 @@ INPUTS = {
     "searches": "designs/two_factor_searches.csv",
     "summary": "designs/two_factor.json",
 }
-COLUMNS = ("scaling", "search", "pattern", "h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
 _LOOKS = (
     (style.BLUE, "o"),
     (style.VERMILLION, "^"),
@@ -40,7 +38,8 @@ _TITLES = {
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     """One row per point of each search, the study's own scaling first."""
     own, number, scalings = patterns.patterns_found(inputs["summary"])
-    points = patterns.read_searches(inputs["searches"])
+    columns = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
+    points = read_columns(inputs["searches"], columns=columns)
     data = pd.DataFrame(
         {
             "scaling": points["scaling"],

@@ -4,15 +4,13 @@ Second pattern of optimal points, if the searches found one. Along the dashed li
 excursion ratio the model does not change.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 
-from paper.figures.parts.patterns import COLUMNS, draw, pattern_table
+from paper.figures.parts.patterns import draw, pattern_table
 from reporting.figures.parts.tables import Inputs
 from squeezefilm.studies.config import Config
 
-__all__ = ["COLUMNS", "INPUTS", "build", "draw"]
+__all__ = ["INPUTS", "build", "draw"]
 
 INPUTS = {
     "plan": "simulations/screen/scenes.csv",

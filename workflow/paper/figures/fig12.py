@@ -4,10 +4,6 @@ The optimal design (black) in the space of the experiment, with the screen (whit
 the patterns that a point is of; a plus marks a point added by augmentation.
 """
 
-from __future__ import annotations
-
-from typing import Any
-
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -21,7 +17,6 @@ INPUTS = {
     "design": "designs/two_factor.csv",
 }
 AUGMENTATION = "augmentation"
-COLUMNS = ("layer", "h0_um", "hv_um", "label", *plane.LIMIT_COLUMNS, "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -49,30 +44,11 @@ def draw(data: pd.DataFrame) -> Figure:
     """Layers screen (white dots) and design (black dots, each with a label)."""
     figure = style.new_figure()
     axes = figure.subplots()
-    look: dict[str, Any] = {
-        "marker": "o",
-        "linestyle": "none",
-        "markeredgecolor": "black",
-        "clip_on": False,
-    }
     screen, design = style.rows(data, "screen"), style.rows(data, "design")
-    axes.plot(
-        screen["h0_um"],
-        screen["hv_um"],
-        color="white",
-        markersize=4,
-        markeredgewidth=0.6,
-        label=f"screen, {len(screen)} points",
-        **look,
-    )
-    axes.plot(
-        design["h0_um"],
-        design["hv_um"],
-        color="black",
-        markersize=6,
-        label=f"optimal design, {len(design)} points",
-        **look,
-    )
+    label = f"screen, {len(screen)} points"
+    plane.dots(axes, screen, fill="white", markersize=4, markeredgewidth=0.6, label=label)
+    label = f"optimal design, {len(design)} points"
+    plane.dots(axes, design, fill="black", markersize=6, label=label)
     plane.set_up(axes, data)
     plane.label_points(axes, design, labels=design["label"])
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)

@@ -4,12 +4,12 @@ The force model fitted to the points of the optimal design alone (mesh; black do
 points of the screen (white dots).
 """
 
-from __future__ import annotations
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures.parts import style, surface
+from reporting.figures.parts import surface
 from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
 from reporting.pages.notes import percent, simulations_note
 from squeezefilm.io.tables import read_json, read_ok_forces
@@ -23,7 +23,6 @@ INPUTS = {
     "validation": "validation/two_factor_design_on_screen.json",
     "device": "simulations/device.json",
 }
-COLUMNS = ("layer", "h0_um", "hv_um", "force_n", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -49,13 +48,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 def draw(data: pd.DataFrame) -> Figure:
     """Layers model (a mesh), control (white dots) and design (black dots)."""
-    figure = style.new_figure(height_in=3.1)
-    bottom = style.add_note(figure, data)
-    axes = surface.add_force_axes(figure, bottom=bottom)
-    surface.force_mesh(axes, style.rows(data, "model"))
-    surface.force_points(axes, style.rows(data, "control"), color="white", label="control point")
-    surface.force_points(
-        axes, style.rows(data, "design"), color="black", s=26, label="design point"
-    )
-    surface.add_legend(axes)
-    return figure
+    looks: dict[str, dict[str, Any]] = {
+        "control": {"color": "white", "label": "control point"},
+        "design": {"color": "black", "label": "design point", "s": 26},
+    }
+    return surface.model_and_points(data, looks)

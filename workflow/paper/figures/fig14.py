@@ -4,8 +4,6 @@ Relative error of the fit on the optimal design at the screen's points: model mi
 simulation. Dots are white inside the band and black outside.
 """
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
@@ -26,7 +24,6 @@ INPUTS = {
     "validation": "validation/two_factor_design_on_screen.json",
     "device": "simulations/device.json",
 }
-COLUMNS = ("h0_um", "hv_um", "relative_error_percent", "in_band", "band_percent", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

@@ -3,8 +3,6 @@
 Positions of the finger's centre in the four-factor plan. The positions are this study's assumption.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -18,7 +16,6 @@ INPUTS = {
     "plan": "simulations/four_factor/scenes.csv",
 }
 SECTIONS = ("actuator", "finger")
-COLUMNS = ("phi_deg", "phi_r_mm", "phi_r_limit_mm", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -50,16 +47,8 @@ def draw(data: pd.DataFrame) -> Figure:
         linestyle=(0, (4, 2)),
         label="finger stays on the actuator at every angle",
     )
-    axes.plot(
-        data["phi_deg"],
-        data["phi_r_mm"],
-        "o",
-        color=style.BLUE,
-        markersize=5,
-        markeredgecolor="black",
-        markeredgewidth=0.5,
-        clip_on=False,
-    )
+    look = {"markersize": 5, "markeredgewidth": 0.5}
+    plane.dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
     for angle in data["phi_deg"][data["phi_r_mm"] == 0]:
         axes.annotate(
             "centre: the same at every angle",

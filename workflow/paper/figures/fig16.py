@@ -5,8 +5,6 @@ of angle and radius: by the determinant alone, as in the paper, and with the poi
 distinct. Equal numbers belong to one point.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import pandas as pd
@@ -24,18 +22,6 @@ INPUTS = {
     "design": "designs/four_factor.csv",
     "distinct": "designs/four_factor_distinct.csv",
 }
-COLUMNS = (
-    "form",
-    "point",
-    "h0_um",
-    "hv_um",
-    "phi_r_mm",
-    "phi_deg",
-    *plane.LIMIT_COLUMNS,
-    "phi_r_max_mm",
-    "phi_max_deg",
-    "note",
-)
 _LOOKS: tuple[dict[str, Any], ...] = (
     {"marker": "o", "color": style.BLUE, "markersize": 8, "markerfacecolor": "none"},
     {"marker": "D", "color": style.VERMILLION, "markersize": 4},

@@ -4,8 +4,6 @@ The screen simulated anew with numerical shortcuts, and the fits repeated: which
 the errors that the paper reports.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,20 +13,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/paper_signature.csv",
 }
-COLUMNS = (
-    "variant",
-    "kind",
-    "periods",
-    "status",
-    "screen_fit_error",
-    "design_fit_error",
-    "extrapolated_force_n",
-    "outside_band",
-    "paper_screen_error",
-    "paper_design_error",
-    "paper_force_n",
-    "note",
-)
 # Few periods from ambient pressure: kind → line, label.
 MARCHES = {"from_mean_gap": ("-", "mean gap"), "from_widest_gap": ("--", "widest gap")}
 OTHERS = ("loose", "long_steps")

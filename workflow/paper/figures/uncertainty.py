@@ -5,8 +5,6 @@ Left: over its relative change; thick where a value is plausible. Right: over th
 Grey: what the paper's digits may stand for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -23,21 +21,6 @@ INPUTS = {
     "curves": "tables/uncertainty_curves.csv",
 }
 SHOWN = "simulation_at_2.2"
-COLUMNS = (
-    "layer",
-    "assumption",
-    "change_percent",
-    "plausible",
-    "force_n",
-    "force_low_n",
-    "force_high_n",
-    "verdict",
-    "paper_n",
-    "paper_low_n",
-    "paper_high_n",
-    "ours_n",
-    "note",
-)
 COLOURS = (style.VERMILLION, style.BLUE, style.GREEN, style.ORANGE, style.PURPLE, "black")
 
 

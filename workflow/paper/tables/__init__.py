@@ -4,10 +4,7 @@ A module each, found by being here. Like a figure's it says in its docstring and
 it shows and what it is made from (``reporting.rooms``); ``build(inputs)`` makes it.
 """
 
-from __future__ import annotations
-
 import importlib
-import pkgutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,9 +14,10 @@ import pandas as pd
 
 from reporting.pages.notes import simulations_note
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.found import modules_in
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import read_json, read_ok_forces
-from squeezefilm.models.fitted import FittedModel, number
+from squeezefilm.models.fitted import FittedModel, number, read_fit
 
 Inputs = Mapping[str, Path]
 
@@ -43,16 +41,33 @@ class PaperTable:
 def table_module(number: str) -> ModuleType:
     """The module of a table.
 
-    Raises:
-        InputError: for a number that no table has.
+    Raises InputError for a number that no table has.
     """
-    known = sorted(found.name.removeprefix("table") for found in pkgutil.iter_modules(__path__))
+    known = {name.removeprefix("table"): module for name, module in modules_in(__name__).items()}
     if number not in known:
         raise InputError(f"there is no table {number!r}; the tables are {', '.join(known)}")
-    return importlib.import_module(f"{__name__}.table{number}")
+    return importlib.import_module(known[number])
 
 
-def parameters(fits: dict[str, tuple[FittedModel, float]], *, control: str) -> pd.DataFrame:
+def parameters_table(
+    inputs: Inputs, fits: Mapping[str, tuple[str, str]], *, title: str, control: str, more: str = ""
+) -> PaperTable:
+    """The parameters of a fit to a whole plan, ``first_fit``, and of others beside it.
+
+    fits: by what the table calls them, the names among the inputs of the others and of their
+    validations on that plan, which is called ``control``.
+    """
+    first = read_fit(inputs["first_fit"])
+    judged = {control: (first, first.global_error)} | {
+        name: (read_fit(inputs[fit]), global_error(inputs[validation]))
+        for name, (fit, validation) in fits.items()
+    }
+    data = _parameters(judged, control=f"{first.points} points of the {control}")
+    forces = simulations_note(inputs["device"], read_ok_forces(inputs["forces"]))
+    return PaperTable(title, data, side_by_side(data), forces + more)
+
+
+def _parameters(fits: Mapping[str, tuple[FittedModel, float]], *, control: str) -> pd.DataFrame:
     """A row for each parameter of each fit, and one for its error on the control points."""
     rows = []
     for name, (fit, error) in fits.items():
@@ -84,8 +99,3 @@ def _five_digits(value: float) -> str:
 def global_error(path: Path) -> float:
     """That of a fit on the points of a validation, as a share."""
     return number(read_json(path), "global_error", path)
-
-
-def note(inputs: Inputs) -> str:
-    """How the forces were simulated."""
-    return simulations_note(inputs["device"], read_ok_forces(inputs["forces"]))

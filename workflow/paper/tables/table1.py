@@ -3,10 +3,7 @@
 From all simulations of the screen and from the points of the optimal design alone.
 """
 
-from __future__ import annotations
-
-from paper.tables import Inputs, PaperTable, global_error, note, parameters, side_by_side
-from squeezefilm.models.fitted import read_fit
+from paper.tables import Inputs, PaperTable, parameters_table
 
 INPUTS = {
     "first_fit": "fits/screen.json",
@@ -19,15 +16,9 @@ INPUTS = {
 
 def build(inputs: Inputs) -> PaperTable:
     """The table, from the files named in INPUTS."""
-    first, design = read_fit(inputs["first_fit"]), read_fit(inputs["design_fit"])
-    design_error = global_error(inputs["design_on_first"])
-    data = parameters(
-        {"screen": (first, first.global_error), "optimal design": (design, design_error)},
-        control=f"{first.points} points of the screen",
-    )
-    return PaperTable(
+    return parameters_table(
+        inputs,
+        {"optimal design": ("design_fit", "design_on_first")},
         title="Table I. Parameters of the two-factor model",
-        data=data,
-        shown=side_by_side(data),
-        note=note(inputs),
+        control="screen",
     )

@@ -3,8 +3,6 @@
 The ranges of gap and amplitude are the paper's, those of the finger's position our assumption.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 
 from paper.tables import Inputs, PaperTable

@@ -3,10 +3,7 @@
 From all simulations of the plan and from the points of two optimal designs alone.
 """
 
-from __future__ import annotations
-
-from paper.tables import Inputs, PaperTable, global_error, note, parameters, side_by_side
-from squeezefilm.models.fitted import read_fit
+from paper.tables import Inputs, PaperTable, parameters_table
 
 INPUTS = {
     "first_fit": "fits/four_factor.json",
@@ -21,25 +18,14 @@ INPUTS = {
 
 def build(inputs: Inputs) -> PaperTable:
     """The table, from the files named in INPUTS."""
-    first = read_fit(inputs["first_fit"])
-    fits = {
-        "plan": (first, first.global_error),
-        "optimal design, the paper's form": (
-            read_fit(inputs["design_fit"]),
-            global_error(inputs["design_on_first"]),
-        ),
-        "optimal design, distinct scenes": (
-            read_fit(inputs["distinct_fit"]),
-            global_error(inputs["distinct_on_first"]),
-        ),
-    }
-    data = parameters(fits, control=f"{first.points} points of the plan")
-    return PaperTable(
+    return parameters_table(
+        inputs,
+        {
+            "optimal design, the paper's form": ("design_fit", "design_on_first"),
+            "optimal design, distinct scenes": ("distinct_fit", "distinct_on_first"),
+        },
         title="Table III. Parameters of the four-factor model",
-        data=data,
-        shown=side_by_side(data),
-        note=(
-            f"{note(inputs)} φφ in degrees and φr in metres. The paper's criterion takes "
-            "one scene, a centred finger at two angles, for two points; the other design does not."
-        ),
+        control="plan",
+        more=" φφ in degrees and φr in metres. The paper's criterion takes one scene, a centred "
+        "finger at two angles, for two points; the other design does not.",
     )

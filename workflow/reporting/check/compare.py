@@ -1,27 +1,14 @@
 """Quantities beside their references: one table with a verdict for each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, fields
 
 import pandas as pd
 
 from reporting.check.quantities import Quantity
 from reporting.check.tolerances import SAME, Cells
 
-COLUMNS = (
-    "part",
-    "item",
-    "quantity",
-    "expected",
-    "got",
-    "tolerance",
-    "verdict",
-    "worst",
-    "of_tolerance",
-)
 PASSED, FAILED = "passed", "failed"
 
 Key = tuple[str, str, str]
@@ -46,6 +33,9 @@ class Judgement:
     verdict: str
     worst: str
     of_tolerance: float = 0.0
+
+
+COLUMNS = tuple(each.name for each in fields(Judgement))
 
 
 def compare(found: Iterable[Quantity], reference: Reference) -> list[Judgement]:

@@ -1,7 +1,5 @@
 """Designs, judged by what they are worth and not by where their points lie."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ device and makes the axes smaller by its lines: places are shares of the axes, a
 the range is compared. In space, where a place on the page is none in the axes, dots are counted.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -24,7 +22,6 @@ from squeezefilm.io.errors import InputError
 
 DRAWINGS = "drawings"
 SVG = "{http://www.w3.org/2000/svg}"
-LINK = "{http://www.w3.org/1999/xlink}href"
 SLIDING = ("fig16",)
 """Figures that show where the points of the four-factor design lie, which rounding decides."""
 
@@ -66,8 +63,7 @@ class Drawing:
 def read_drawing(path: Path) -> Drawing:
     """Read an SVG that matplotlib wrote with its text as text.
 
-    Raises:
-        InputError: for a file that is missing or is no such drawing.
+    Raises InputError for a file that is missing or is no such drawing.
     """
     try:
         root = ElementTree.fromstring(path.read_bytes(), ElementTree.XMLParser(target=_builder()))

@@ -1,7 +1,5 @@
 """The tables that figures are drawn from, and the paper's tables, column by column."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path

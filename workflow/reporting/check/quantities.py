@@ -5,8 +5,6 @@ fits and designs; drawings; numerics. Figures stand before what they are made fr
 what a reviewer looks at.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """References: small stored tables of a study's quantities, one file for each part."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable
 from pathlib import Path
@@ -19,8 +17,7 @@ COLUMNS = ("item", "quantity", "cell", "value")
 def read_reference(folder: Path) -> dict[Key, dict[str, str]]:
     """Read the cells of every quantity.
 
-    Raises:
-        InputError: where there is no reference, or a file of it that is none.
+    Raises InputError where there is no reference, or a file of it that is none.
     """
     paths = sorted(folder.glob("*.csv"))
     if not paths:
@@ -42,8 +39,7 @@ def read_reference(folder: Path) -> dict[Key, dict[str, str]]:
 def write_reference(quantities: Iterable[Quantity], folder: Path) -> None:
     """Write a study's quantities, and remove the files of parts that it no longer has.
 
-    Raises:
-        InputError: where a result is missing, or a file cannot be written.
+    Raises InputError where a result is missing, or a file cannot be written.
     """
     parts: dict[str, list[tuple[str, str, str, str]]] = {}
     for quantity in quantities:

@@ -1,7 +1,5 @@
 """Settings, claims, simulations, fits and numerics of a finished study."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The table of a check, for the screen and as Markdown."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd
@@ -19,14 +17,13 @@ WIDTHS = {
     "verdict": 7,
     "worst": 24,
 }
-SHOWN = ("item", "quantity", "expected", "got", "tolerance", "verdict", "worst")
+SHOWN = tuple(WIDTHS)
 
 
 def read_check(path: Path) -> pd.DataFrame:
     """Read the table of a check.
 
-    Raises:
-        InputError: for a file that is none.
+    Raises InputError for a file that is none.
     """
     try:
         table = pd.read_csv(path, dtype=str, keep_default_na=False)

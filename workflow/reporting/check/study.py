@@ -1,7 +1,5 @@
 """All quantities of a finished study, in the order in which they are judged."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from reporting.check.designs import design_quantities

@@ -5,8 +5,6 @@ lies within it of the truth, so that two machines differ by no more than twice a
 follows from forces differs in proportion (docs/numerics.md, "How accurate must a simulation be?").
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -8,8 +8,6 @@ each item, with its worst quantity, and every quantity that failed; all of them 
 The exit status is 1 when anything failed.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -17,7 +15,7 @@ from reporting.check.compare import compare, to_table
 from reporting.check.reference import read_reference
 from reporting.check.show import on_screen, status, to_markdown
 from reporting.check.study import study_quantities
-from squeezefilm.io.markdown import write_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 
@@ -57,6 +55,6 @@ def run(options: argparse.Namespace) -> int:
     if options.output:
         write_table(table, options.output)
     if options.markdown:
-        write_markdown(to_markdown(table), options.markdown)
+        write_text(to_markdown(table), options.markdown)
     print(on_screen(table))
     return 0 if options.keep_going else status(table)

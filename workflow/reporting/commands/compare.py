@@ -11,8 +11,6 @@ fitted to. ERRORS.csv has the relative error of every model at every control poi
 drawn from it.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,8 +20,9 @@ import numpy as np
 import pandas as pd
 
 from reporting.pages.notes import percent, scan_note
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.markdown import markdown_table, write_markdown
+from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import read_json, read_ok_forces, write_table
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
@@ -95,7 +94,7 @@ def run(options: argparse.Namespace) -> None:
     scan_error = max((fit.scan_error for fit in fits), default=0.0)
     text = _report(table, space=options.space, points=len(forces), scan_error=scan_error)
     write_table(table, options.output)
-    write_markdown(text, options.report)
+    write_text(text, options.report)
     note = (
         f"Relative error of each model at {len(forces)} control simulations that it was not fitted "
         "to; above each panel the number of parameters and the global error there."

@@ -3,8 +3,6 @@
 squeezefilm cross-section SCENES.csv --config CONFIG.yaml --output FILM.csv
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd

@@ -6,13 +6,11 @@ A fit bears the name of its file, which is that of the plan it was fitted on; th
 is shown first. The forces are what the models are judged by. The page needs no network.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from reporting.explorer import Study, explorer_page
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import read_ok_forces
@@ -48,5 +46,4 @@ def run(options: argparse.Namespace) -> None:
         band=config["validation"]["relative_error_band"],
     )
     page = explorer_page(study, drawing_library=get_plotlyjs())
-    with whole_file(options.output) as part:
-        part.write_text(page, encoding="utf-8")
+    write_text(page, options.output)

@@ -9,8 +9,6 @@ Leave them out to be told which ones a figure needs. `squeezefilm plot` draws it
 table alone.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -3,16 +3,12 @@
 squeezefilm pages claims.md table1.md --output claims.html table1.html
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from reporting.pages.page import to_html
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.markdown import write_markdown
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,4 +24,4 @@ def run(options: argparse.Namespace) -> None:
             text = source.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"{source}: the page cannot be read: {error}") from None
-        write_markdown(to_html(text, title=source.stem), target)
+        write_text(to_html(text, title=source.stem), target)

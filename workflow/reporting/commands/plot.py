@@ -5,13 +5,9 @@
 The format follows the name: .png, .svg or .pdf. The same table gives the same file, byte for byte.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from reporting.figures import HELP, check_formats, draw, figure_module
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,8 +5,6 @@
 What would change is shown first, cell by cell, and a question asked; --yes answers it.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

@@ -9,8 +9,6 @@ simulations, LIMITS.csv their physics limits; points that a refinement fitted ar
 FIGURE.csv is what the figure `refine` is drawn from.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any
@@ -21,7 +19,8 @@ from scipy import stats
 
 from reporting.pages.notes import percent, scan_note
 from squeezefilm.designs.continuous_design import sensitivity
-from squeezefilm.io.markdown import markdown_table, write_markdown
+from squeezefilm.io.atomic import write_text
+from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import (
     ROUND_COLUMNS,
@@ -34,7 +33,6 @@ from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import ExpressionModel, Factors
 
-SECTIONS: tuple[str, ...] = ()
 TABLE_COLUMNS = (
     "model",
     "parameters",
@@ -122,7 +120,7 @@ def run(options: argparse.Namespace) -> None:
     if all("refused" in each for each in verdicts):
         note = "The physics limit, which these models need, does not hold all over the space."
     write_table(table, options.output)
-    write_markdown(text, options.report)
+    write_text(text, options.report)
     figure = pd.concat(drawn, ignore_index=True).reindex(columns=list(FIGURE_COLUMNS))
     write_table(figure.assign(note=note), options.figure)
     print(text)

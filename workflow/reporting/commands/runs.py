@@ -3,15 +3,11 @@
 squeezefilm runs results/paper/run_cards --output results/paper/runs.md
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from reporting.pages.history import to_markdown
-from squeezefilm.io.markdown import write_markdown
-
-SECTIONS: tuple[str, ...] = ()
+from squeezefilm.io.atomic import write_text
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,4 +16,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    write_markdown(to_markdown(options.cards), options.output)
+    write_text(to_markdown(options.cards), options.output)

@@ -6,14 +6,12 @@
 RESULTS is the study's folder; the plans, fits and validations are named as the files in it are.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from reporting.pages.summary import to_markdown
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.markdown import write_markdown
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.budget import budgets
@@ -48,7 +46,7 @@ def run(options: argparse.Namespace) -> None:
         claims=results / "claims.csv" if config["paper"] else None,
         device=results / "simulations" / "device.json",
     )
-    write_markdown(text, options.output)
+    write_text(text, options.output)
 
 
 def _notes(config: Config) -> dict[str, list[str]]:

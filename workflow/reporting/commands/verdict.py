@@ -3,14 +3,10 @@
 squeezefilm verdict results/paper/check/check.csv
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from reporting.check.show import on_screen, read_check, status
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,8 +5,6 @@ server. It computes the force itself: model.js is the formula of ``squeezefilm.m
 trust.js the rule of ``squeezefilm.models.trust``.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -53,8 +51,7 @@ class Study:
 def explorer_page(study: Study, *, drawing_library: str) -> str:
     """The page as text; ``drawing_library`` is plotly.js as text.
 
-    Raises:
-        InputError: without fits or forces, or for a fit of a model that the page does not know.
+    Raises InputError without fits or forces, or for a fit of a model that the page does not know.
     """
     if not study.fits or not study.forces:
         raise InputError("explorer: give at least one fit and one table of forces")

@@ -12,7 +12,6 @@ and has
 
 - ``build(inputs, config)``: the one tidy table that it is drawn from. A figure without it is drawn
   from its one input as it stands, the table of another stage;
-- ``COLUMNS``: the columns that its table must have;
 - ``draw(data)``: the table drawn as a matplotlib Figure, from nothing else.
 
 Column names carry the unit that the axis shows, so nothing is converted while drawing. ``layer``
@@ -20,16 +19,14 @@ says what a row is (a mesh of the model, simulated points, …); ``note`` is the
 several figures share lies in ``parts``.
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.metadata
-import pkgutil
 from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.found import modules_in
 from squeezefilm.io.sources import read_columns
 
 ENTRY_POINTS = "squeezefilm.figures"
@@ -40,21 +37,15 @@ HELP = "fig05, overview, …; an unknown name is answered with all that there ar
 def installed() -> dict[str, str]:
     """The dotted name of every figure's module by its own: ours, and those above by entry point."""
     above = sorted(point.value for point in importlib.metadata.entry_points(group=ENTRY_POINTS))
-    return {
-        found.name: f"{package}.figures.{found.name}"
-        for package in ("reporting", *above)
-        for found in pkgutil.iter_modules(importlib.import_module(f"{package}.figures").__path__)
-        if not found.ispkg
-    }
+    packages = (modules_in(f"{package}.figures") for package in ("reporting", *above))
+    return {name: module for found in packages for name, module in found.items()}
 
 
 def figure_module(name: str) -> ModuleType:
     """The module of a figure, by its name or by the whole dotted one, ``paper.figures.fig08``.
 
     Rules give the whole name, so that they need no installation.
-
-    Raises:
-        InputError: for a name that is no figure's, or a module that cannot be loaded.
+    Raises InputError for a name that is no figure's, or a module that cannot be loaded.
     """
     known = {} if "." in name else installed()
     if "." not in name and name not in known:
@@ -73,9 +64,16 @@ def check_formats(paths: Sequence[str]) -> None:
 
 
 def draw(module: ModuleType, table: Path | str, paths: Sequence[str]) -> None:
-    """Draw a figure's table as read back from its file, in the formats that the names ask for."""
+    """Draw a figure's table as read back from its file, in the formats that the names ask for.
+
+    Raises InputError naming the table and what it lacks.
+    """
     from reporting.figures.parts import style  # matplotlib: only when something is drawn
 
-    data = read_columns(table, columns=module.COLUMNS)
+    data = read_columns(table, columns=("note",))
     with style.settings():
-        style.save(module.draw(data), paths)
+        try:
+            figure = module.draw(data)
+        except KeyError as error:
+            raise InputError(f"{table}: not a table of this figure: no {error}") from None
+        style.save(figure, paths)

@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, micrometres
 from squeezefilm.io.sources import read_columns
-from squeezefilm.reynolds.effects.words import THIS_SCENE
+from squeezefilm.io.tables import THIS_SCENE
 from squeezefilm.studies.config import Config
 
 INPUTS = {

@@ -3,8 +3,6 @@
 What random errors in the forces do to the fit and to the design: everything moves in proportion.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -13,7 +11,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/conditioning.csv",
 }
-COLUMNS = ("quantity", "points", "force_error", "value", "note")
 LINES = {
     ("parameter_move", "screen"): (style.BLUE, "o-", "parameters, 60 points"),
     ("parameter_move", "design"): (style.BLUE, "o:", "parameters, five points"),

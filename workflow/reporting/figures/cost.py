@@ -4,8 +4,6 @@ Run time and memory against the number of scenes, points, instants and threads, 
 exponents; films of the paper's actuator, whatever the study.
 """
 
-from __future__ import annotations
-
 import math
 
 import pandas as pd
@@ -19,18 +17,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/cost.csv",
 }
-COLUMNS = (
-    "axis",
-    "method",
-    "size",
-    "scenes",
-    "cpu_seconds",
-    "wall_seconds",
-    "peak_bytes",
-    "exponent",
-    "exponent_from",
-    "note",
-)
 COLOURS = {"auto": "black", "periodic": style.BLUE}
 LABELS = {"auto": "method chosen", "periodic": "periodic state"}
 PANELS = {

@@ -5,12 +5,8 @@ the design. A thick line would bound the region outside the band of allowed erro
 axis is logarithmic, for the error changes fastest at small amplitudes.
 """
 
-from __future__ import annotations
-
-import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
 
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.errors import error_note, error_table
@@ -28,7 +24,6 @@ INPUTS = {
     "design_forces": "simulations/two_factor_design/forces.csv",
     "device": "simulations/device.json",
 }
-COLUMNS = ("layer", "h0_um", "hv_um", "relative_error_percent", "band_percent", "note")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -53,34 +48,22 @@ def draw(data: pd.DataFrame) -> Figure:
     """
     figure = style.new_figure(width_in=style.SINGLE_COLUMN_IN, height_in=3.2)
     axes = figure.subplots()
-    table = style.rows(data, "map").pivot(
-        index="hv_um", columns="h0_um", values="relative_error_percent"
+    filled, lines = plane.error_contours(
+        axes,
+        style.rows(data, "map"),
+        bins=14,
+        ticks=(1, 2, 3, 5),
+        colors="0.25",
+        linewidths=0.5,
     )
-    h0_um, hv_um, error = table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
-    band = float(data["band_percent"].iloc[0])
-    reach = float(np.abs(error).max())
-    levels = MaxNLocator(nbins=14, symmetric=True).tick_values(-reach, reach)
-    axes.set_xlim(h0_um[0], h0_um[-1])
-    axes.set_ylim(hv_um[0], hv_um[-1])
-    axes.set_yscale("log")  # the error changes fastest at small amplitudes
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    filled = axes.contourf(h0_um, hv_um, error, levels=levels, cmap=style.DIVERGING)
-    lines = axes.contour(h0_um, hv_um, error, levels=levels, colors="0.25", linewidths=0.5)
     axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
-    if reach > band:
-        axes.contour(h0_um, hv_um, np.abs(error), levels=[band], colors="black", linewidths=1.8)
-    design = style.rows(data, "design")
-    axes.plot(
-        design["h0_um"],
-        design["hv_um"],
-        "o",
-        color="black",
+    plane.dots(
+        axes,
+        style.rows(data, "design"),
+        fill="black",
+        markersize=6,
         markeredgecolor="white",
         markeredgewidth=0.7,
-        markersize=6,
-        clip_on=False,
         zorder=4,
         label="design point",
     )

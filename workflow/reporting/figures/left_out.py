@@ -4,8 +4,6 @@ The terms and symmetries that the solver leaves out put back one by one: the sam
 cost.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -15,7 +13,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/left_out.csv",
 }
-COLUMNS = ("put_back", "tolerance", "cpu_ratio", "worst_error")
 AS_NEEDED = "nothing (as needed)"
 COLOURS = (style.ORANGE, style.GREEN, style.BLUE)
 

@@ -5,8 +5,6 @@ each judged at simulations that no model was fitted to. In brackets the number o
 the name the global error; one scale of colour for all.
 """
 
-from __future__ import annotations
-
 from math import ceil
 
 import numpy as np
@@ -19,15 +17,6 @@ from reporting.figures.parts import plane, style
 INPUTS = {
     "table": "models/{space}_errors.csv",
 }
-COLUMNS = (
-    "model",
-    "parameters",
-    "control_error_percent",
-    "h0_um",
-    "hv_um",
-    "relative_error_percent",
-    "note",
-)
 ACROSS = 4
 DECADES = 5
 

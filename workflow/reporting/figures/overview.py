@@ -5,18 +5,15 @@ which simulations teach most are found; the model fitted to these alone is judge
 simulations.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+from matplotlib.ticker import MaxNLocator
 
-from reporting.figures.parts import style, surface
+from reporting.figures.parts import plane, style, surface
 from reporting.figures.parts.errors import error_table
 from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
 from reporting.pages.notes import percent, rounded_up
@@ -35,26 +32,14 @@ INPUTS = {
     "validation": "validation/two_factor_design_on_error_map.json",
 }
 FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "finger_um", "overpressure_kpa")
-COLUMNS = (
-    "layer",
-    "x_mm",
-    "phase_deg",
-    "surface_um",
-    "finger_um",
-    "overpressure_kpa",
-    "h0_um",
-    "hv_um",
-    "force_n",
-    "relative_error_percent",
-    "text",
-    "note",
-)
 STEPS = ("Simulate", "Fit", "Design", "Validate")
 # Left edge and width of each step's axes, as shares of the figure's width.
 PLACES = ((0.055, 0.175), (0.255, 0.235), (0.545, 0.17), (0.775, 0.155))
 TOP = 0.82
 GAP_LABEL, AMPLITUDE_LABEL = r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)"
 LABEL_SIZE, TICK_SIZE = 6.5, 6
+DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
+SCREEN = {"markeredgecolor": "0.55", "markersize": 2.6}
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
@@ -197,43 +182,19 @@ def _model(
 
 
 def _design(axes: Axes, data: pd.DataFrame) -> None:
-    screen, design = style.rows(data, "simulation"), style.rows(data, "design")
-    axes.plot(screen["h0_um"], screen["hv_um"], "o", **_dots("white", "0.55", size=2.6))
-    axes.plot(design["h0_um"], design["hv_um"], "o", **_dots("black", "white", size=6))
+    plane.dots(axes, style.rows(data, "simulation"), fill="white", **DOTS | SCREEN)
+    plane.dots(axes, style.rows(data, "design"), fill="black", **DOTS, markersize=6)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     axes.set_xlabel(GAP_LABEL, fontsize=LABEL_SIZE)
     axes.set_ylabel(AMPLITUDE_LABEL, fontsize=LABEL_SIZE, labelpad=1)
     axes.tick_params(labelsize=TICK_SIZE)
 
 
-def _dots(fill: str, edge: str, *, size: float) -> dict[str, Any]:
-    return {
-        "color": fill,
-        "markeredgecolor": edge,
-        "markeredgewidth": 0.6,
-        "markersize": size,
-        "clip_on": False,
-        "zorder": 4,
-    }
-
-
 def _errors(axes: Axes, data: pd.DataFrame) -> None:
-    table = style.rows(data, "map").pivot(
-        index="hv_um", columns="h0_um", values="relative_error_percent"
+    filled, _ = plane.error_contours(
+        axes, style.rows(data, "map"), bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3
     )
-    h0_um, hv_um, error = table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
-    reach = float(np.abs(error).max())
-    levels = MaxNLocator(nbins=12, symmetric=True).tick_values(-reach, reach)
-    filled = axes.contourf(h0_um, hv_um, error, levels=levels, cmap=style.DIVERGING)
-    axes.contour(h0_um, hv_um, error, levels=levels, colors="0.3", linewidths=0.3)
-    design = style.rows(data, "design")
-    axes.plot(design["h0_um"], design["hv_um"], "o", **_dots("black", "white", size=4.5))
-    axes.set_yscale("log")  # the error changes fastest at small amplitudes
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.set_xlim(h0_um[0], h0_um[-1])
-    axes.set_ylim(hv_um[0], hv_um[-1])
+    plane.dots(axes, style.rows(data, "design"), fill="black", **DOTS, markersize=4.5)
     axes.set_xlabel(GAP_LABEL, fontsize=LABEL_SIZE)
     axes.set_ylabel(AMPLITUDE_LABEL, fontsize=LABEL_SIZE, labelpad=1)
     axes.tick_params(labelsize=TICK_SIZE)

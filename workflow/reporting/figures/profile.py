@@ -7,8 +7,6 @@ Forces of this study are uncertain by the scan's noise too: the note says by how
 %. The errors in tables of forces are the solver's alone.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -17,17 +15,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "figures/profile.csv",
 }
-COLUMNS = (
-    "layer",
-    "r_mm",
-    "amplitude_um",
-    "residual_um",
-    "lowest_um",
-    "highest_um",
-    "error_um",
-    "noise_um",
-    "note",
-)
 
 
 def draw(data: pd.DataFrame) -> Figure:

@@ -6,8 +6,6 @@ limits, dashed what is wanted, stars the truth on simulations that no refinement
 the best fit errs. Simulations have no scatter; the limits are about where in the space one looks.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -20,22 +18,6 @@ from reporting.figures.parts import plane, style
 INPUTS = {
     "table": "refine/{space}_figure.csv",
 }
-COLUMNS = (
-    "model",
-    "verdict",
-    "layer",
-    "simulations",
-    "global_error_percent",
-    "global_lower_percent",
-    "global_upper_percent",
-    "worst_error_percent",
-    "relative_error_percent",
-    "h0_um",
-    "hv_um",
-    "x_mm",
-    "y_mm",
-    "note",
-)
 LINEAR = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
 

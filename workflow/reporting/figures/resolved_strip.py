@@ -4,8 +4,6 @@ Differences of the mean force on a long strip from that of a film with velocity 
 gap: the Reynolds equation, the first order in Re, one mode across the gap, and heat.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -16,16 +14,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/resolved_strip.csv",
 }
-COLUMNS = (
-    "epsilon",
-    "reynolds",
-    "equation",
-    "estimated_error",
-    "from_resolved",
-    "from_resolved_heat",
-    "status",
-    "note",
-)
 HEAT = "resolved"  # the isothermal film against the one with heat
 LINES = {
     "reynolds": (style.VERMILLION, "o-", "Reynolds equation"),

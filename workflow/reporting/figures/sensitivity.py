@@ -6,8 +6,6 @@ space is better. The table beside it in results, `designs/optimal_*_plans.csv`, 
 of the study's own plans, the screen's among them.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import pandas as pd
@@ -18,7 +16,6 @@ from reporting.figures.parts import plane, style
 INPUTS = {
     "table": "designs/optimal_{space}_sensitivity.csv",
 }
-COLUMNS = ("layer", "sensitivity", "h0_um", "hv_um", "x_mm", "y_mm", "weight", "note")
 LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
 LARGEST_DOT = 140
 """Area in points² of a design point with all the weight."""

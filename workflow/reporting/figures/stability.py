@@ -5,8 +5,6 @@ solved, refused for a documented reason, or failed. Single precision is no check
 the same algorithm would lose in float32. The films are the same for every study.
 """
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
@@ -28,14 +26,6 @@ CHECKS = {
     "scrambled_difference": "sums\nreordered",
     "single_precision_difference": "single\nprecision",
 }
-COLUMNS = (
-    "case",
-    "verdict",
-    *CHECKS,
-    "lowest_pressure",
-    "krylov_iterations",
-    "note",
-)
 VERDICTS = {
     "solved": ("o", style.GREEN),
     "refused": ("s", style.GREY),
@@ -50,7 +40,7 @@ def draw(data: pd.DataFrame) -> Figure:
     style.check_known(VERDICTS, data["verdict"], what="verdict")
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.35 + ROW_IN * len(data))
     axes = figure.subplots()
-    values = data[list(CHECKS)].to_numpy(dtype=float)
+    values = data.reindex(columns=list(CHECKS)).to_numpy(dtype=float)
     shown = np.clip(values, SMALLEST, LARGEST)
     colours = mpl.colormaps["cividis"].with_extremes(bad="white")
     image = axes.imshow(

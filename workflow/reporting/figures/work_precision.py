@@ -7,8 +7,6 @@ that of the empirical model fitted to this study's screen. The films are those o
 actuator, whatever the study.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -21,18 +19,6 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/work_precision.csv",
 }
-COLUMNS = (
-    "scene",
-    "method",
-    "path",
-    "batch",
-    "start",
-    "relative_error",
-    "reference_uncertainty",
-    "cpu_seconds",
-    "model_error",
-    "note",
-)
 SKY = "#56B4E9"
 Key = tuple[str, str, bool]
 """Method, path, and whether it is in a batch."""

@@ -1,10 +1,7 @@
 """The runs that made a study's present results, on one page: code, settings, machines, files."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_rows
@@ -15,9 +12,7 @@ def to_markdown(cards: Path) -> str:
     """The page, from a study's folder of run cards (see run_card.py).
 
     A run that is still going on is on it too, with the files that it has made so far.
-
-    Raises:
-        InputError: where no run has made a file.
+    Raises InputError where no run has made a file.
     """
     made = {one.path: one for one in made_files(cards)}  # the newest of each name
     if not made:
@@ -29,7 +24,13 @@ def to_markdown(cards: Path) -> str:
     for files in sorted(runs.values(), key=lambda files: str(files[0].run["started"])):
         parts += [_run(files)]
     rows = [
-        [one.path, one.sha256[:16], one.job["ended"], one.run["run"], _what(one.job)]
+        [
+            one.path,
+            one.sha256[:16],
+            one.job["ended"],
+            one.run["run"],
+            " ".join(one.job["command"][:2]),
+        ]
         for one in sorted(made.values(), key=lambda one: one.path)
     ]
     parts += [
@@ -50,7 +51,3 @@ def _run(files: Sequence[Made]) -> str:
     )
     table = markdown_rows([["what", "value"], ["files that still stand", len(files)], *facts])
     return f"## Run {run['run']}\n\n{table}"
-
-
-def _what(job: dict[str, Any]) -> str:
-    return " ".join(job["command"][:2])

@@ -1,7 +1,5 @@
 """Words below figures and tables: how the simulations were made and how accurate they are."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Pages of HTML from our Markdown: one file, no script, nothing from a network."""
 
-from __future__ import annotations
-
 import html
 
 STYLE = """

@@ -1,7 +1,5 @@
 """A study on one page: what was simulated, how accurate it is; the paper's, where it differs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -47,9 +45,7 @@ def to_markdown(
     ``forces`` and ``fits`` are by plan, ``validations`` by fit and plan; ``settings`` has the
     sections gas, actuator, finger and solver, ``notes`` what is left out at which gap, in words;
     ``claims`` are those of the paper, in its studies.
-
-    Raises:
-        InputError: for a result that is missing or lacks what it must have.
+    Raises InputError for a result that is missing or lacks what it must have.
     """
     tables = {plan: read_ok_forces(path) for plan, path in forces.items()}
     return "\n".join(

@@ -1,22 +1,25 @@
 """The command line: a module per command, loaded when it is called.
 
-A package of commands names them, with a line about each, in its ``COMMANDS``; a command ``a-b`` is
-the module ``a_b`` there. Packages above the library add theirs by entry points.
+A command ``a-b`` is the module ``a_b`` of a package of commands, found by being there; the first
+line of its docstring is what help says of it. Packages above the library add theirs by entry
+points.
 """
 
-from __future__ import annotations
-
 import argparse
+import ast
 import gc
 import importlib
 import importlib.metadata
+import importlib.util
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from types import ModuleType
 
 from squeezefilm import __version__
 from squeezefilm.io import job
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.found import modules_in
 from squeezefilm.runs import provenance
 
 LIBRARY = ("squeezefilm.cli.use", "squeezefilm.cli.steps", "squeezefilm.cli.upkeep")
@@ -29,13 +32,18 @@ def installed() -> tuple[str, ...]:
     return (*LIBRARY, *sorted(point.value for point in above))
 
 
-def commands_of(packages: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Every command's module and summary, by its name, in the order of the packages."""
-    return {
-        name: (f"{package}.{name.replace('-', '_')}", summary)
-        for package in packages
-        for name, summary in importlib.import_module(package).COMMANDS.items()
-    }
+def commands_of(packages: Sequence[str]) -> dict[str, str]:
+    """Every command's module by its name, in the order of the packages."""
+    found = (pair for package in packages for pair in modules_in(package).items())
+    return {name.replace("_", "-"): module for name, module in found}
+
+
+def summary_of(module: str) -> str:
+    """The first line of a module's docstring; the module is not imported."""
+    spec = importlib.util.find_spec(module)
+    assert spec is not None
+    tree = ast.parse(Path(str(spec.origin)).read_text(encoding="utf-8"))
+    return (ast.get_docstring(tree) or "").partition("\n")[0]
 
 
 def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | None = None) -> int:
@@ -52,15 +60,19 @@ def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | No
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
     chosen = words[0] if words else ""
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for name, (place, summary) in commands_of(packages or installed()).items():
+    commands = commands_of(packages or installed())
+    if chosen in commands:
+        module = _imported(commands[chosen])
         subparser = subparsers.add_parser(
-            name, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter
+            chosen,
+            description=module.__doc__,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        if name == chosen:
-            module = _imported(place)
-            subparser.description = module.__doc__
-            module.add_arguments(subparser)
-            subparser.set_defaults(run=module.run)
+        module.add_arguments(subparser)
+        subparser.set_defaults(run=module.run)
+    else:
+        for name, place in commands.items():
+            subparsers.add_parser(name, help=summary_of(place))
     options = parser.parse_args(words)
     try:
         status = int(options.run(options) or 0)

@@ -1,7 +1,5 @@
 """The points at which a fitted model is asked, as options of a command or as a table."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from itertools import product
@@ -9,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import write_table
 from squeezefilm.io.typed_units import quantities
@@ -44,8 +42,7 @@ def add_control_option(parser: argparse.ArgumentParser) -> None:
 def points_of(options: argparse.Namespace) -> pd.DataFrame:
     """Every combination of the options' values, a column for each factor given.
 
-    Raises:
-        InputError: for a value without its unit, both forms of a position, or too many points.
+    Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
     given = {name: getattr(options, name, None) for name in OPTIONS}
     levels = {
@@ -66,8 +63,7 @@ def points_of(options: argparse.Namespace) -> pd.DataFrame:
 def read_points(path: Path | str) -> pd.DataFrame:
     """A table of points: h0_m, hv_m, and a position in polar or Cartesian form, if any.
 
-    Raises:
-        InputError: naming the file and the column that is missing or holds no numbers.
+    Raises InputError naming the file and the column that is missing or holds no numbers.
     """
     table = read_columns(path, columns=("h0_m", "hv_m"))
     for name in (*OPTIONS, *COLUMNS.values()):
@@ -87,13 +83,10 @@ def write_points(points: pd.DataFrame, path: str | None) -> None:
 def factors_of_points(points: pd.DataFrame, *, place: object) -> Factors:
     """The factors of a table of points, with the results of physics that it has.
 
-    Raises:
-        InputError: naming the place, for values without physical meaning.
+    Raises InputError naming the place, for values without physical meaning.
     """
     names = [name for name in (*OPTIONS, *COLUMNS.values()) if name in points]
     if any(name in names for name in POLAR):  # a table may have both; one says it all
         names = [name for name in names if name not in CARTESIAN]
-    try:
+    with naming(place):
         return Factors.of(**{name: points[name].to_numpy(dtype=float) for name in names})
-    except InputError as error:
-        raise InputError(f"{place}: {error}") from None

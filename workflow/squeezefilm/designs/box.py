@@ -4,8 +4,6 @@ A distance between points needs a common measure of their factors; eq. (12) of t
 name it and the outcome of a design depends on it, so it is always given by name: `coordinates`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

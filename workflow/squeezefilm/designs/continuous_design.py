@@ -5,8 +5,6 @@ the nearest maximum off the grid, and the optimum is sought again with these poi
 candidates, until the equivalence theorem holds at every peak.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -17,7 +15,6 @@ from scipy.optimize import minimize
 
 from squeezefilm.designs.box import Box
 from squeezefilm.designs.optimal_design import optimal_weights, stacked_derivatives
-from squeezefilm.io.errors import InputError
 
 Array = NDArray[np.float64]
 Gradients = Callable[[Array], Array]
@@ -25,6 +22,7 @@ Gradients = Callable[[Array], Array]
 
 SAME_POINT = 2e-3
 """Distance in unit factors within which points of a support are one."""
+ROUNDS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,32 +35,26 @@ class ContinuousDesign:
     points: Array
     weights: Array
     derivatives: Array
-    prior: Array
     efficiency_bound: float
 
     def sensitivity(self, derivatives: ArrayLike) -> Array:
         """d(x)/p at points with these derivatives, shape (n, p) or (K, n, p); one at most."""
-        return sensitivity(self.derivatives, derivatives, weights=self.weights, prior=self.prior)
+        return sensitivity(self.derivatives, derivatives, weights=self.weights)
 
 
 def sensitivity(
-    design: ArrayLike,
-    derivatives: ArrayLike,
-    *,
-    weights: ArrayLike | None = None,
-    prior: ArrayLike | None = None,
+    design: ArrayLike, derivatives: ArrayLike, *, weights: ArrayLike | None = None
 ) -> Array:
     """Mean of f' M^-1 f / p of a design with derivatives (K, s, p), at others (K, n, p).
 
-    Equal weights and priors if left out. Undefined derivatives give zero.
+    Equal weights if left out. Undefined derivatives give zero.
     """
     own, other = stacked_derivatives(design), stacked_derivatives(derivatives)
     share = np.full(own.shape[1], 1 / own.shape[1]) if weights is None else np.asarray(weights)
-    layers = np.full(len(own), 1 / len(own)) if prior is None else np.asarray(prior)
     total = np.zeros(other.shape[1])
-    for f, at, layer in zip(own, other, layers, strict=True):
+    for f, at in zip(own, other, strict=True):
         triangle = np.linalg.qr(np.sqrt(share)[:, None] * f, mode="r")
-        total += layer * np.sum(solve_triangular(triangle, at.T, trans="T") ** 2, axis=0)
+        total += np.sum(solve_triangular(triangle, at.T, trans="T") ** 2, axis=0) / len(own)
     return np.asarray(total / own.shape[2])
 
 
@@ -72,7 +64,6 @@ def optimal_in_box(
     candidates: Array,
     *,
     gap: float = 1e-10,
-    rounds: int = 8,
 ) -> ContinuousDesign:
     """The best approximate design in the box, from a grid of candidates, shape (n, k).
 
@@ -80,47 +71,36 @@ def optimal_in_box(
     between them. Raises InputError where the candidates cannot tell the parameters apart.
     """
     grid, extra = stacked_derivatives(gradients(candidates)), np.empty((0, candidates.shape[1]))
-    layers = np.full(len(grid), 1 / len(grid))
-    layers = layers / layers.sum()
-    best: ContinuousDesign | None = None
-    for _ in range(rounds):
+    found: list[ContinuousDesign] = []
+    for _ in range(ROUNDS):
         points = np.concatenate([candidates, extra])
         derivatives = np.concatenate([grid, stacked_derivatives(gradients(extra))], axis=1)
-        found = optimal_weights(derivatives, prior=layers, gap=gap / 10)
-        rough = _weighted(
-            points[found.support], found.weights[found.support], gradients, layers, box
-        )
+        there = optimal_weights(derivatives, gap=gap / 10)
+        rough = _weighted(points[there.support], there.weights[there.support], gradients, box)
         moved = _climbed(rough, gradients, box, rough.points)
-        design = _weighted(moved, np.ones(len(moved)), gradients, layers, box)
+        design = _weighted(moved, np.ones(len(moved)), gradients, box)
         level = design.sensitivity(derivatives)
         highest_few = points[np.argsort(level)[-8:]]
         starts = np.unique(np.concatenate([design.points, highest_few]), axis=0)
         peaks = _climbed(design, gradients, box, starts)
         highest = max(level.max(), float(design.sensitivity(gradients(peaks)).max()))
-        design = replace(design, efficiency_bound=float(min(1.0, 1 / highest)))
-        if best is None or design.efficiency_bound > best.efficiency_bound:
-            best = design
-        if design.efficiency_bound >= 1 - gap:
+        found.append(replace(design, efficiency_bound=float(min(1.0, 1 / highest))))
+        if found[-1].efficiency_bound >= 1 - gap:
             break
         extra = np.unique(np.concatenate([rough.points, design.points, peaks]), axis=0)
-    if best is None:
-        raise InputError("design: no design was found; allow one round at least")
-    return best
+    return max(found, key=lambda design: design.efficiency_bound)
 
 
-def _weighted(
-    points: Array, weights: Array, gradients: Gradients, prior: Array, box: Box
-) -> ContinuousDesign:
+def _weighted(points: Array, weights: Array, gradients: Gradients, box: Box) -> ContinuousDesign:
     """The best weights for these points, once those that lie together are one."""
     points = _merged(points, weights, box)
     derivatives = stacked_derivatives(gradients(points))
-    found = optimal_weights(derivatives, prior=prior, gap=1e-12)
+    found = optimal_weights(derivatives, gap=1e-12)
     used = found.support
     return ContinuousDesign(
         points=points[used],
         weights=found.weights[used] / found.weights[used].sum(),
         derivatives=derivatives[:, used],
-        prior=prior,
         efficiency_bound=0.0,
     )
 

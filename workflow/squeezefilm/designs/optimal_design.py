@@ -9,8 +9,8 @@ M* the best matrix, tr(M^-1 M*) <= max d, and by the inequality of arithmetic an
 (det M / det M*)^(1/p) >= p / max d.
 
 Uncertain parameters. Derivatives may come as a stack, one layer for each of K parameter vectors:
-the criterion is then the mean of log det M_k (Bayesian D), weighted by a prior, and everything
-above holds for the mean of d_k. `maximin_design` makes the least of the K efficiencies large.
+the criterion is then the mean of log det M_k (Bayesian D), and everything above holds for the
+mean of d_k. `maximin_design` makes the least of the K efficiencies large.
 
 Derivatives have shape (n, p) or (K, n, p); rows that are undefined (NaN) carry no information.
 Nothing here knows a model, a factor or a unit, and D-optimality does not depend on the parameters'.
@@ -32,6 +32,8 @@ Indices = NDArray[np.int64]
 
 DROPPED = 1e-9
 """Weight below which a point is left out of a support."""
+ROUNDS = 500
+MAXIMIN_GAP, MAXIMIN_ROUNDS = 1e-5, 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,28 +58,21 @@ class ApproximateDesign:
         return np.flatnonzero(self.weights > DROPPED)
 
 
-def optimal_weights(
-    derivatives: ArrayLike,
-    *,
-    prior: ArrayLike | None = None,
-    gap: float = 1e-6,
-    rounds: int = 500,
-) -> ApproximateDesign:
+def optimal_weights(derivatives: ArrayLike, *, gap: float = 1e-6) -> ApproximateDesign:
     """The D-optimal weights of n candidates, to an efficiency of 1 - gap.
 
     On a small active set weight is moved between pairs of points, each time by the exact best step
     (vertex exchange, Boehning 1986), with Newton steps between; the candidates of largest
     sensitivity join the set until the equivalence theorem holds for all.
 
-    derivatives are those of the candidates, shape (n, p) or (K, n, p), prior the weights of the K
-    parameter vectors, equal if left out.
+    derivatives are those of the candidates, shape (n, p) or (K, n, p).
     Raises InputError where the candidates cannot tell the parameters apart.
     """
-    problem = _problem(derivatives, prior)
+    problem = _problem(derivatives)
     active = _first_points(problem)
     weights = np.zeros(problem.points)
     weights[active] = 1 / len(active)
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         sensitivity = problem.sensitivity(weights)
         if sensitivity.max() <= 1 + gap:
             break
@@ -89,9 +84,7 @@ def optimal_weights(
     return problem.design(weights)
 
 
-def maximin_design(
-    derivatives: ArrayLike, *, gap: float = 1e-5, rounds: int = 30
-) -> tuple[ApproximateDesign, Array]:
+def maximin_design(derivatives: ArrayLike) -> tuple[ApproximateDesign, Array]:
     """Weights with the largest least D-efficiency over K parameter vectors, and the efficiencies.
 
     derivatives has shape (K, n, p). Efficiency k is (det M_k / det M_k*)^(1/p) against the best
@@ -99,7 +92,7 @@ def maximin_design(
     multipliers of the least favourable vectors make the sensitivity of the equivalence theorem.
     """
     stack = stacked_derivatives(derivatives)
-    best = [optimal_weights(layer, gap=gap / 10) for layer in stack]
+    best = [optimal_weights(layer, gap=MAXIMIN_GAP / 10) for layer in stack]
     goal = np.array([float(design.log_det[0]) for design in best])
     problem = _problem(stack)
     goal = goal + problem.scale_log_det
@@ -108,7 +101,7 @@ def maximin_design(
     weights /= weights.sum()
     found = start
     efficiencies = np.zeros(len(stack))
-    for _ in range(rounds):
+    for _ in range(MAXIMIN_ROUNDS):
         active = np.flatnonzero(weights > DROPPED)
         weights[active] = _maximin_weights(problem.only(active), weights[active], goal)
         weights[weights <= DROPPED] = 0
@@ -124,7 +117,7 @@ def maximin_design(
             log_det=problem.log_dets(weights) - problem.scale_log_det,
             efficiency_bound=float(min(1.0, np.exp(log_efficiency.min() - ceiling))),
         )
-        if found.efficiency_bound >= 1 - gap:
+        if found.efficiency_bound >= 1 - MAXIMIN_GAP:
             break
         most = np.argsort(sensitivity)[-problem.parameters :]
         weights[most] += 1e-3
@@ -208,10 +201,9 @@ def stacked_derivatives(derivatives: ArrayLike) -> Array:
     return np.where(np.isfinite(f).all(axis=-1, keepdims=True), f, 0.0)
 
 
-def _problem(derivatives: ArrayLike, prior: ArrayLike | None = None) -> _Problem:
+def _problem(derivatives: ArrayLike) -> _Problem:
     f = stacked_derivatives(derivatives)
     layers, _, parameters = f.shape
-    weights = np.ones(layers) if prior is None else np.asarray(prior, dtype=float)
     scale = np.empty((layers, parameters, parameters))
     for layer, each in zip(scale, f, strict=True):
         columns = np.linalg.norm(each, axis=0)
@@ -223,7 +215,7 @@ def _problem(derivatives: ArrayLike, prior: ArrayLike | None = None) -> _Problem
         layer[:] = np.linalg.inv(triangle) / columns[:, None] * np.sqrt(len(each))
     return _Problem(
         derivatives=f @ scale,
-        prior=weights / weights.sum(),
+        prior=np.full(layers, 1 / layers),
         scale_log_det=np.asarray(2 * np.linalg.slogdet(scale)[1], dtype=float),
     )
 

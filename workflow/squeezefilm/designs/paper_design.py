@@ -7,8 +7,6 @@ to keep them apart. Nothing here knows a particular model: a response enters thr
 a function from points, shape (n, k), to derivatives, shape (n, p).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -27,6 +25,9 @@ Gradient = Callable[[Array], Array]
 SINGULAR = 1e100
 """Value of a criterion where parameters cannot be told apart or points coincide."""
 
+POPULATION, GENERATIONS = 100, 60
+EXCHANGES = 4
+"""Starts of the exchange that a search is checked by."""
 KICKS = 2
 KICK = 0.05
 """Descents from a design kicked by so much, in unit factors, before a search is believed."""
@@ -120,14 +121,7 @@ class Design:
     inverse_determinant: float
 
 
-def search_design(
-    criterion: Criterion,
-    points: int,
-    *,
-    seed: int,
-    population: int = 100,
-    generations: int = 60,
-) -> Design:
+def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
     """One search for the best design of so many points: genetic algorithm, then a local descent.
 
     The descent can end on a saddle, halfway along a line of equal hv/h0 on which the criterion
@@ -141,9 +135,9 @@ def search_design(
         lower=np.zeros(points * factors),
         upper=np.ones(points * factors),
         seed=seed,
-        population=population,
-        first=10 * population,
-        generations=generations,
+        population=POPULATION,
+        first=10 * POPULATION,
+        generations=GENERATIONS,
     )
     box = criterion.box
     best = descend(criterion, box.from_unit(found.x.reshape(points, factors)))
@@ -213,9 +207,7 @@ def descend(criterion: Criterion, points: Array) -> Design:
     )
 
 
-def exchange_design(
-    criterion: Criterion, points: int, *, levels: int, starts: int = 4, seed: int = 1
-) -> Design:
+def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design:
     """The best design found on a fine grid, by exchange of points, then refined off the grid.
 
     By the determinant alone, with the separation where one is set, from a grid of so many levels
@@ -228,8 +220,7 @@ def exchange_design(
         points,
         coordinates=criterion.apart and criterion.apart(candidates),
         separation=criterion.separation,
-        starts=starts,
-        seed=seed,
+        starts=EXCHANGES,
     )
     return descend(criterion, candidates[found.chosen])
 

@@ -1,7 +1,5 @@
 """What several searches for a design have in common: patterns of points, and their union."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

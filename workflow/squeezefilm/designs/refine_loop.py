@@ -29,23 +29,17 @@ The loop ends in one of these ways:
 - *budget*: one more round would take more simulations than allowed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
 from squeezefilm.designs.exact_design import exchange
+from squeezefilm.designs.refine_fits import Array, Fits, Indices, Pool
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitting.fit import fit_model
-from squeezefilm.models.fitting.local_fit import local_fit, sum_of_squares
-from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.force_model import ExpressionModel
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Simulate = Callable[[Indices], tuple[Array, Array]]
 """From points of the pool to their forces and the errors of these, in newtons."""
 
@@ -62,22 +56,6 @@ class Goal:
     worst_error: float
     most_simulations: int
     batch: int
-
-
-@dataclass(frozen=True, eq=False)
-class Pool:
-    """All points the loop knows of: their factors, shape (n,), and coordinates, shape (n, c).
-
-    candidates may be simulated and fitted, verification are simulated and not fitted, typical are
-    a fair sample of the space of which nothing is simulated; each is a set of indices. Distances
-    are taken between coordinates, scaled so that the space is about one wide.
-    """
-
-    factors: Factors
-    coordinates: Array
-    candidates: Indices
-    verification: Indices
-    typical: Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,53 +102,15 @@ class Outcome:
     scale_n: float
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Loop:
-    model: ExpressionModel
-    pool: Pool
+    fits: Fits
     goal: Goal
     simulate: Simulate
     separation: float
-    bound: float
-    seed: int
-    force_n: dict[int, float] = field(default_factory=dict)
-    error_n: dict[int, float] = field(default_factory=dict)
 
     def measure(self, points: Indices) -> None:
-        force, error = self.simulate(points)
-        for point, value, own in zip(points, force, error, strict=True):
-            self.force_n[int(point)], self.error_n[int(point)] = float(value), float(own)
-
-    def forces(self, points: Indices) -> Array:
-        return np.array([self.force_n[int(point)] for point in points])
-
-    def fitted(self, points: Indices, start: Array | None) -> Array:
-        """Parameters by least squares on some points: a global search, or near a start."""
-        if not self.model.parameter_names:
-            return np.empty(0)
-        factors, force = self.pool.factors.take(points), self.forces(points)
-        if start is None or sum_of_squares(self.model, factors, force, start) == np.inf:
-            found = fit_model(self.model, factors, force, bound=self.bound, seed=self.seed)
-            start = np.array(found.theta)
-        return local_fit(self.model, factors, force, start)
-
-    def residuals(self, theta: Array, points: Indices) -> Array:
-        return self.model.evaluate(theta, self.pool.factors.take(points)) - self.forces(points)
-
-    def variances(self, theta: Array, design: Indices, points: Indices) -> Array:
-        """f'(F'F)^-1 f at points, F being that of the design; infinite where it is singular."""
-        if not len(theta):
-            return np.zeros(len(points))
-        f = self.model.gradient(theta, self.pool.factors.take(design))
-        at = self.model.gradient(theta, self.pool.factors.take(points))
-        size = np.linalg.norm(f, axis=0)
-        if not np.all(np.isfinite(size) & (size > 0)):
-            return np.full(len(points), np.inf)
-        triangle: Array = np.asarray(np.linalg.qr(f / size, mode="r"))
-        if len(design) < len(theta) or np.abs(np.diagonal(triangle)).min() < 1e-10:
-            return np.full(len(points), np.inf)
-        rows = np.linalg.solve(triangle.T, np.nan_to_num(at / size).T)
-        return np.where(np.isfinite(at).all(axis=1), np.sum(rows**2, axis=0), np.inf)
+        self.fits.add(points, *self.simulate(points))
 
 
 def refine_loop(
@@ -194,7 +134,8 @@ def refine_loop(
 
     Raises InputError where there are too few verification points, or simulations allowed.
     """
-    loop = _Loop(model, pool, goal, simulate, separation, bound, seed)
+    fits = Fits(model, pool, bound=bound, seed=seed)
+    loop = _Loop(fits, goal, simulate, separation)
     design = _first_points(loop)
     loop.measure(np.concatenate([pool.verification, design]))
     rounds: list[Round] = []
@@ -218,44 +159,46 @@ def refine_loop(
             rounds=rounds,
             hindsight=hindsight,
             simulated=everything,
-            force_n=loop.forces(everything),
-            force_error_n=np.array([loop.error_n[int(point)] for point in everything]),
-            scale_n=_scale(loop, hindsight),
+            force_n=fits.force_n[everything],
+            force_error_n=fits.error_n[everything],
+            scale_n=fits.scale(hindsight),
         )
 
 
 def _first_points(loop: _Loop) -> Indices:
     """One point more than there are parameters; refused where there is no room for them."""
-    parameters, checks = len(loop.model.parameter_names), len(loop.pool.verification)
+    model, pool = loop.fits.model, loop.fits.pool
+    parameters, checks = len(model.parameter_names), len(pool.verification)
     first = parameters + 1 if parameters else 0
     if checks < 3:
         raise InputError("refine: errors cannot be estimated from fewer than 3 verification points")
     if checks + first > loop.goal.most_simulations:
         raise InputError(
-            f"refine: the model {loop.model.name} takes {first} simulations to begin with and "
+            f"refine: the model {model.name} takes {first} simulations to begin with and "
             f"{checks} to verify, more than the {loop.goal.most_simulations} allowed"
         )
-    return _spread_points(loop.pool, first, loop.separation)
+    return _spread_points(pool, first, loop.separation)
 
 
 def _one_round(
     loop: _Loop, design: Indices, rounds: Sequence[Round]
 ) -> tuple[Round, Array, str, str]:
     """The next round, the best fit to all points, and the verdict with its reason, if there is."""
-    number, everything = len(rounds) + 1, np.concatenate([loop.pool.verification, design])
+    fits, number = loop.fits, len(rounds) + 1
+    everything = np.concatenate([fits.pool.verification, design])
     start, surprise = None, np.empty(0)
     if rounds:
         start = rounds[-1].theta
-        surprise = loop.residuals(start, design[-loop.goal.batch :])
-    theta = loop.fitted(design, start)
-    hindsight = _best_of(loop, everything, [theta])
-    done = _judged(loop, number, design, theta, hindsight, surprise)
+        surprise = fits.residuals(start, design[-loop.goal.batch :])
+    theta = fits.fitted(design, start)
+    hindsight = fits.best_of(everything, [theta])
+    done = _judged(fits, number, design, theta, hindsight, surprise)
     verdict, reason = _verdict(loop, done, hindsight)
     if verdict in ("model", "simulation") and len(theta):
         # The fit may sit in a local minimum: only a global search shows that nothing is better.
-        hindsight = _best_of(loop, everything, [hindsight, None])
-        theta = _best_of(loop, design, [theta, hindsight])
-        done = _judged(loop, number, design, theta, hindsight, surprise)
+        hindsight = fits.best_of(everything, [hindsight, None])
+        theta = fits.best_of(design, [theta, hindsight])
+        done = _judged(fits, number, design, theta, hindsight, surprise)
         verdict, reason = _verdict(loop, done, hindsight)
     return done, hindsight, verdict, reason
 
@@ -281,7 +224,7 @@ def _spread_points(pool: Pool, count: int, separation: float) -> Indices:
 
 def _next_points(loop: _Loop, theta: Array, design: Indices) -> Indices:
     """The points that teach most about the parameters, besides those of the design."""
-    pool, model = loop.pool, loop.model
+    pool, model = loop.fits.pool, loop.fits.model
     taken = np.concatenate([pool.verification, design])
     found = exchange(
         model.gradient(theta, pool.factors.take(pool.candidates)),
@@ -291,27 +234,13 @@ def _next_points(loop: _Loop, theta: Array, design: Indices) -> Indices:
         existing_coordinates=pool.coordinates[taken],
         separation=loop.separation,
         starts=3,
-        seed=loop.seed,
+        seed=loop.fits.seed,
     )
     return np.asarray(pool.candidates[found.chosen])
 
 
-def _best_of(loop: _Loop, points: Indices, starts: Sequence[Array | None]) -> Array:
-    """The least-squares fit to points from several starts, None being a global search."""
-    factors, force = loop.pool.factors.take(points), loop.forces(points)
-    fits = [loop.fitted(points, start) for start in starts]
-    return min(fits, key=lambda theta: sum_of_squares(loop.model, factors, force, theta))
-
-
-def _scale(loop: _Loop, theta: Array) -> float:
-    """Root mean square force over the space, by the model."""
-    force = loop.model.evaluate(theta, loop.pool.factors.take(loop.pool.typical))
-    known = force[np.isfinite(force)]
-    return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
-
-
 def _judged(
-    loop: _Loop,
+    fits: Fits,
     number: int,
     design: Indices,
     theta: Array,
@@ -319,14 +248,14 @@ def _judged(
     surprise: Array,
 ) -> Round:
     """The round's estimates; surprise are errors at the newest points before they were fitted."""
-    pool, checks, scale = loop.pool, loop.pool.verification, _scale(loop, hindsight)
-    misses = loop.residuals(theta, checks)
+    pool, checks, scale = fits.pool, fits.pool.verification, fits.scale(hindsight)
+    misses = fits.residuals(theta, checks)
     misses = np.where(np.isfinite(misses), misses, np.inf)
     count = len(checks)
-    relative = float(np.linalg.norm(misses) / np.linalg.norm(loop.forces(checks)))
-    lack = float(np.sqrt(np.mean(misses**2 / (1 + loop.variances(theta, design, checks)))))
+    relative = float(np.linalg.norm(misses) / np.linalg.norm(fits.force_n[checks]))
+    lack = float(np.sqrt(np.mean(misses**2 / (1 + fits.variances(theta, design, checks)))))
     places = np.concatenate([pool.candidates, pool.typical])
-    variance = loop.variances(theta, design, places)
+    variance = fits.variances(theta, design, places)
     at = int(np.argmax(variance))
     open_ended = not np.isfinite(variance[at])
     width = np.inf
@@ -334,8 +263,8 @@ def _judged(
         width = float(stats.t.ppf((1 + LEVEL) / 2, count)) * lack * np.sqrt(1 + variance[at])
     seen = np.abs(np.concatenate([misses, surprise])).max()
     everything = np.concatenate([checks, design])
-    left = loop.residuals(hindsight, everything)
-    own = np.array([loop.error_n[int(point)] for point in everything])
+    left = fits.residuals(hindsight, everything)
+    own = fits.error_n[everything]
     return Round(
         number=number,
         design=design,
@@ -355,7 +284,7 @@ def _judged(
 
 def _verdict(loop: _Loop, last: Round, hindsight: Array) -> tuple[str, str]:
     """The loop's end and the reason for it; nothing while it should go on."""
-    goal, parameters = loop.goal, len(loop.model.parameter_names)
+    goal, parameters = loop.goal, len(loop.fits.model.parameter_names)
     tried = last.number > 1 or parameters == 0
     if tried and last.global_upper <= goal.global_error and last.worst_error <= goal.worst_error:
         return "reached", (
@@ -369,7 +298,7 @@ def _verdict(loop: _Loop, last: Round, hindsight: Array) -> tuple[str, str]:
             f"no parameters bring the largest residual on the {last.simulations} points simulated "
             f"below {last.floor:.2g} of the mean force; wanted are {goal.worst_error:.2g}"
         )
-    least = _least_global(loop, hindsight)
+    least = _least_global(loop.fits, hindsight)
     if least > goal.global_error:
         return what, (
             f"even the best fit to the verification points leaves a global error above {least:.2g} "
@@ -386,16 +315,16 @@ def _verdict(loop: _Loop, last: Round, hindsight: Array) -> tuple[str, str]:
     return "", ""
 
 
-def _least_global(loop: _Loop, start: Array) -> float:
+def _least_global(fits: Fits, start: Array) -> float:
     """Lower limit of the global error that the best parameters can have.
 
     From a fit to the verification points themselves: its residuals, with m - p degrees of freedom.
     """
-    checks = loop.pool.verification
+    checks = fits.pool.verification
     spare = len(checks) - len(start)
     if spare < 1:
         return 0.0
-    theta = _best_of(loop, checks, [start])
-    squares = float(np.sum(loop.residuals(theta, checks) ** 2))
+    theta = fits.best_of(checks, [start])
+    squares = float(np.sum(fits.residuals(theta, checks) ** 2))
     mean_square = squares / float(stats.chi2.ppf(LEVEL, spare))
-    return float(np.sqrt(mean_square / np.mean(loop.forces(checks) ** 2)))
+    return float(np.sqrt(mean_square / np.mean(fits.force_n[checks] ** 2)))

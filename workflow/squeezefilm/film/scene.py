@@ -1,7 +1,5 @@
 """One operating point of a squeeze film, and the dimensionless numbers that govern it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import cos, hypot, isfinite, pi, radians, sin, sqrt
 from typing import TypeVar
@@ -255,8 +253,7 @@ class Scene:
 def check_scene(scene: Scene) -> None:
     """Refuse a scene that has no solution or lies off the actuator.
 
-    Raises:
-        InputError: naming the point, the factor and what is allowed.
+    Raises InputError naming the point, the factor and what is allowed.
     """
     for name in ("h0_m", "hv_m", "phi_r_m", "phi_deg"):
         if not isfinite(getattr(scene, name)):

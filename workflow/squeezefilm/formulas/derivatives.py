@@ -1,7 +1,5 @@
 """Derivatives of formulas, as formulas: exact, or not finite."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

@@ -135,10 +135,8 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
 
     ``place`` says where it was written, for messages; ``known`` tells the names there, if not one
     by one.
-
-    Raises:
-        InputError: for anything but arithmetic on these names, with the place and the part that
-            is refused; for a formula that is too long, too deep or has too large an exponent.
+    Raises InputError for anything but arithmetic on these names, with the place and the part that
+    is refused; for a formula that is too long, too deep or has too large an exponent.
     """
     if not isinstance(text, str):
         raise InputError(f"{place}: a formula is text, not {text!r}")

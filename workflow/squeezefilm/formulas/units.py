@@ -51,9 +51,7 @@ def parameter_units(
 
     units: those of the factors, and of parameters for which they were declared. A formula whose
     result has no unit is read in newtons.
-
-    Raises:
-        InputError: naming the part whose units do not fit.
+    Raises InputError naming the part whose units do not fit.
     """
     check = _Check(place)
     dimensions = {name: _read_unit(unit, place=f"{place}, {name}") for name, unit in units.items()}

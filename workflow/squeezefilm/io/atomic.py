@@ -5,8 +5,6 @@ reads its place finds the old file or the new one, and two jobs that write the s
 same time do not meet. What a killed job leaves is ``.NAME.RANDOM.part``.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import os
@@ -24,9 +22,8 @@ PART = ".part"
 def whole_file(path: Path | str) -> Iterator[Path]:
     """A name beside the target to write to; renamed when all of it is on the disk.
 
-    Raises:
-        InputError: where the file cannot be written; what was there before stays as it was.
-        Superseded: when the job that writes belongs to a run that another one has followed.
+    Raises InputError where the file cannot be written; what was there before stays as it was.
+    Raises Superseded when the job that writes belongs to a run that another one has followed.
     """
     path = Path(path)
     try:
@@ -49,6 +46,15 @@ def whole_file(path: Path | str) -> Iterator[Path]:
     finally:
         part.unlink(missing_ok=True)
     job.note_file(path, sha256=sha256)
+
+
+def write_text(text: str, path: Path | str) -> None:
+    """Write a text, whole or not at all.
+
+    Raises InputError where the file cannot be written.
+    """
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def digest(path: Path) -> str:

@@ -1,7 +1,5 @@
 """The cells of a CSV file as text, each row with its line in the file; and numbers in them."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path
@@ -16,9 +14,8 @@ def read_cells(
 
     With ``comments`` so are rows that begin with # and rows of empty cells. ``what`` the file is
     and what it ``needs`` are for messages.
-
-    Raises:
-        InputError: naming the file, and the line where a row is longer or shorter than the header.
+    Raises InputError naming the file, and the line where a row is longer or shorter than the
+    header.
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as handle:
@@ -48,8 +45,7 @@ def finite_number(
 ) -> float:
     """The number in a cell.
 
-    Raises:
-        InputError: naming file, line and column, for anything else or one above the largest.
+    Raises InputError naming file, line and column, for anything else or one above the largest.
     """
     try:
         value = float(text)

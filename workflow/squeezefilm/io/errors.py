@@ -1,5 +1,8 @@
 """The two ways a command can end early, each with a message written for the reader."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class InputError(Exception):
     """What was given is wrong; the message names the file and the place, and what is allowed.
@@ -13,3 +16,12 @@ class RunError(Exception):
 
     The command line prints the message without a traceback and exits with status 1.
     """
+
+
+@contextmanager
+def naming(place: object) -> Iterator[None]:
+    """Put a place, such as a file's name, before the message of an InputError from within."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None

@@ -4,8 +4,6 @@ The workflow gives each job the run that it belongs to, as ``results/STUDY/run_c
 environment variable SQUEEZEFILM_RUN. Without the variable, by hand, nothing of this happens.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import time
@@ -29,17 +27,12 @@ def check_wanted() -> None:
 
     A job outlives its run when Snakemake alone is killed. What it computes by then may be of an
     older study or of older code, and must not come over the results of the run that followed.
-
-    Raises:
-        Superseded: when another run has begun.
+    Raises Superseded when another run has begun.
     """
     run = run_of_job()
     if run is None:
         return
-    try:
-        current = json.loads((run.parent / CURRENT).read_text(encoding="utf-8"))["run"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return
+    current = remembered(run.parent / CURRENT).get("run", run.name)
     if current != run.name:
         raise Superseded(f"run {run.name} ended and {current} has begun: nothing is written")
 
@@ -52,6 +45,15 @@ def note(**facts: Any) -> None:
 def note_file(path: Path, *, sha256: str) -> None:
     """Put a file that this job made into its record."""
     written[str(path)] = sha256
+
+
+def remembered(path: Path) -> dict[str, Any]:
+    """What is in a file of ours, as JSON; nothing where it is missing or damaged."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def run_of_job() -> Path | None:

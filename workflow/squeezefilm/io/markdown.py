@@ -1,14 +1,9 @@
 """Tables in Markdown, for people to read."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
-
-from squeezefilm.io.atomic import whole_file
 
 
 def markdown_table(table: pd.DataFrame) -> str:
@@ -24,13 +19,3 @@ def markdown_rows(rows: Sequence[Sequence[Any]]) -> str:
         "| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |\n"
         for row in [header, ["---"] * len(header), *shown]
     )
-
-
-def write_markdown(text: str, path: Path | str) -> None:
-    """Write text for people, whole or not at all.
-
-    Raises:
-        InputError: where the file cannot be written.
-    """
-    with whole_file(path) as part:
-        part.write_text(text, encoding="utf-8")

@@ -1,7 +1,5 @@
 """The same task on several processes: a parallel map."""
 
-from __future__ import annotations
-
 import ctypes
 import multiprocessing
 import signal
@@ -28,9 +26,7 @@ def parallel_map(
 
     Processes are forked, so the task may be any callable; where the system cannot fork safely
     (anything but Linux), one process does it all. Items and results must be picklable.
-
-    Raises:
-        RunError: when one of the processes was killed, for instance for want of memory.
+    Raises RunError when one of the processes was killed, for instance for want of memory.
     """
     global _task
     items = list(items)

@@ -1,7 +1,6 @@
-"""How far a command is, on a terminal."""
+"""How far a command is, on a terminal or in a log."""
 
-from __future__ import annotations
-
+import sys
 from typing import Any
 
 
@@ -10,3 +9,8 @@ def progress_bar(total: int, *, unit: str, name: str) -> Any:
     from tqdm import tqdm  # slow to import, and only needed here
 
     return tqdm(total=total, unit=unit, desc=name, disable=None)
+
+
+def say(text: str) -> None:
+    """A line about what is done next."""
+    print(text, file=sys.stderr, flush=True)

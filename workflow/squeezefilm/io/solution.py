@@ -1,7 +1,5 @@
 """What solving a scene gives, whatever the method: the columns of a table of forces."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, fields
 from math import nan
 

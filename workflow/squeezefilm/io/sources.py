@@ -1,7 +1,5 @@
 """Tables handed to a command as NAME=PATH, so that no command guesses which file is which."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,8 +11,7 @@ from squeezefilm.io.errors import InputError
 def parse_sources(words: Sequence[str], *, names: Sequence[str], user: str) -> dict[str, Path]:
     """The path of every name that ``user`` (a figure, a table, …) needs.
 
-    Raises:
-        InputError: for a word without ``=``, a name that is unknown, given twice or missing.
+    Raises InputError for a word without ``=``, a name that is unknown, given twice or missing.
     """
     needed = " ".join(f"{name}=PATH" for name in names) or "no table"
     sources: dict[str, Path] = {}
@@ -36,8 +33,7 @@ def parse_sources(words: Sequence[str], *, names: Sequence[str], user: str) -> d
 def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
     """Read a table that one of our commands wrote and that has at least these columns.
 
-    Raises:
-        InputError: naming the file and the column that is missing, or a file without rows.
+    Raises InputError naming the file and the column that is missing, or a file without rows.
     """
     try:
         data = pd.read_csv(path)

@@ -4,8 +4,6 @@ A table is CSV, or Parquet where its file name ends in ``.parquet``: for plans s
 would take longer to read than scenes to solve.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import SOLUTION_COLUMNS
@@ -31,6 +29,8 @@ ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", 
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out"}
 PARQUET = ".parquet"
+# What a budget is of, where it is of the scene itself.
+THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 
 
@@ -59,8 +59,7 @@ def read_scenes(path: Path | str, *, rows: Rows = all_rows) -> pd.DataFrame:
     Args:
         rows: which of them, given how many there are; of Parquet no others are held.
 
-    Raises:
-        InputError: naming the file, the row or the column that is wrong.
+    Raises InputError naming the file, the row or the column that is wrong.
     """
     return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, rows=rows)
 
@@ -68,8 +67,7 @@ def read_scenes(path: Path | str, *, rows: Rows = all_rows) -> pd.DataFrame:
 def read_design(path: Path | str) -> pd.DataFrame:
     """Read a design: the columns of a plan and ``origin``, which says how a point was chosen.
 
-    Raises:
-        InputError: naming the file, the row or the column that is wrong.
+    Raises InputError naming the file, the row or the column that is wrong.
     """
     return _read(path, columns=DESIGN_COLUMNS, numbers=FACTOR_COLUMNS)
 
@@ -77,8 +75,7 @@ def read_design(path: Path | str) -> pd.DataFrame:
 def read_timings(path: Path | str) -> pd.DataFrame:
     """Read the solver's share of wall time per point.
 
-    Raises:
-        InputError: naming the file, the row or the column that is wrong.
+    Raises InputError naming the file, the row or the column that is wrong.
     """
     return _read(path, columns=TIMING_COLUMNS, numbers=("solve_seconds",))
 
@@ -86,8 +83,7 @@ def read_timings(path: Path | str) -> pd.DataFrame:
 def read_forces(path: Path | str) -> pd.DataFrame:
     """Read simulated forces; a row whose status is not ``ok`` may lack its force.
 
-    Raises:
-        InputError: naming the file, the row or the column that is wrong.
+    Raises InputError naming the file, the row or the column that is wrong.
     """
     table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS)
     for name in ("force_n", "force_error_n"):
@@ -104,8 +100,7 @@ def read_forces(path: Path | str) -> pd.DataFrame:
 def read_ok_forces(path: Path | str) -> pd.DataFrame:
     """Read simulated forces of which every one is needed.
 
-    Raises:
-        InputError: naming the points that were not solved.
+    Raises InputError naming the points that were not solved.
     """
     table = read_forces(path)
     failed = table[table["status"] != "ok"]
@@ -290,15 +285,13 @@ def _number_type(column: pd.Series) -> Any:
 def write_json(values: dict[str, Any], path: Path | str) -> None:
     """Write a JSON file with sorted keys, whole or not at all."""
     text = json.dumps(values, indent=2, sort_keys=True, allow_nan=False) + "\n"
-    with whole_file(path) as name:
-        name.write_text(text, encoding="utf-8")
+    write_text(text, path)
 
 
 def read_json(path: Path | str) -> dict[str, Any]:
     """Read a JSON object.
 
-    Raises:
-        InputError: when the file is missing or not a JSON object.
+    Raises InputError when the file is missing or not a JSON object.
     """
     try:
         values = json.loads(Path(path).read_text(encoding="utf-8"))

@@ -1,7 +1,5 @@
 """Units as they are typed: on a command line, in a column's name, for a formula's parameters."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass
@@ -55,8 +53,7 @@ def sizes(base: str) -> dict[str, float]:
 def quantity(text: str, *, option: str, unit: str) -> float:
     """A number with its unit, in the given one of BASES.
 
-    Raises:
-        InputError: naming the option, for a text that is no number with such a unit.
+    Raises InputError naming the option, for a text that is no number with such a unit.
     """
     known, match = sizes(unit), QUANTITY.fullmatch(text)
     if match and match[2] in known and math.isfinite(value := float(match[1]) * known[match[2]]):
@@ -70,8 +67,7 @@ def quantity(text: str, *, option: str, unit: str) -> float:
 def quantities(text: str, *, option: str, unit: str) -> list[float]:
     """One number with its unit, several with commas, or evenly spaced ones as first:last:count.
 
-    Raises:
-        InputError: naming the option, as quantity does.
+    Raises InputError naming the option, as quantity does.
     """
     parts = text.split(":")
     if len(parts) == 1:

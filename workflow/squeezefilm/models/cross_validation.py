@@ -1,7 +1,5 @@
 """How well a model predicts points that it was not fitted to, from the points there are."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -15,8 +13,7 @@ Array = NDArray[np.float64]
 def fold_numbers(*, points: int, folds: int, seed: int) -> NDArray[np.int64]:
     """To which of the folds each point belongs, shape (points,); sizes differ by at most one.
 
-    Raises:
-        InputError: for fewer than two folds, or more than points.
+    Raises InputError for fewer than two folds, or more than points.
     """
     if not 2 <= folds <= points:
         raise InputError(f"folds: {folds} for {points} points; give 2 … {points}")
@@ -37,9 +34,7 @@ def left_out_predictions(
 
     ``theta`` is where the fits start: that of all points. NaN where the model, fitted to the
     others, is undefined.
-
-    Raises:
-        InputError: where a fold leaves fewer points than parameters, or a fit is impossible.
+    Raises InputError where a fold leaves fewer points than parameters, or a fit is impossible.
     """
     force = np.asarray(force_n, dtype=float)
     numbers = fold_numbers(points=len(force), folds=folds, seed=seed)

@@ -1,7 +1,5 @@
 """What a fit's file tells of a fit, so that the model can be used from the file alone."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The factors of simulated experiments, put together from the tables of forces and of limits."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +15,7 @@ def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Fac
     """The factors of a table's rows, with the results of physics where their table is given.
 
     ``limits`` is what ``squeezefilm limits`` wrote for the same scenes.
-
-    Raises:
-        InputError: where the two tables do not have the same scenes in the same order.
+    Raises InputError where the two tables do not have the same scenes in the same order.
     """
     factors = {name: points[name].to_numpy(dtype=float) for name in FACTOR_COLUMNS}
     if limits is None:
@@ -38,8 +34,7 @@ def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Fac
 def check_columns(model: ExpressionModel, factors: Factors) -> None:
     """See that a model's columns are known at every point.
 
-    Raises:
-        InputError: naming the column, and what to do.
+    Raises InputError naming the column, and what to do.
     """
     for name in model.column_names:
         unknown = np.flatnonzero(~np.isfinite(factors.column(name)))

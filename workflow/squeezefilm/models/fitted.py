@@ -47,8 +47,7 @@ class FittedModel:
     def force_model(self) -> ExpressionModel:
         """The model with the formula that the file carries; the library's, if it carries none.
 
-        Raises:
-            InputError: naming the file, for a formula that is refused or an unknown model.
+        Raises InputError naming the file, for a formula that is refused or an unknown model.
         """
         if "expression" not in self.values:
             return get_model(self.model)
@@ -93,8 +92,7 @@ class FittedModel:
     def complete(self, factors: Factors) -> Factors:
         """The factors with the physics limits that the model needs, from the file's own table.
 
-        Raises:
-            InputError: naming the file, where it has no such table.
+        Raises InputError naming the file, where it has no such table.
         """
         model = self.force_model
         if all(name in factors.columns for name in model.column_names):
@@ -155,8 +153,7 @@ class FittedModel:
 def read_fit(path: Path | str) -> FittedModel:
     """Read a fit.
 
-    Raises:
-        InputError: naming the file and the entry that is missing or no number.
+    Raises InputError naming the file and the entry that is missing or no number.
     """
     values = read_json(path)
     if "refused" in values:
@@ -185,8 +182,7 @@ def read_fit(path: Path | str) -> FittedModel:
 def read_judged_fit(path: Path | str, *, control: Sequence[str] | None) -> FittedModel:
     """Read a fit, judged by the simulations of the tables in ``control`` that it never saw.
 
-    Raises:
-        InputError: naming the file, for one that cannot be read or a point that has no force.
+    Raises InputError naming the file, for one that cannot be read or a point that has no force.
     """
     fit = read_fit(path)
     if not control:
@@ -223,8 +219,7 @@ def _ranges(values: Any, path: Path | str) -> dict[str, tuple[float, float]]:
 def number(values: Mapping[str, Any], key: str, path: Path | str) -> float:
     """A number of a JSON object.
 
-    Raises:
-        InputError: naming the file and the key.
+    Raises InputError naming the file and the key.
     """
     value = values.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float):

@@ -295,9 +295,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> Express
     ``expression`` is its formula and ``parameters`` lists parameters that are not called t0, t1,
     …, or maps parameters to their units; units that are not given are inferred. ``place`` is where
     the entry stands, for messages.
-
-    Raises:
-        InputError: naming the place, for an expression that is refused or whose units do not fit.
+    Raises InputError naming the place, for an expression that is refused or whose units do not fit.
     """
     declared = settings.get("parameters", {})
     known = (*FACTORS, *COLUMNS)

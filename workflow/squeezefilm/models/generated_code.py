@@ -2,32 +2,27 @@
 
 The code computes what ExpressionModel.evaluate does, operation by operation. Nothing of a fit's
 file gets into it but numbers, the checked formula, and names of letters, digits and underscores.
+How a language is written says its file in ``languages``, found by being there.
 """
-
-from __future__ import annotations
 
 import re
 import textwrap
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
 from string import Template
+from typing import Any
+
+import yaml
 
 from squeezefilm.formulas.expressions import Name, Node, Number
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import (
-    CARTESIAN,
-    COLUMNS,
-    FACTORS,
-    POLAR,
-    POSITION,
-    ExpressionModel,
-)
+from squeezefilm.models.force_model import CARTESIAN, COLUMNS, FACTORS, POLAR, POSITION
 from squeezefilm.models.limit_table import AXES, SLACK
 
-TEMPLATES = Path(__file__).parent / "templates"
+FOLDER = Path(__file__).with_name("languages")
+LANGUAGES = tuple(sorted(path.stem for path in FOLDER.glob("*.yaml")))
 RADIANS_PER_DEGREE = 0.017453292519943295
 WIDTH = 96
 RATIO = "hv_m / h0_m"
@@ -39,21 +34,87 @@ MEANING = {
     "phi_r_m": "distance of the finger's centre from the actuator's, m",
     "phi_deg": "direction of the finger's centre, degrees",
 }
-SAME = ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan")
+FUNCTIONS = {"abs": "fabs"} | {
+    name: name
+    for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan")
+}
 
 
-@dataclass(frozen=True)
-class _Language:
-    """What differs between the two: how functions, constants and definitions are written."""
+def source(fit: FittedModel, language: str) -> str:
+    """The code of one of LANGUAGES for a fitted model.
 
-    prefix: str
-    """Before the names of functions of <math.h> or ``math``."""
-    own: str
-    """Before the names of our own functions."""
-    power: str
-    define: str
-    end: str
-    nan: str
+    Raises InputError for a model's name that cannot name a function.
+    """
+    if not re.fullmatch(r"[a-z][a-z0-9_]{0,39}", fit.model):
+        raise InputError(
+            f"{fit.place}: the model's name {fit.model!r} cannot name a function; it must be "
+            "small letters, digits and _"
+        )
+    said = yaml.safe_load((FOLDER / f"{language}.yaml").read_text(encoding="utf-8"))
+    return _Writer(fit, said).source()
+
+
+class _Writer:
+    """One fitted model and what the language's file says."""
+
+    def __init__(self, fit: FittedModel, said: Mapping[str, Any]) -> None:
+        self.fit, self.model, self.said = fit, fit.force_model, said
+
+    def source(self) -> str:
+        fit, model = self.fit, self.model
+        parameters = {
+            name: self.written("theta", index=index)
+            for index, name in enumerate(model.parameter_names)
+        }
+        before, table = self.position(), ""
+        if model.column_names:
+            before, table = before + self.limits(), self.table()
+        return self.written(
+            "model",
+            theta=_wrapped(fit.theta or (0.0,)),
+            error=self.said["nan"] if isnan(fit.error_n) else _number(fit.error_n),
+            table=table,
+            before="".join(f"{line}\n" for line in before),
+            formula=self.formula(model.parsed.root, {**FACTORS, **COLUMNS, **parameters}),
+            **{name: self.listed(**entry) for name, entry in self.said["lists"].items()},
+        )
+
+    def written(self, key: str, **values: object) -> str:
+        """One of the language's patterns, filled."""
+        return self.filled(self.said[key], **values)
+
+    def filled(self, pattern: str, **values: object) -> str:
+        names = {"name": self.fit.model, "NAME": self.fit.model.upper()}
+        return Template(pattern).substitute(names, **values)
+
+    def own(self, function: str, *arguments: str) -> str:
+        """A call of one of the code's own functions."""
+        return f"{self.written('own')}{function}({', '.join(arguments)})"
+
+    def call(self, function: str, argument: str) -> str:
+        """A call of one of the language's functions."""
+        return self.written("call", function=function, argument=argument)
+
+    def define(self, variable: str, value: str) -> str:
+        return self.written("definition", variable=variable, value=value)
+
+    def listed(self, *, of: str, each: str, between: str, none: str = "") -> str:
+        """A pattern for each line about the code, argument, or range of the fitted points."""
+        names = self.model.factor_names
+        items: Mapping[str, Iterable[dict[str, str]]] = {
+            "about": ({"line": line} for line in _about(self.fit)),
+            "arguments": ({"argument": name, "meaning": MEANING[name]} for name in names),
+            "ranges": (
+                {
+                    "quantity": name,
+                    "value": self.said["ratio"] if name == RATIO else name,
+                    "low": _number(low),
+                    "high": _number(high),
+                }
+                for name, (low, high) in self.ranges().items()
+            ),
+        }
+        return between.join(self.filled(each, **item).rstrip() for item in items[of]) or none
 
     def formula(self, part: Node, names: Mapping[str, str]) -> str:
         """A part of a formula, everything in brackets so that no order is left open."""
@@ -66,178 +127,84 @@ class _Language:
             case "negative":
                 return f"(-{inner[0]})"
             case "**" if part.arguments[1] == Number(2.0):
-                return f"{self.own}square({inner[0]})"
+                return self.own("square", inner[0])
             case "**":
-                return f"{self.power}({inner[0]}, {inner[1]})"
+                return f"{self.said['power']}({inner[0]}, {inner[1]})"
             case "+" | "-" | "*" | "/":
                 return f"({inner[0]} {part.operator} {inner[1]})"
             case "sinc":
-                return f"{self.own}sinc({inner[0]})"
-            case "abs":
-                return f"{self.prefix}fabs({inner[0]})"
-        assert part.operator in SAME
-        return f"{self.prefix}{part.operator}({inner[0]})"
+                return self.own("sinc", inner[0])
+        return self.call(FUNCTIONS[part.operator], inner[0])
 
-    def definition(self, name: str, value: str) -> str:
-        return f"    {self.define}{name} = {value}{self.end}"
+    def position(self) -> list[str]:
+        """The forms of the position that are used beside the one that is given."""
+        used, given = set(self.model.parsed.names), self.model.factor_names
+        lines = []
+        if set(POLAR) <= set(given):
+            if used & {"angle", "x", "y"}:
+                lines.append(self.define("phi_rad", f"phi_deg * {RADIANS_PER_DEGREE!r}"))
+            for axis, function in zip(CARTESIAN, ("cos", "sin"), strict=True):
+                if axis[0] in used:
+                    lines.append(self.define(axis, f"phi_r_m * {self.call(function, 'phi_rad')}"))
+        elif self.model.column_names:
+            angle = f"{self.call('atan2', 'y_m, x_m')} / {RADIANS_PER_DEGREE!r}"
+            lines.append(self.define("phi_r_m", self.call("hypot", "x_m, y_m")))
+            lines.append(self.define("phi_deg", angle))
+        return lines
 
-
-def c_source(fit: FittedModel) -> str:
-    """A C99 header with the function ``NAME_force_n``; needs nothing but <math.h>."""
-    name = _checked_name(fit)
-    language = _Language("", f"{name}_", "pow", "const double ", ";", "NAN")
-    inside = (
-        f"{column} >= {_number(low)} && {column} <= {_number(high)}"
-        for column, (low, high) in _ranges(fit).items()
-    )
-    return _filled(
-        "model.h.txt",
-        **_common(fit, language, theta=f"{name}_theta", table="table.h.txt"),
-        NAME=name.upper(),
-        about=_lines(_about(fit), indent=" * "),
-        arguments=", ".join(f"double {each}" for each in fit.force_model.factor_names),
-        unused=" ".join(f"(void){each};" for each in fit.force_model.factor_names),
-        inside="\n        && ".join(inside) or "1",
-        meaning=_lines(_meaning(fit), indent=" *     "),
-    )
-
-
-def python_source(fit: FittedModel) -> str:
-    """A Python module with the function ``force_n``; needs nothing but ``math``."""
-    language = _Language("math.", "_", "_power", "", "", "math.nan")
-    names = fit.force_model.factor_names
-    ranges = (
-        f'    "{column}": ({_number(low)}, {_number(high)}),'
-        for column, (low, high) in _ranges(fit).items()
-    )
-    return _filled(
-        "model.py.txt",
-        **_common(fit, language, theta="THETA", table="table.py.txt"),
-        about="\n".join(_about(fit)),
-        arguments=", ".join(names),
-        names=", ".join(names),
-        point=", ".join(
-            f'"{each}": {each}{" if h0_m else math.nan" if each == RATIO else ""}'
-            for each in _ranges(fit)
-        ),
-        ranges="\n".join(ranges),
-        meaning=_lines(_meaning(fit), indent="    "),
-    )
-
-
-def _common(fit: FittedModel, language: _Language, *, theta: str, table: str) -> dict[str, str]:
-    """What fills both templates, each in its language."""
-    model = fit.force_model
-    parameters = {name: f"{theta}[{index}]" for index, name in enumerate(model.parameter_names)}
-    before = _position(model, language)
-    if model.column_names:
-        before += _limits(fit, language)
-    return {
-        "name": fit.model,
-        "theta": _wrapped(_number(value) for value in fit.theta or (0.0,)),
-        "error": language.nan if isnan(fit.error_n) else _number(fit.error_n),
-        "table": _table(fit, language, template=table) if model.column_names else "",
-        "before": "".join(f"{line}\n" for line in before),
-        "formula": language.formula(model.parsed.root, {**FACTORS, **COLUMNS, **parameters}),
-    }
-
-
-def _position(model: ExpressionModel, language: _Language) -> list[str]:
-    """The forms of the position that are used beside the one that is given."""
-    used, given = set(model.parsed.names), model.factor_names
-    lines = []
-    if set(POLAR) <= set(given):
-        if used & {"angle", "x", "y"}:
-            lines.append(language.definition("phi_rad", f"phi_deg * {RADIANS_PER_DEGREE!r}"))
-        for axis, function in zip(CARTESIAN, ("cos", "sin"), strict=True):
-            if axis[0] in used:
-                value = f"phi_r_m * {language.prefix}{function}(phi_rad)"
-                lines.append(language.definition(axis, value))
-    elif model.column_names:
-        angle = f"{language.prefix}atan2(y_m, x_m) / {RADIANS_PER_DEGREE!r}"
-        lines.append(language.definition("phi_r_m", f"{language.prefix}hypot(x_m, y_m)"))
-        lines.append(language.definition("phi_deg", angle))
-    return lines
-
-
-def _limits(fit: FittedModel, language: _Language) -> list[str]:
-    """The physics limits at the point, from their table."""
-    table = fit.limit_table
-    own = language.own
-    reach = SLACK * max(table.ranges["phi_r_m"][1], 1e-300)
-    low_angle = table.ranges["phi_deg"][0]
-    c = language.end == ";"
-    close, angle = _number(reach), _number(low_angle)
-    direction = (
-        f"phi_r_m <= {close} ? {angle} : phi_deg"
-        if c
-        else f"{angle} if phi_r_m <= {close} else phi_deg"
-    )
-    places = []
-    for axis in AXES:
-        low, high = table.ranges[axis]
-        value = "direction_deg" if axis == "phi_deg" else axis
-        numbers = (high + low) / 2, (high - low) / 2, SLACK * max(abs(low), abs(high))
-        places.append(f"{own}place({value}, {', '.join(map(_number, numbers))})")
-    joined = ",\n        ".join(places)
-    return [
-        language.definition("epsilon_square", f"{own}square(hv_m / h0_m)"),
-        language.definition("direction_deg", direction),
-        f"    const double places[4] = {{\n        {joined},\n    }};"
-        if c
-        else f"    places = (\n        {joined},\n    )",
-        *(
-            language.definition(
-                column,
-                f"{own}tabulated({_table_name(fit, column, language)}, places) * epsilon_square",
-            )
-            for column in _tabulated_columns(fit)
-        ),
-        *(
-            [language.definition("sigma", f"{_number(table.sigma_h0_square)} / {own}square(h0_m)")]
-            if COLUMNS["sigma"] in fit.force_model.column_names
-            else []
-        ),
-    ]
-
-
-def _table(fit: FittedModel, language: _Language, *, template: str) -> str:
-    coefficients = []
-    opening, closing = ("[] = {", "};") if language.end else (" = (", ")")
-    for column in _tabulated_columns(fit):
-        name = _table_name(fit, column, language)
-        values = _wrapped(_number(value) for value in fit.limit_table.coefficients[column].ravel())
-        start = f"static const double {name}" if language.end else name
-        coefficients.append(f"{start}{opening}\n{values}\n{closing}")
-    shape = next(iter(fit.limit_table.coefficients.values())).shape
-    sizes = {letter: str(size) for letter, size in zip("abcd", shape, strict=True)}
-    return _filled(template, name=fit.model, coefficients="\n".join(coefficients), **sizes)
-
-
-def _table_name(fit: FittedModel, column: str, language: _Language) -> str:
-    return f"{fit.model}_{column}" if language.end else f"_{column.upper()}"
-
-
-def _tabulated_columns(fit: FittedModel) -> list[str]:
-    return [name for name in fit.force_model.column_names if name != COLUMNS["sigma"]]
-
-
-def _ranges(fit: FittedModel) -> dict[str, tuple[float, float]]:
-    """The ranges of the fitted points in each argument, and in RATIO where the file tells it."""
-    names = fit.force_model.factor_names
-    ranges = {name: fit.ranges[name] for name in names if name in fit.ranges}
-    if fit.trust is not None and {"h0_m", "hv_m"} <= set(names):
-        ranges[RATIO] = fit.trust.ranges["epsilon"]
-    return ranges
-
-
-def _checked_name(fit: FittedModel) -> str:
-    if not re.fullmatch(r"[a-z][a-z0-9_]{0,39}", fit.model):
-        raise InputError(
-            f"{fit.place}: the model's name {fit.model!r} cannot name a function; it must be "
-            "small letters, digits and _"
+    def limits(self) -> list[str]:
+        """The physics limits at the point, from their table."""
+        table = self.fit.limit_table
+        reach = SLACK * max(table.ranges["phi_r_m"][1], 1e-300)
+        direction = self.written(
+            "choice",
+            condition=f"phi_r_m <= {_number(reach)}",
+            yes=_number(table.ranges["phi_deg"][0]),
+            no="phi_deg",
         )
-    return fit.model
+        places = []
+        for axis in AXES:
+            low, high = table.ranges[axis]
+            value = "direction_deg" if axis == "phi_deg" else axis
+            numbers = (high + low) / 2, (high - low) / 2, SLACK * max(abs(low), abs(high))
+            places.append(self.own("place", value, *map(_number, numbers)))
+        lines = [
+            self.define("epsilon_square", self.own("square", RATIO)),
+            self.define("direction_deg", direction),
+            self.written("places", places=",\n        ".join(places)),
+        ]
+        for column in self.tabulated():
+            value = self.own("tabulated", self.column(column), "places")
+            lines.append(self.define(column, f"{value} * epsilon_square"))
+        if COLUMNS["sigma"] in self.model.column_names:
+            value = f"{_number(table.sigma_h0_square)} / {self.own('square', 'h0_m')}"
+            lines.append(self.define("sigma", value))
+        return lines
+
+    def table(self) -> str:
+        """The table of the limits, and the functions that read it."""
+        known = self.fit.limit_table.coefficients
+        coefficients = (
+            self.written("coefficients", table=self.column(name), values=_wrapped(known[name].flat))
+            for name in self.tabulated()
+        )
+        sizes = dict(zip("abcd", next(iter(known.values())).shape, strict=True))
+        return self.written("table", coefficients="\n".join(coefficients), **sizes)
+
+    def column(self, name: str) -> str:
+        """What the code calls a column's table."""
+        return self.written("column", column=name, COLUMN=name.upper())
+
+    def tabulated(self) -> list[str]:
+        return [name for name in self.model.column_names if name != COLUMNS["sigma"]]
+
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Of the fitted points in each argument, and in RATIO where the file tells it."""
+        fit, names = self.fit, self.model.factor_names
+        ranges = {name: fit.ranges[name] for name in names if name in fit.ranges}
+        if fit.trust is not None and {"h0_m", "hv_m"} <= set(names):
+            ranges[RATIO] = fit.trust.ranges["epsilon"]
+        return ranges
 
 
 def _about(fit: FittedModel) -> list[str]:
@@ -246,7 +213,7 @@ def _about(fit: FittedModel) -> list[str]:
     source = fit.values.get("source")
     digest = str(source.get("forces_sha256")) if isinstance(source, dict) else ""
     lines = [
-        f"Mean force of a squeeze film by the model {_checked_name(fit)}, in newtons.",
+        f"Mean force of a squeeze film by the model {fit.model}, in newtons.",
         "",
         *textwrap.wrap(f"Formula: {model.expression}", 90, subsequent_indent="  "),
         f"Parameters: {', '.join(model.parameter_names) or 'none'}",
@@ -271,32 +238,19 @@ def _about(fit: FittedModel) -> list[str]:
     return lines
 
 
-def _meaning(fit: FittedModel) -> list[str]:
-    return [f"{name}: {MEANING[name]}" for name in fit.force_model.factor_names]
-
-
 def _number(value: float) -> str:
     """A number that reads back as the same double, in C and in Python."""
     text = repr(float(value))
     return f"({text})" if text.startswith("-") else text
 
 
-def _lines(lines: Iterable[str], *, indent: str) -> str:
-    return "\n".join(f"{indent}{line}".rstrip() for line in lines)
-
-
-def _wrapped(values: Iterable[str]) -> str:
-    """Values with commas, in lines of a page's width."""
+def _wrapped(values: Iterable[float]) -> str:
+    """Numbers with commas, in lines of a page's width."""
     return textwrap.fill(
-        " ".join(f"{value}," for value in values),
+        " ".join(f"{_number(value)}," for value in values),
         WIDTH,
         initial_indent="    ",
         subsequent_indent="    ",
         break_on_hyphens=False,
         break_long_words=False,
     )
-
-
-def _filled(template: str, **values: str) -> str:
-    text = (TEMPLATES / template).read_text(encoding="utf-8")
-    return Template(text).substitute(values)

@@ -1,12 +1,10 @@
 """The models of a study: those of the library, and its own."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.models.force_model import ExpressionModel, library, make_model
 
 SPACES = ("two_factor", "four_factor")
@@ -19,9 +17,7 @@ def model_named(name: str, own: Mapping[str, Any], *, place: object) -> Expressi
     """A model by its name; ``two-factor`` is ``two_factor``.
 
     ``own`` is the section ``models`` of a study's configuration, ``place`` the file for messages.
-
-    Raises:
-        InputError: for an unknown name, and where one of the study's own is refused.
+    Raises InputError for an unknown name, and where one of the study's own is refused.
     """
     name = name.replace("-", "_")
     if name in own:
@@ -35,9 +31,8 @@ def model_named(name: str, own: Mapping[str, Any], *, place: object) -> Expressi
 def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: object) -> None:
     """Read every model of a configuration: its own, and those that ``named`` has by section.
 
-    Raises:
-        InputError: naming the place of a formula that is refused, of a name that is the library's,
-            or of a candidate that is unknown.
+    Raises InputError naming the place of a formula that is refused, of a name that is the
+    library's, or of a candidate that is unknown.
     """
     for name in own:
         if name in library():
@@ -47,7 +42,5 @@ def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: obj
         model_named(name, own, place=place)
     for section, space in product(NAMING, SPACES):
         for name in named[section][space]:
-            try:
+            with naming(f"{place}: {section}.{space}"):
                 model_named(name, own, place=place)
-            except InputError as error:
-                raise InputError(f"{place}: {section}.{space}: {error}") from None

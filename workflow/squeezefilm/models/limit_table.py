@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 AXES = ("h0_m", "epsilon_square", "phi_r_m", "phi_deg")
 POINTS = {"h0_m": 3, "epsilon_square": 11, "phi_r_m": 7, "phi_deg": 6}
 """Of directions, for 45°: the force over more of them bends more often."""
+POINTS_WITH_INERTIA = POINTS | {"h0_m": 6}
+"""Inertia grows like the square of the gap."""
 LARGEST_EPSILON_SQUARE = 0.5
 """Amplitudes up to 0.7 of the gap: beyond a study's, since a wanted force may lie there."""
 SLACK = 1e-9
@@ -124,7 +126,9 @@ class LimitTable:
         return table
 
 
-def nodes(ranges: Mapping[str, tuple[float, float]]) -> tuple[dict[str, Array], tuple[int, ...]]:
+def nodes(
+    ranges: Mapping[str, tuple[float, float]], counts: Mapping[str, int] = POINTS
+) -> tuple[dict[str, Array], tuple[int, ...]]:
     """The Chebyshev points of the box, each axis as an array over all of them, and the shape.
 
     An axis without extent has one point.
@@ -132,7 +136,7 @@ def nodes(ranges: Mapping[str, tuple[float, float]]) -> tuple[dict[str, Array], 
     lines = []
     for axis in AXES:
         low, high = ranges[axis]
-        points = POINTS[axis] if high > low else 1
+        points = counts[axis] if high > low else 1
         if axis == "phi_deg" and high - low > 45:
             points = round(points * ((high - low) / 45) ** (2 / 3))
         lines.append((low + high) / 2 + (high - low) / 2 * chebyshev.chebpts1(points))

@@ -283,8 +283,7 @@ class Trust:
     def from_dict(cls, plain: Any, *, place: str) -> Trust:
         """The evidence written by to_dict; what follows from the points is computed anew.
 
-        Raises:
-            InputError: naming the place, for anything else.
+        Raises InputError naming the place, for anything else.
         """
         try:
             fitted = Factors.of(**{name: plain["fitted"][name] for name in STORED})

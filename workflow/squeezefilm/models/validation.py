@@ -1,8 +1,5 @@
 """How far a fitted model is from simulated forces, point by point and as a whole."""
 
-from __future__ import annotations
-
-from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -11,28 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from squeezefilm.io.errors import InputError
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Summary:
-    """The errors of a model over a set of points.
-
-    sum_of_squares is in N^2; global_error is |model - simulation|/|simulation|, norms over all
-    points; share_within_band is the share of points with a relative error of at most `band` in
-    magnitude; worst_index is the point of the largest relative error, worst_relative_error it.
-    """
-
-    points: int
-    sum_of_squares: float
-    global_error: float
-    band: float
-    share_within_band: float
-    worst_index: int
-    worst_relative_error: float
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, ready for JSON."""
-        return asdict(self)
 
 
 def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
@@ -47,29 +22,27 @@ def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
     return (model - simulation) / simulation
 
 
-def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float) -> Summary:
-    """Errors of modelled against simulated forces, both in newtons, shape (n,).
+def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float) -> dict[str, Any]:
+    """Errors of modelled against simulated forces, both in newtons, shape (n,), ready for JSON.
 
-    band is the magnitude of relative error that counts as good; the study gives it.
-    Raises InputError as relative_errors does, and for a band that is not positive.
+    sum_of_squares is in N^2; global_error is |model - simulation|/|simulation|, norms over all
+    points; share_within_band is the share of points with a relative error of at most `band` in
+    magnitude; worst_index is the point of the largest relative error, worst_relative_error it.
+    Raises InputError as relative_errors does.
     """
-    if not (np.isfinite(band) and band > 0):
-        raise InputError(
-            f"band: {band} is not allowed; give a positive relative error, such as 0.15"
-        )
     model, simulation = _checked(model_n, simulation_n)
     relative = relative_errors(model_n=model, simulation_n=simulation)
     squares = float(np.sum((model - simulation) ** 2))
     worst = int(np.argmax(np.abs(relative)))
-    return Summary(
-        points=len(relative),
-        sum_of_squares=squares,
-        global_error=float(np.sqrt(squares) / np.linalg.norm(simulation)),
-        band=band,
-        share_within_band=float(np.mean(np.abs(relative) <= band)),
-        worst_index=worst,
-        worst_relative_error=float(relative[worst]),
-    )
+    return {
+        "points": len(relative),
+        "sum_of_squares": squares,
+        "global_error": float(np.sqrt(squares) / np.linalg.norm(simulation)),
+        "band": band,
+        "share_within_band": float(np.mean(np.abs(relative) <= band)),
+        "worst_index": worst,
+        "worst_relative_error": float(relative[worst]),
+    }
 
 
 def error_sizes(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, float]:

@@ -1,9 +1,5 @@
 """Where in the space of the experiment a model fails: the share of its squared error by thirds."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
@@ -61,19 +57,11 @@ def weak_spots(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
-def worst_thirds(spots: pd.DataFrame, *, most: int = 2) -> list[dict[Any, Any]]:
-    """The thirds that hold the largest shares of the squared error, one for each quantity."""
-    ordered = spots.sort_values("share_of_squares", ascending=False, kind="stable")
-    first = ordered.drop_duplicates("quantity").head(most)
-    return list(first.to_dict("records"))
-
-
 def in_words(spots: pd.DataFrame) -> str:
-    """The two weakest parts as a sentence."""
-    parts = []
-    for worst in worst_thirds(spots):
-        parts.append(
-            f"{worst['share_of_squares']:.0%} of the squared error lies in the {worst['third']} "
-            f"third of the {QUANTITIES[worst['quantity']]}"
-        )
-    return "; ".join(parts)
+    """The two quantities whose thirds hold the largest shares of the squared error."""
+    ordered = spots.sort_values("share_of_squares", ascending=False, kind="stable")
+    return "; ".join(
+        f"{worst['share_of_squares']:.0%} of the squared error lies in the {worst['third']} "
+        f"third of the {QUANTITIES[worst['quantity']]}"
+        for worst in ordered.drop_duplicates("quantity").head(2).to_dict("records")
+    )

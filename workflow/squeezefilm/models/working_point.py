@@ -1,7 +1,5 @@
 """The amplitude that gives a wanted force, by a model."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Any
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import log10, nan, sqrt
+from math import log10, nan
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.grid import Grid
@@ -13,6 +13,7 @@ from squeezefilm.reynolds.modes import galerkin
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import first_grids, iteration_flops
 from squeezefilm.reynolds.solver import LimitResult, Way, each_on_its_own, unexpected, ways_of
+from squeezefilm.reynolds.terms import Terms
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ def _on_grids(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
         nt=finest.nt,
         left_out=need.halves_left_out + need.terms_left_out,
         expected_error=tolerance,
-        expected_mflop=_expected_flops(scene.epsilon, grids, tolerance=tolerance) / 1e6,
+        expected_mflop=_expected_flops(scene.epsilon, need.terms, grids, tolerance=tolerance) / 1e6,
     )
 
 
@@ -142,18 +143,21 @@ def _in_modes(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
     )
 
 
-def _expected_flops(epsilon: float, grids: Sequence[Grid], *, tolerance: float) -> float:
+def _expected_flops(
+    epsilon: float, terms: Terms, grids: Sequence[Grid], *, tolerance: float
+) -> float:
     """Floating-point operations of the first launch.
 
-    Krylov iterations and Newton steps are fitted to 500 random films (ε 0.01–0.98, σ 0.1–1e6): from
-    rest to a loose start, from there to the tolerance, and on the finer grid.
+    Krylov iterations and Newton steps are fitted to 480 random films (ε 0.02–0.95, σ 10–1e5, half
+    of them with inertia up to Re 3, at 1e-3 to 1e-6): from rest to a loose start, from there to the
+    tolerance, and on the finer grid.
     """
-    from_rest = 4 + 10 * epsilon / sqrt(1 - epsilon)
-    refining = from_rest * log10(1 / tolerance) / 4
-    iterations = [from_rest, refining, 0.7 * refining][-len(grids) :]
+    from_rest = 5 + 6.5 * epsilon
+    refining = 2 + 3.2 * epsilon * log10(1 / tolerance)
+    iterations = [from_rest, refining, 0.75 * refining][-len(grids) :]
     if len(grids) < 3:  # the first of them goes from rest to the tolerance
         iterations[0] += from_rest
-    return sum(n * iteration_flops(grid) for n, grid in zip(iterations, grids, strict=True))
+    return sum(n * iteration_flops(grid, terms) for n, grid in zip(iterations, grids, strict=True))
 
 
 def _iterations_in_modes(epsilon: float) -> float:

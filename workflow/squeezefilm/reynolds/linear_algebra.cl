@@ -105,21 +105,22 @@ static void multiply(matrix a, int rows, int inner, matrix4 b, field4 c, int col
     SYNC;
 }
 
-/* Sum of one number per work-item, known to all of them; the order of the sum is fixed. */
+/* Sum of one number per work-item, known to all of them; the order of the sum is fixed. Global memory
+ * is in step afterwards too: the next loop may share a field among the items in another way. */
 static double sum_over_group(double part, __local double *scratch)
 {
 #if WORK_ITEMS == 1
     return part;
 #else
     scratch[get_local_id(0)] = part;
-    barrier(CLK_LOCAL_MEM_FENCE);
+    SYNC;
     for (int span = WORK_ITEMS / 2; span > 0; span /= 2) {
         if (get_local_id(0) < span)
             scratch[get_local_id(0)] += scratch[get_local_id(0) + span];
-        barrier(CLK_LOCAL_MEM_FENCE);
+        SYNC;
     }
     const double sum = scratch[0];
-    barrier(CLK_LOCAL_MEM_FENCE);
+    SYNC;
     return sum;
 #endif
 }
@@ -130,15 +131,15 @@ static double max_over_group(double part, __local double *scratch)
     return part;
 #else
     scratch[get_local_id(0)] = part;
-    barrier(CLK_LOCAL_MEM_FENCE);
+    SYNC;
     for (int span = WORK_ITEMS / 2; span > 0; span /= 2) {
         if (get_local_id(0) < span)
             scratch[get_local_id(0)] =
                 fmax(scratch[get_local_id(0)], scratch[get_local_id(0) + span]);
-        barrier(CLK_LOCAL_MEM_FENCE);
+        SYNC;
     }
     const double most = scratch[0];
-    barrier(CLK_LOCAL_MEM_FENCE);
+    SYNC;
     return most;
 #endif
 }

@@ -10,15 +10,13 @@ an edit gives the jobs another input, and an edit undone gives them back the one
   copied with the results and older than they are; one that an edit brings is newer.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from squeezefilm.io.atomic import digest, whole_file
+from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.runs.code import Code
 
 DIGITS = 16
@@ -35,8 +33,7 @@ def basis_file(
 ) -> Path:
     """The file for some code files, sections and data files; written unless it is there.
 
-    Raises:
-        InputError: where it cannot be written.
+    Raises InputError where it cannot be written.
     """
     lines = [f"{path.relative_to(code.root)} {code.parts[path].digest}" for path in files]
     lines += [f"{path.name} {digest(path)}" for path in data]
@@ -45,8 +42,7 @@ def basis_file(
     text = "\n".join(lines) + "\n"
     path = folder / f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:DIGITS]}.txt"
     if not path.exists():
-        with whole_file(path) as part:
-            part.write_text(text, encoding="utf-8")
+        write_text(text, path)
     return path
 
 

@@ -5,17 +5,16 @@ that a run with nothing to do does. So what was found is kept, until the study's
 the code that checks is another one. A study that is refused is never kept.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from squeezefilm.io.atomic import digest, whole_file
+from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.io.errors import InputError
-from squeezefilm.runs.code import Code, remembered
+from squeezefilm.io.job import remembered
+from squeezefilm.runs.code import Code
 from squeezefilm.studies.config import SCHEMA_PATH, Config, load_config
 
 CHECKS = ("squeezefilm.studies.study", "squeezefilm.studies.chunks", "squeezefilm.models.library")
@@ -33,8 +32,7 @@ class CheckedStudy:
 def checked_study(path: Path, *, code: Code, memory: Path) -> CheckedStudy:
     """The study of a file; ``memory`` is a folder that keeps what was found.
 
-    Raises:
-        InputError: naming the file, the key, what is wrong with it and what is allowed.
+    Raises InputError naming the file, the key, what is wrong with it and what is allowed.
     """
     kept = memory / f"study-{hashlib.sha256(str(path).encode()).hexdigest()[:16]}.json"
     known = remembered(kept)
@@ -48,8 +46,8 @@ def checked_study(path: Path, *, code: Code, memory: Path) -> CheckedStudy:
         "chunks": study.chunks,
         "scan": study.scan and str(study.scan),
     }
-    with suppress(InputError), whole_file(kept) as part:
-        part.write_text(json.dumps(known), encoding="utf-8")
+    with suppress(InputError):
+        write_text(json.dumps(known), kept)
     return study
 
 

@@ -1,13 +1,11 @@
 """What decides the numbers of a command: found by reading the code, without running it.
 
 Snakemake follows neither imports nor kernels. What decides a command's numbers are the modules that
-it imports, directly or not, at the top of a module or inside a function, and the data files and
-OpenCL kernels that such a module names by a text constant, with whatever a kernel includes; each by
-a digest that comments, docstrings and help texts do not change. What is in DECIDES_NOTHING is left
-out.
+it imports, directly or not, at the top of a module or inside a function, those of a package whose
+modules it finds by ``modules_in("package")``, and the data files and OpenCL kernels that such a
+module names by a text constant, with whatever a kernel includes; each by a digest that comments,
+docstrings and help texts do not change. What is in DECIDES_NOTHING is left out.
 """
-
-from __future__ import annotations
 
 import ast
 import hashlib
@@ -19,8 +17,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from squeezefilm.io.atomic import digest, whole_file
+from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.job import remembered
 
 WORKFLOW = Path(__file__).resolve().parents[2]
 COMMANDS = ("squeezefilm/cli/*", "*/commands")
@@ -29,8 +28,6 @@ COMMANDS = ("squeezefilm/cli/*", "*/commands")
 DECIDES_NOTHING = {
     "*/__main__.py": "starts the command line",
     "squeezefilm/cli/main.py": "finds the command and hands it its words",
-    "squeezefilm/cli/*/__init__.py": "names commands, with a line about each",
-    "*/commands/__init__.py": "names commands, with a line about each",
     "squeezefilm/io/job.py": "keeps a job's record, and ends a job that nobody wants any more",
     "squeezefilm/io/progress.py": "shows how far a command is",
     "squeezefilm/runs/locks.py": "says who makes a study",
@@ -61,9 +58,7 @@ class Code:
 
     ``memory`` is a file that keeps what was found in each file, by its content: reading is quick,
     parsing is not.
-
-    Raises:
-        InputError: for a module that is not valid Python.
+    Raises InputError for a module that is not valid Python.
     """
 
     def __init__(self, root: Path = WORKFLOW, *, memory: Path | None = None) -> None:
@@ -89,9 +84,7 @@ class Code:
 
         ``modules`` are those which the command loads by a name made at run time:
         ``"paper.figures.fig08"``.
-
-        Raises:
-            InputError: for a command or module that does not exist.
+        Raises InputError for a command or module that does not exist.
         """
         return self.reached_from(self.command_module(command), *modules)
 
@@ -109,8 +102,7 @@ class Code:
     def command_module(self, command: str) -> str:
         """The dotted name of a command's module, in whichever package it is.
 
-        Raises:
-            InputError: for a command that does not exist.
+        Raises InputError for a command that does not exist.
         """
         for folder in COMMANDS:
             for path in self.root.glob(f"{folder}/{command.replace('-', '_')}.py"):
@@ -120,10 +112,9 @@ class Code:
     def sections(self, command: str, *modules: str, key: str | None = None) -> tuple[str, ...]:
         """The sections of the configuration that a command and some modules may read.
 
-        They are the modules' ``SECTIONS``, plain literals; ``key`` chooses where one is a mapping.
-
-        Raises:
-            InputError: when the command has no such literal, or no such key.
+        They are the modules' ``SECTIONS``, plain literals, none where a module has none; ``key``
+        chooses where one is a mapping.
+        Raises InputError when it is no literal, or the command's has no such key.
         """
         own = self._module(self.command_module(command))
         found: list[str] = []
@@ -140,16 +131,16 @@ class Code:
     def _read(self, paths: list[Path], memory: Path | None) -> dict[Path, Part]:
         """What is in each file, as far as possible from what is remembered."""
         maker = digest(Path(__file__))
-        known = remembered(memory).get(maker, {})
+        known = remembered(memory).get(maker, {}) if memory else {}
         found = {}
         for path in paths:
             content = path.read_bytes()
             key = f"{path.relative_to(self.root)} {hashlib.sha256(content).hexdigest()}"
             found[key] = Part(**known[key]) if key in known else self._parse(path, content)
         if memory and found.keys() != known.keys():
-            with suppress(InputError), whole_file(memory) as part:
-                text = json.dumps({maker: {key: asdict(each) for key, each in found.items()}})
-                part.write_text(text, encoding="utf-8")
+            text = json.dumps({maker: {key: asdict(each) for key, each in found.items()}})
+            with suppress(InputError):
+                write_text(text, memory)
         return dict(zip(paths, found.values(), strict=True))
 
     def _parse(self, path: Path, content: bytes) -> Part:
@@ -178,6 +169,9 @@ class Code:
             elif isinstance(node, ast.ImportFrom):
                 base = self._absolute(node, path)
                 names = [base, *(f"{base}.{name.name}" for name in node.names)]
+            elif _callee(node) == "modules_in":
+                places = [getattr(each, "value", "") for each in getattr(node, "args", ())]
+                names = [f"{place}.*" for place in places if isinstance(place, str)]
             yield from (name for name in names if name.partition(".")[0] in self._packages)
 
     def _absolute(self, node: ast.ImportFrom, path: Path) -> str:
@@ -196,8 +190,15 @@ class Code:
             dotted = {".".join(each[:end]) for each in pieces for end in range(1, len(each) + 1)}
             data = (file for name in part.files for file in self._data.get(name, ()))
             found = {self._modules[name] for name in dotted if name in self._modules}
+            for name in part.modules:
+                if name.endswith(".*"):
+                    found |= {self._modules[each] for each in self._in_package(name[:-2])}
             self._named[path] = frozenset(found.union(data))
         return self._named[path]
+
+    def _in_package(self, package: str) -> list[str]:
+        """The names of a package's modules, without those of packages in it."""
+        return [name for name in self._modules if name.rpartition(".")[0] == package]
 
     def _dotted(self, path: Path) -> str:
         parts = path.relative_to(self.root).with_suffix("").parts
@@ -207,15 +208,6 @@ class Code:
         if name not in self._modules:
             raise InputError(f"there is no module {name}")
         return self._modules[name]
-
-
-def remembered(memory: Path | None) -> dict[str, Any]:
-    """What is in a memory; nothing where it is damaged, for all of it can be found again."""
-    try:
-        found: dict[str, Any] = json.loads(memory.read_text(encoding="utf-8")) if memory else {}
-        return found
-    except (OSError, ValueError):
-        return {}
 
 
 def _children(node: ast.AST) -> Iterator[tuple[str, Any]]:
@@ -282,7 +274,7 @@ def _file_names(nodes: Iterable[ast.AST]) -> list[str]:
 
 
 def _sections(tree: ast.Module) -> Any:
-    """The literal ``SECTIONS`` of a module; None if it has none."""
+    """The literal ``SECTIONS`` of a module, empty if it has none; None if it is no literal."""
     for node in tree.body:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
         if any(isinstance(target, ast.Name) and target.id == "SECTIONS" for target in targets):
@@ -291,7 +283,7 @@ def _sections(tree: ast.Module) -> Any:
                 return json.loads(json.dumps(value))  # as it is when remembered
             except ValueError:
                 return None
-    return None
+    return []
 
 
 def _sha256(text: str) -> str:

@@ -6,8 +6,6 @@ is, and removes those of others when it ends. So a run holds a lock of the opera
 who it is.
 """
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os
@@ -20,9 +18,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO
 
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.job import CURRENT
+from squeezefilm.io.job import CURRENT, remembered
 from squeezefilm.runs.provenance import timestamp
 
 LOCK = "lock"
@@ -54,10 +52,8 @@ def hold(cards: Path, owner: Owner) -> IO[str]:
     """Become the one run that makes a study, until the returned file is closed or this one dies.
 
     ``cards`` is the study's folder of run cards.
-
-    Raises:
-        RunError: when another run makes it, saying which.
-        InputError: where the folder cannot be written.
+    Raises RunError when another run makes it, saying which. Raises InputError where the folder
+    cannot be written.
     """
     try:
         cards.mkdir(parents=True, exist_ok=True)
@@ -76,16 +72,15 @@ def hold(cards: Path, owner: Owner) -> IO[str]:
             break
         else:
             break
-    with whole_file(cards / CURRENT) as part:
-        part.write_text(json.dumps(asdict(owner)) + "\n", encoding="utf-8")
+    write_text(json.dumps(asdict(owner)) + "\n", cards / CURRENT)
     return handle
 
 
 def read_owner(cards: Path) -> Owner | None:
     """The run that held a study last; None where none has been noted."""
     try:
-        return Owner(**json.loads((cards / CURRENT).read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
+        return Owner(**remembered(cards / CURRENT))
+    except TypeError:
         return None
 
 

@@ -5,8 +5,6 @@ over a network whose file locks may not work. The workflow therefore names, in j
 a folder of the node's own disk in the environment variable SQUEEZEFILM_NODE_CACHE.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 from collections.abc import Iterator

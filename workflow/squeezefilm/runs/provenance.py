@@ -4,8 +4,6 @@ When a job is done it writes a record beside its run's card (see run_card.py): w
 with their digests, on which host, device and versions. By hand, without a run, it does not.
 """
 
-from __future__ import annotations
-
 import importlib.metadata
 import json
 import os
@@ -17,7 +15,7 @@ from datetime import UTC, datetime
 
 from squeezefilm import __version__
 from squeezefilm.io import job
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 
 PACKAGES = (
     "snakemake",
@@ -50,8 +48,7 @@ def finish(command: Sequence[str]) -> None:
         **job.notes,
     }
     name = f"{platform.node()}-{os.getpid()}-{time.time_ns()}.json"
-    with whole_file(job.jobs_folder(run) / name) as part:
-        part.write_text(json.dumps(record, sort_keys=True), encoding="utf-8")
+    write_text(json.dumps(record, sort_keys=True), job.jobs_folder(run) / name)
     job.written.clear()
 
 

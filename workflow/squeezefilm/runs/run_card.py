@@ -6,8 +6,6 @@ next one. The jobs' own records (provenance.py) are put on it. Times stand here 
 that the results of equal runs are equal.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import json
@@ -19,8 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from squeezefilm.io.atomic import digest
-from squeezefilm.io.job import jobs_folder
+from squeezefilm.io.atomic import digest, write_text
+from squeezefilm.io.job import jobs_folder, remembered
 from squeezefilm.runs.locks import Owner
 from squeezefilm.runs.provenance import timestamp, versions
 
@@ -56,7 +54,7 @@ def begin(
     from squeezefilm.io.tables import write_json
 
     for path in sorted(cards.glob("*.json")):
-        card = _read(path)
+        card = remembered(path)
         late = jobs_folder(path.with_suffix("")).exists()  # jobs that outlived their run
         if card.get("outcome") == RUNNING:
             _complete(path, outcome=KILLED, ended=None)
@@ -109,8 +107,10 @@ def made_files(cards: Path) -> list[Made]:
     """Every file that the runs of a study made, the newest last."""
     found = []
     for path in sorted(cards.glob("*.json")):
-        card = _read(path)
-        waiting = [_read(record) for record in jobs_folder(path.with_suffix("")).glob("*.json")]
+        card = remembered(path)
+        waiting = [
+            remembered(record) for record in jobs_folder(path.with_suffix("")).glob("*.json")
+        ]
         for job in [*card.get("jobs", []), *waiting]:
             for name, sha256 in job.get("files", {}).items():
                 found.append(Made(name, sha256, path, card, job))
@@ -118,12 +118,11 @@ def made_files(cards: Path) -> list[Made]:
 
 
 def _complete(path: Path, *, outcome: str, ended: str | None) -> None:
-    from squeezefilm.io.markdown import write_markdown
     from squeezefilm.io.tables import write_json
 
-    card = _read(path)
+    card = remembered(path)
     folder = jobs_folder(path.with_suffix(""))
-    jobs = [*card["jobs"], *(_read(record) for record in sorted(folder.glob("*.json")))]
+    jobs = [*card["jobs"], *(remembered(record) for record in sorted(folder.glob("*.json")))]
     jobs = sorted((job for job in jobs if job), key=lambda job: job["started"])
     hosts = sorted({card["host"], *(job["host"] for job in jobs)})
     card |= {
@@ -136,7 +135,7 @@ def _complete(path: Path, *, outcome: str, ended: str | None) -> None:
         "job_versions": _different(job["versions"] for job in jobs),
     }
     write_json(card, path)
-    write_markdown(to_markdown(card), path.with_suffix(".md"))
+    write_text(to_markdown(card), path.with_suffix(".md"))
     shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -211,13 +210,6 @@ def _different(values: Iterable[Any]) -> list[Any]:
     """The values without repetition, in order."""
     texts = dict.fromkeys(json.dumps(value, sort_keys=True) for value in values)
     return [json.loads(text) for text in texts]
-
-
-def _read(path: Path) -> dict[str, Any]:
-    with contextlib.suppress(OSError, ValueError):
-        card: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        return card
-    return {}
 
 
 def _git(*arguments: str) -> str | None:

@@ -3,8 +3,6 @@
 Only the configuration is asked: the number of jobs is known before any plan is made.
 """
 
-from __future__ import annotations
-
 from math import ceil
 
 from squeezefilm.io.errors import InputError
@@ -25,8 +23,7 @@ CENTRED = ("screen", "error_map")
 def chunk_counts(config: Config) -> dict[str, int]:
     """The number of jobs for each plan, of about ``simulation.seconds_per_job`` each.
 
-    Raises:
-        InputError: when a plan would need more jobs than a workflow can handle.
+    Raises InputError when a plan would need more jobs than a workflow can handle.
     """
     target = config["simulation"]["seconds_per_job"]
     counts = {}

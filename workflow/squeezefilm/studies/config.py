@@ -92,8 +92,7 @@ class Config(Mapping[str, Any]):
 def load_config(path: Path | str) -> Config:
     """Read and validate a configuration file.
 
-    Raises:
-        InputError: naming the file, the key, what is wrong with it and what is allowed.
+    Raises InputError naming the file, the key, what is wrong with it and what is allowed.
     """
     path = Path(path)
     try:
@@ -108,8 +107,7 @@ def load_config(path: Path | str) -> Config:
 def parse_config(text: str, *, path: Path) -> Config:
     """Validate the text of a configuration file, which is or will be at ``path``.
 
-    Raises:
-        InputError: as ``load_config`` does.
+    Raises InputError as ``load_config`` does.
     """
     try:
         values = yaml.load(text, Loader=_Loader)

@@ -1,7 +1,5 @@
 """How a study reaches the rules: a file named to Snakemake, or a mapping from another workflow."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Mapping, Sequence
@@ -10,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import parse_config
 
@@ -40,9 +38,7 @@ def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
 
     Commands read files, and so can a reader later. The study is checked as a file's is, and whole:
     nothing is added to it. A measured profile's file counts from the working directory.
-
-    Raises:
-        InputError: naming the key that is wrong, or a file that cannot be written.
+    Raises InputError naming the key that is wrong, or a file that cannot be written.
     """
     place = Path("the module's config")
     if not values:
@@ -60,8 +56,7 @@ def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
     try:
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             folder.mkdir(parents=True, exist_ok=True)
-            with whole_file(path) as part:
-                part.write_text(text, encoding="utf-8")
+            write_text(text, path)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be written: {error}") from None
     return path

@@ -1,7 +1,5 @@
 """The table of a study's keys in config/README.md, made from the schema: ``make keys``."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -21,8 +19,7 @@ HEAD = "| key | unit | allowed | meaning |\n| --- | --- | --- | --- |\n"
 def with_key_table(text: str, schema: Schema) -> str:
     """A text with the table between its two marks made anew.
 
-    Raises:
-        InputError: when a mark is missing, or a key of the schema has no description.
+    Raises InputError when a mark is missing, or a key of the schema has no description.
     """
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)

@@ -1,7 +1,5 @@
 """Which points are simulated: the screen, the four-factor plan, control points and sweeps."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -106,16 +104,9 @@ def plan_sizes(config: Config) -> dict[str, int]:
 
 
 def sweep_pieces(
-    *,
-    points: int,
-    first: int,
-    seed: int,
-    h0_m: tuple[float, float],
-    hv_m: tuple[float, float],
-    phi_r_m: tuple[float, float],
-    phi_deg: tuple[float, float],
+    *, points: int, first: int, seed: int, **ranges: tuple[float, float]
 ) -> Iterator[pd.DataFrame]:
-    """Points of a Sobol' sequence, which fills a box of the four factors evenly; in pieces.
+    """Points of a Sobol' sequence, which fills the ranges of the four factors evenly; in pieces.
 
     Scrambled by the seed. The sequence is one: sweeps from ``first`` 0 and 1000, of 1000 points
     each, are the sweep of 2000 points in two parts. Points are numbered by their place in it.
@@ -125,30 +116,22 @@ def sweep_pieces(
     sequence = qmc.Sobol(4, rng=seed)
     if first:
         sequence.fast_forward(first)
-    lower, upper = np.transpose([h0_m, hv_m, phi_r_m, phi_deg])
+    lower, upper = np.transpose([ranges[name] for name in FACTOR_COLUMNS])
     for begin in range(first, first + points, PIECE):
         end = min(begin + PIECE, first + points)
         with warnings.catch_warnings():
             # Of numbers of points that are no power of two: they fill the box less evenly.
             warnings.filterwarnings("ignore", message="The balance", category=UserWarning)
             drawn = lower + (upper - lower) * sequence.random(end - begin)
-        table = plan(h0_m=drawn[:, 0], hv_m=drawn[:, 1], phi_r_m=drawn[:, 2], phi_deg=drawn[:, 3])
+        table = plan(**dict(zip(FACTOR_COLUMNS, drawn.T, strict=True)))
         yield table.assign(point_id=np.arange(begin + 1, end + 1).astype(str))
 
 
-def random_plan(
-    *,
-    points: int,
-    seed: int,
-    h0_m: tuple[float, float],
-    hv_m: tuple[float, float],
-    phi_r_m: tuple[float, float],
-    phi_deg: tuple[float, float],
-) -> pd.DataFrame:
-    """Points drawn evenly from a box of the four factors, to judge a model where it was not fitted.
+def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
+    """Points drawn evenly from ranges of the factors, to judge a model where it was not fitted.
 
     Equal seeds give equal points.
     """
-    lower, upper = np.transpose([h0_m, hv_m, phi_r_m, phi_deg])
+    lower, upper = np.transpose([ranges[name] for name in FACTOR_COLUMNS])
     drawn = np.random.default_rng(seed).uniform(lower, upper, size=(points, 4))
-    return plan(h0_m=drawn[:, 0], hv_m=drawn[:, 1], phi_r_m=drawn[:, 2], phi_deg=drawn[:, 3])
+    return plan(**dict(zip(FACTOR_COLUMNS, drawn.T, strict=True)))

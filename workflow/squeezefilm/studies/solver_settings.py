@@ -1,11 +1,11 @@
 """How a command solves: the study's solver section, unless the command line says otherwise."""
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import dataclass
 
+from squeezefilm.io import job
 from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds.device import Device, choose_device, describe
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import Config
 
@@ -19,6 +19,16 @@ class SolverSettings:
     method: str
 
 
+def device_of(config: Config, *, option: str | None = None) -> Device:
+    """The device that an option or the study asks for; this job's record names it.
+
+    Raises InputError as choose_device does.
+    """
+    device = choose_device(config["solver"]["device"], option=option)
+    job.note(device=describe(device))
+    return device
+
+
 def add_solver_arguments(parser: argparse.ArgumentParser) -> None:
     """The options that go before the configuration's solver section."""
     parser.add_argument("--tolerance", type=float, help="instead of the config's solver.tolerance")
@@ -26,10 +36,9 @@ def add_solver_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def solver_settings(options: argparse.Namespace, config: Config) -> SolverSettings:
-    """What the options and the configuration ask for together.
+    """The tolerance and the method that the options and the configuration ask for together.
 
-    Raises:
-        InputError: for a tolerance that no method is made for.
+    Raises InputError for a tolerance that no method is made for.
     """
     tolerance = config["solver"]["tolerance"] if options.tolerance is None else options.tolerance
     if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from squeezefilm.designs.box import Box, coordinates
+from squeezefilm.designs.box import Box, coordinates, grid
 from squeezefilm.film.scene import Scene, check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
@@ -66,8 +66,7 @@ class Space:
         """
         factors = len(self.box.names)
         levels = max(2, int(most ** (1 / factors) + 1e-9))
-        axes = np.meshgrid(*[np.linspace(0, 1, levels)] * factors, indexing="ij")
-        points = self.box.from_unit(np.stack(axes, axis=-1).reshape(-1, factors))
+        points = grid(self.box, levels)
         if distinct and factors == len(FACTOR_COLUMNS):
             first, last = self.box.lower[3], self.box.upper[3]
             if last - first == 360:  # the last direction is the first again

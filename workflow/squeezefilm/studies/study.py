@@ -11,7 +11,7 @@ from squeezefilm.film.directions import Directions
 from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Profile
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.symmetry import symmetric_directions
@@ -25,15 +25,13 @@ SECTIONS = ("gas", "actuator", "finger")
 def profile_of(config: Config) -> Profile:
     """The actuator's vibration shape.
 
-    Raises:
-        InputError: naming what is wrong with a formula or a measured profile.
+    Raises InputError naming what is wrong with a formula or a measured profile.
     """
+    smoothed = smoothed_scan_of(config)
+    if smoothed is not None:
+        return smoothed.profile
     actuator = config["actuator"]
-    return make_profile(
-        surface_radius_m=actuator["surface_radius_m"],
-        folder=config.path.parent,
-        **actuator["profile"],
-    )
+    return make_profile(surface_radius_m=actuator["surface_radius_m"], **actuator["profile"])
 
 
 def scan_path(config: Config) -> Path | None:
@@ -75,8 +73,7 @@ def directions_of(config: Config) -> Directions:
 def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
     """The scene of one point of a plan on the study's film, checked unless only its terms matter.
 
-    Raises:
-        InputError: naming the point and the factor that has no physical meaning.
+    Raises InputError naming the point and the factor that has no physical meaning.
     """
     actuator = config["actuator"]
     scene = Scene(
@@ -101,14 +98,11 @@ def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
 def check_study(config: Config) -> Config:
     """Check every finger position and film of a study before anything is simulated.
 
-    Raises:
-        InputError: naming the section and the point that has no physical meaning.
+    Raises InputError naming the section and the point that has no physical meaning.
     """
     for section, point in _extreme_points(config):
-        try:
+        with naming(f"{config.path}: {section}"):
             scene_of(point, config)
-        except InputError as error:
-            raise InputError(f"{config.path}: {section}: {error}") from None
     return config
 
 

@@ -1,7 +1,5 @@
 """The symmetry of a study's scenes over the finger's position, found from pad and vibration."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import lru_cache
 from math import atan2, cos, degrees, pi, radians, sin, sqrt

@@ -1,7 +1,5 @@
 """The vibration shape over the actuator's disc, for Figures 5 and 6."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

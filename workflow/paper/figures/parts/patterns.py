@@ -1,7 +1,5 @@
 """The patterns that searches for a D-optimal design ended in, for Figures 9 to 11."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -13,23 +11,13 @@ from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, add_limits, micrometres
 from reporting.pages.notes import one_digit
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json, read_scenes
-
-COLUMNS = ("layer", "epsilon", "h0_um", "hv_um", *plane.LIMIT_COLUMNS, "note")
-SEARCH_COLUMNS = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
-
-
-def read_searches(path: Path) -> pd.DataFrame:
-    """Every point of every search."""
-    return read_columns(path, columns=SEARCH_COLUMNS)
 
 
 def patterns_found(path: Path) -> tuple[str, int, dict[str, list[dict[str, Any]]]]:
     """The study's own scaling, the number of searches, and the patterns of each scaling.
 
-    Raises:
-        InputError: naming the file and the entry that is missing.
+    Raises InputError naming the file and the entry that is missing.
     """
     summary = read_json(path)
     try:
@@ -87,9 +75,7 @@ def draw(data: pd.DataFrame) -> Figure:
     for _, line in style.rows(data, "ridge").groupby("epsilon"):
         axes.plot(line["h0_um"], line["hv_um"], color="0.55", linestyle=(0, (4, 2)), linewidth=0.9)
     design = style.rows(data, "design")
-    axes.plot(
-        design["h0_um"], design["hv_um"], "o", color="black", markersize=6, clip_on=False, zorder=3
-    )
+    plane.dots(axes, design, fill="black", markersize=6, zorder=3)
     plane.set_up(axes, data, headroom=0.3)
     labels = [
         f"({h0:.3g}, {hv:.3g}) µm\n$h_v/h_0$ = {epsilon:.3f}"

@@ -1,7 +1,5 @@
 """Errors of a fitted model at control points, for Figure 14 and the error map."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

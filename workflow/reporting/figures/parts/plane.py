@@ -1,13 +1,16 @@
 """The planes in which plans and designs are shown: gap and amplitude, and the finger's position."""
 
-from __future__ import annotations
+from collections.abc import Iterable, Sequence
+from typing import Any
 
-from collections.abc import Iterable
-
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+
+from reporting.figures.parts import style
 
 H0_LABEL = r"mean gap $h_0$ (µm)"
 HV_LABEL = r"amplitude $h_v$ (µm)"
@@ -37,6 +40,40 @@ def set_up_positions(axes: Axes, angles_deg: pd.Series, *, margin: float) -> Non
     axes.set_xlabel(r"angular position $\phi_\varphi$ (°)")
     axes.set_ylabel(r"radial position $\phi_r$ (mm)")
     axes.grid(True)
+
+
+def dots(
+    axes: Axes, data: pd.DataFrame, *, x: str = "h0_um", y: str = "hv_um", fill: str, **look: Any
+) -> None:
+    """A dot for each row, also on the rim of the axes; ``look`` as matplotlib has it."""
+    usual: dict[str, Any] = {"markeredgecolor": "black", "clip_on": False}
+    axes.plot(data[x], data[y], "o", color=fill, **usual | look)
+
+
+def error_contours(
+    axes: Axes, data: pd.DataFrame, *, bins: int, ticks: Sequence[float], **lines: Any
+) -> tuple[ContourSet, ContourSet]:
+    """Relative errors on a grid as filled contours, and the lines between them.
+
+    The amplitude's axis is logarithmic: the error changes fastest at small amplitudes.
+    """
+    table = data.pivot(index="hv_um", columns="h0_um", values="relative_error_percent")
+    grid = table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
+    reach = float(np.abs(grid[2]).max())
+    levels = MaxNLocator(nbins=bins, symmetric=True).tick_values(-reach, reach)
+    axes.set_xlim(grid[0][0], grid[0][-1])
+    axes.set_ylim(grid[1][0], grid[1][-1])
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=ticks))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    filled = axes.contourf(*grid, levels=levels, cmap=style.DIVERGING)
+    drawn = axes.contour(*grid, levels=levels, **lines)
+    band = float(data["band_percent"].iloc[0])
+    if reach > band:
+        error = np.abs(grid[2])
+        axes.contour(*grid[:2], error, levels=[band], colors="black", linewidths=1.8)
+    return filled, drawn
 
 
 def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> None:

@@ -1,7 +1,5 @@
 """What the figures have in common: size, type, colour, the note below, and saving."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Container, Iterable
 from contextlib import AbstractContextManager
@@ -119,8 +117,7 @@ def _wrapped(text: str, *, width_pt: float) -> list[str]:
 def check_known(styles: Container[Any], keys: Iterable[Any], *, what: str) -> None:
     """Refuse a table with something that would not be drawn, for no style is known for it.
 
-    Raises:
-        InputError: naming it.
+    Raises InputError naming it.
     """
     unknown = sorted({str(key) for key in keys if key not in styles})
     if unknown:

@@ -1,6 +1,7 @@
 """A surface in space, drawn as a mesh, with points on it."""
 
-from __future__ import annotations
+from collections.abc import Mapping
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -91,5 +92,12 @@ def force_points(
     )
 
 
-def add_legend(axes: Axes3D) -> None:
+def model_and_points(data: pd.DataFrame, points: Mapping[str, Mapping[str, Any]]) -> Figure:
+    """Layer model as a mesh, and layers of dots, each with its look (see force_points)."""
+    figure = style.new_figure(height_in=3.1)
+    axes = add_force_axes(figure, bottom=style.add_note(figure, data))
+    force_mesh(axes, style.rows(data, "model"))
+    for layer, look in points.items():
+        force_points(axes, style.rows(data, layer), **look)
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
+    return figure

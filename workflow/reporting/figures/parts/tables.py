@@ -1,7 +1,5 @@
 """What several figures' tables are built with: units, limits, the model on a mesh."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

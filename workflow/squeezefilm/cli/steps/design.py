@@ -12,13 +12,11 @@ factors: the determinant alone (DESIGN.csv), and once more with the points physi
 efficiency against an optimum found by exchange on a fine grid.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import get_model
@@ -51,10 +49,8 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(f"{options.fit}: a fit of the model {fit.model}, not of {options.model}")
     designs = two_factor_designs if options.model == "two-factor" else four_factor_designs
     theta = np.array(fit.theta)
-    try:
+    with naming(options.fit):
         found = designs(get_model(fit.model), theta, config, processes=options.processes)
-    except InputError as error:
-        raise InputError(f"{options.fit}: {error}") from None
     for path, table in zip((options.output, options.distinct), found.tables, strict=False):
         write_table(table, path)
     write_table(found.searches, options.searches)

@@ -6,12 +6,10 @@ One scene is the operating point of the study's section `extrapolation`, named `
 Each fit adds the scene at which it expects the wanted force at that gap, named after its file.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_table
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.working_point import amplitude_for_force
@@ -34,11 +32,9 @@ def run(options: argparse.Namespace) -> None:
         fit = read_fit(path)
         if Path(path).stem in amplitudes:
             raise InputError(f"{path}: two fits bear the name {Path(path).stem}")
-        try:
+        with naming(path):
             amplitudes[Path(path).stem] = amplitude_for_force(
                 fit.force_model, fit.theta, force_n=point["force_n"], h0_m=point["h0_m"]
             )
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
     scenes = plan(h0_m=[point["h0_m"]] * len(amplitudes), hv_m=list(amplitudes.values()))
     write_table(scenes.assign(point_id=list(amplitudes)), options.output)

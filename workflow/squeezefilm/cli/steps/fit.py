@@ -19,8 +19,6 @@ units, ranges of the factors, errors on the points and on points left out, the e
 model is trusted at a point or not (`squeezefilm predict`), and where it comes from.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

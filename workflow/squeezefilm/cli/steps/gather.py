@@ -6,8 +6,6 @@ The rows come out in the order of the plan. Ends with status 1, names the points
 nothing when a point has no force.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -26,7 +24,6 @@ from squeezefilm.io.tables import (
     table_writer,
 )
 
-SECTIONS: tuple[str, ...] = ()
 NAMED = 100  # failed points, at most, in a message
 
 
@@ -83,10 +80,8 @@ def in_order(
     """The parts' tables in the order of the plan, their rows too.
 
     Each is read twice, so that no more than one is held at a time.
-
-    Raises:
-        InputError: for a point that is missing, twice there, or not of the plan, and for parts
-            that are not each a run of the plan's rows.
+    Raises InputError for a point that is missing, twice there, or not of the plan, and for parts
+    that are not each a run of the plan's rows.
     """
     plan = pd.Index(scenes["point_id"])
     rows = {}

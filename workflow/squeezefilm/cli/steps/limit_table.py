@@ -7,8 +7,6 @@ positions of the study's space and amplitudes up to 0.7 of the gap, as polynomia
 error is stated, from random points of the space.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from squeezefilm.io.errors import InputError

@@ -3,12 +3,10 @@
   squeezefilm limits SCENES.csv --config C.yaml --output LIMITS.csv
 
 `fast_limit_n` is the force at infinite squeeze number, `limit_n` the same with the boundary layer
-at the finger's rim, correct to 1/√σ, `limit_error_n` the estimate of what that leaves out, and
-`sigma` the squeeze number. Models may use these columns beside the factors. Where the limit does
-not hold, the numbers are left out and `status` says so.
+at the finger's rim, correct to 1/√σ (with inertia also to ε²), `limit_error_n` the estimate of what
+that leaves out, and `sigma` the squeeze number. Models may use these columns beside the factors.
+Where the limit does not hold, the numbers are left out and `status` says so.
 """
-
-from __future__ import annotations
 
 import argparse
 

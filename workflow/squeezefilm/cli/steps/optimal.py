@@ -17,15 +17,13 @@ PLANS.csv has the D-efficiency of these and of every plan given, with a lower bo
 need the best design; MAP.csv is what the figure `sensitivity` is drawn from.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import (
     read_json,
@@ -76,7 +74,7 @@ def run(options: argparse.Namespace) -> None:
     names = [word.partition("=")[0] for word in options.plans]
     plans = parse_sources(options.plans, names=names, user="optimal")
     existing = None if options.existing is None else read_scenes(options.existing)
-    try:
+    with naming(options.fit):
         factors = factors_of(forces, limits=options.limits)
         check_columns(fit.force_model, factors)
         study = FittedSpace.of(fit, factors, forces["force_n"].to_numpy(), config=config)
@@ -84,8 +82,6 @@ def run(options: argparse.Namespace) -> None:
         if options.patterns:
             others |= _patterns(options.patterns, study.space.box.names)
         designs = optimal_designs(study, config["optimal"], existing=existing)
-    except InputError as error:
-        raise InputError(f"{options.fit}: {error}") from None
     table = efficiencies(study, designs, others)
     write_table(pd.concat([each.table for each in designs], ignore_index=True), options.output)
     write_table(table, options.efficiencies)

@@ -9,8 +9,6 @@ four_factor (each of its points at each finger position), and two_factor_design,
 four_factor_design, four_factor_design_distinct (its points as they are).
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 

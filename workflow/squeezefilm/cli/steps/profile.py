@@ -10,8 +10,6 @@ has their forces with the half of the interval that holds the noise's part in 95
 both (`scan_error_n`), which the solver's own error adds to.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from squeezefilm.film.vibration import residuals as figure

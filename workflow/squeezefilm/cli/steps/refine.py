@@ -15,8 +15,6 @@ anything is simulated: the two JSON files say why, and the tables are empty. --s
 `squeezefilm profile` says of a measured profile: part of the fit's error.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd

@@ -7,14 +7,12 @@ Several sets are given one after the other, each with its files in the same orde
 the physics limit needs the LIMITS.csv of each set as --limits.
 """
 
-from __future__ import annotations
-
 import argparse
 from typing import Any
 
 import pandas as pd
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import (
     FACTOR_COLUMNS,
     SCENE_COLUMNS,
@@ -58,10 +56,8 @@ def run(options: argparse.Namespace) -> None:
         sets, limits, options.output, options.summary, strict=True
     ):
         points = read_ok_forces(forces)
-        try:
+        with naming(f"{options.fit} on {forces}"):
             table, about = _judged(fit, points, limits=limit, band=band)
-        except InputError as error:
-            raise InputError(f"{options.fit} on {forces}: {error}") from None
         write_table(table, output)
         write_json(about, summary)
 
@@ -76,7 +72,7 @@ def _judged(
     predicted = model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
-    summary = summarise(model_n=predicted, simulation_n=simulated, band=band).to_dict()
+    summary = summarise(model_n=predicted, simulation_n=simulated, band=band)
     worst = forces.iloc[summary.pop("worst_index")]
     table = forces[list(SCENE_COLUMNS)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors

@@ -5,16 +5,14 @@
 Writes which device the study's simulations run on.
 """
 
-from __future__ import annotations
-
 import argparse
 
-from squeezefilm.io import job
 from squeezefilm.io.tables import ScenePoint, write_json
-from squeezefilm.reynolds.device import choose_device, describe
+from squeezefilm.reynolds.device import describe
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
@@ -31,9 +29,8 @@ def run(options: argparse.Namespace) -> None:
     # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
     scene = scene_of(at_rest, config, check=False)
     with node_cache.one_build_at_a_time():
-        device = choose_device(config["solver"]["device"])
+        device = device_of(config)
         warm(device, scene)
     facts = describe(device)
-    job.note(device=dict(facts))
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     write_json(facts, options.output)

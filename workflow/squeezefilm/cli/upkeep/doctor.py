@@ -3,8 +3,6 @@
 Ends with status 1 when there is no OpenCL device that computes in double precision.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 from pathlib import Path
@@ -19,8 +17,6 @@ from squeezefilm.reynolds.device import (
 )
 from squeezefilm.runs import locks
 from squeezefilm.runs.provenance import versions
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

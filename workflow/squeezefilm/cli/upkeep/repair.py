@@ -8,8 +8,6 @@ under the name with ``.damaged`` added. Files that no card names, and studies th
 right now, are left alone.
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import sys
@@ -19,8 +17,6 @@ from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
 from squeezefilm.runs import locks
 from squeezefilm.runs.run_card import made_files
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,8 +7,6 @@ with status 1 when no run made it, or it was changed since. The device is that o
 that the file was made from.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,8 +14,6 @@ from pathlib import Path
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.runs.run_card import Made, made_files
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

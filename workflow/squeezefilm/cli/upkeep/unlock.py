@@ -3,15 +3,11 @@
 Only when every run in it is dead; otherwise ends with status 1 and says who goes on.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
 from squeezefilm.io.errors import RunError
 from squeezefilm.runs import locks
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,8 +5,6 @@
 Equal options give the same file, byte for byte; without any they give the one in config/.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import io
@@ -14,10 +12,9 @@ import io
 import numpy as np
 
 from squeezefilm.film.vibration.shapes import Sinc
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 
-SECTIONS: tuple[str, ...] = ()
 PROFILE = Sinc(wave_number_per_m=109.8)
 RADIUS_MM, STEP_MM = 9.9, 0.75
 PEAK_UM = 1.2
@@ -35,8 +32,7 @@ def run(options: argparse.Namespace) -> None:
     if not (0 <= options.noise <= 1 and 0 <= options.missing <= 0.9 and options.seed >= 0):
         raise InputError("--noise lies in 0 … 1, --missing in 0 … 0.9, --seed is not negative")
     text = scan_text(noise=options.noise, missing=options.missing, seed=options.seed)
-    with whole_file(options.output) as part:
-        part.write_text(text, encoding="utf-8")
+    write_text(text, options.output)
 
 
 def scan_text(*, noise: float, missing: float, seed: int) -> str:

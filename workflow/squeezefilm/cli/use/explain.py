@@ -8,23 +8,20 @@ floating-point operations. What the Reynolds equation itself leaves out is found
 in per cent of the force (`squeezefilm budget` has its columns alone); notes name what is large.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
-from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import NAMES, Budget, budgets
 from squeezefilm.reynolds.effects.words import budget_row, notes_of_budget
 from squeezefilm.reynolds.explain import Explanation, explain
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.solver_settings import add_solver_arguments, solver_settings
+from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
@@ -44,11 +41,9 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     settings = solver_settings(options, config)
     points = scene_points(read_scenes(options.scenes))
-    try:
+    with naming(options.scenes):
         scenes = [scene_of(point, config) for point in points]
-    except InputError as error:
-        raise InputError(f"{options.scenes}: {error}") from None
-    device = choose_device(config["solver"]["device"], option=options.device)
+    device = device_of(config, option=options.device)
     scenes = decided(
         scenes,
         model_tolerance=settings.model_tolerance,

@@ -9,17 +9,12 @@ lies in the ranges of the fit. A model that uses the physics limit is written wi
 whose error is stated; one that was fitted without --limit-table cannot be exported.
 """
 
-from __future__ import annotations
-
 import argparse
 
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.models.generated_code import c_source, python_source
-
-SECTIONS: tuple[str, ...] = ()
-LANGUAGES = {"c": c_source, "python": python_source}
+from squeezefilm.models.generated_code import LANGUAGES, source
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,9 +30,8 @@ def run(options: argparse.Namespace) -> None:
             f"{options.fit}: the model {fit.model} uses the physics limit, which code without "
             "dependencies cannot solve for; fit it with --limit-table, and its table is exported"
         )
-    source = LANGUAGES[options.language](fit)
+    text = source(fit, options.language)
     if options.output:
-        with whole_file(options.output) as part:
-            part.write_text(source, encoding="utf-8")
+        write_text(text, options.output)
     else:
-        print(source, end="")
+        print(text, end="")

@@ -9,19 +9,21 @@ is there already. Both run as they are:
     snakemake --configfile config/my-actuator.yaml
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 from pathlib import Path
 
-from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 
-SECTIONS: tuple[str, ...] = ()
 EXAMPLES = Path(__file__).resolve().parents[4] / "config"
 EXAMPLE = "vibrometer"
 LONGEST = 60
+# The example is compared with the paper's equation; a study of one's own has what it needs.
+EQUATION_OF_THE_EXAMPLE = "  inertia: none\n"
+EQUATION_OF_A_STUDY = (
+    "  inertia: auto # included where it changes a force by solver.model_tolerance\n"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,8 +44,7 @@ def run(options: argparse.Namespace) -> None:
             raise InputError(f"{path}: is there already; choose another name, or remove it")
     texts = {config: _renamed(_example("yaml"), name=name), scan: _example("csv")}
     for path, text in texts.items():
-        with whole_file(path) as part:
-            part.write_text(text, encoding="utf-8")
+        write_text(text, path)
     print(
         f"{config}: the study, commented; change what is yours\n"
         f"{scan}: an example of a vibrometer's table; replace it by yours\n"
@@ -56,6 +57,7 @@ def _renamed(text: str, *, name: str) -> str:
     body = text[text.index("study:") :].replace(f"{EXAMPLE}.csv", f"{name}.csv")
     body = body.replace(f"study: {EXAMPLE} ", f"study: {name} ", 1)
     body = body.replace(f"results/{EXAMPLE}", f"results/{name}", 1)
+    body = body.replace(EQUATION_OF_THE_EXAMPLE, EQUATION_OF_A_STUDY, 1)
     return (
         "# Made by `squeezefilm new`: change what is yours. docs/your-own-actuator.md walks you\n"
         "# through it, config/README.md explains every key; numbers are in SI units.\n" + body

@@ -14,8 +14,6 @@ point, judged by simulations that the fit never saw: points left out in turn, or
 Where the profile was measured, both contain what its scan leaves open, `scan_percent` of the force.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np
@@ -30,8 +28,6 @@ from squeezefilm.cli.points import (
 )
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import expected_error, read_judged_fit
-
-SECTIONS: tuple[str, ...] = ()
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

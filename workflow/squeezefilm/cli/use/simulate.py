@@ -9,13 +9,11 @@ rows are written nevertheless, each with its status. In a table `force_error_n` 
 error; what the noise of a measured profile adds, `squeezefilm profile` says.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import nullcontext
 from functools import partial
 from math import isfinite
 from pathlib import Path
@@ -24,8 +22,7 @@ import pandas as pd
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
-from squeezefilm.io import job
-from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
@@ -37,7 +34,7 @@ from squeezefilm.io.tables import (
 )
 from squeezefilm.io.typed_units import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import Device, choose_device, describe
+from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_text
@@ -48,6 +45,7 @@ from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
     add_solver_arguments,
+    device_of,
     solver_settings,
 )
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
@@ -101,7 +99,7 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         phi_r_m=quantity(options.phi_r, option="--phi-r", unit="m"),
         phi_deg=quantity(options.phi, option="--phi", unit="deg"),
     )
-    device = choose_device(config["solver"]["device"], option=options.device)
+    device = device_of(config, option=options.device)
     (scene,) = decided(
         [scene_of(point, config)],
         model_tolerance=settings.model_tolerance,
@@ -158,15 +156,15 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
     for piece in pieces:
         _scenes(piece, config, path=options.scenes)  # refused before anything is solved
     with node_cache.one_build_at_a_time():
-        device = choose_device(config["solver"]["device"], option=options.device)
-        job.note(device=describe(device))
+        device = device_of(config, option=options.device)
         warm(device, _scenes(pieces[0], config, path=options.scenes)[0])
     failures: list[str] = []
     seconds = 0.0
+    timings = table_writer(options.timings) if options.timings else nullcontext(lambda rows: None)
     with (
         progress_bar(len(table), unit="scene", name=str(options.scenes)) as bar,
         table_writer(options.output) as write,
-        _optional_writer(options.timings) as write_timings,
+        timings as write_timings,
     ):
         for piece in pieces:
             scenes = _scenes(piece, config, path=options.scenes)
@@ -207,10 +205,8 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
 
 
 def _scenes(rows: pd.DataFrame, config: Config, *, path: str) -> list[Scene]:
-    try:
+    with naming(path):
         return [scene_of(point, config) for point in scene_points(rows)]
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
 
 
 def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
@@ -221,15 +217,6 @@ def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
         if name not in rows.columns
     }
     return rows.assign(**columns)[list(FORCE_COLUMNS)]
-
-
-@contextmanager
-def _optional_writer(path: str | None) -> Iterator[Callable[[pd.DataFrame], None]]:
-    if path is None:
-        yield lambda rows: None
-    else:
-        with table_writer(path) as write:
-            yield write
 
 
 def _work_shares(solutions: Sequence[Solution]) -> list[float]:
@@ -243,8 +230,7 @@ def _work_shares(solutions: Sequence[Solution]) -> list[float]:
 def chunk_rows(text: str, count: int) -> slice:
     """The rows of part I of N for ``I/N``: contiguous parts that differ by at most one row.
 
-    Raises:
-        InputError: when the text is not I/N with 1 ≤ I ≤ N ≤ count.
+    Raises InputError when the text is not I/N with 1 ≤ I ≤ N ≤ count.
     """
     try:
         part, parts = (int(word) for word in text.split("/"))

@@ -10,8 +10,6 @@ Where both are empty the point is not to be trusted, and `note` says why, or tha
 contact gives the force.
 """
 
-from __future__ import annotations
-
 import argparse
 
 import numpy as np
@@ -29,7 +27,6 @@ from squeezefilm.io.typed_units import quantity
 from squeezefilm.models.fitted import expected_error, read_judged_fit
 from squeezefilm.models.working_point import working_point
 
-SECTIONS: tuple[str, ...] = ()
 GAPS = 6
 
 

@@ -1,12 +1,8 @@
-"""The profile that a study asks for, by its kind."""
-
-from __future__ import annotations
+"""The profile that a study asks for, by its kind, where it is not a measured one (scans.py)."""
 
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
-from squeezefilm.film.vibration.scans import smoothed_scan
 from squeezefilm.film.vibration.shapes import (
     BesselMode,
     Formula,
@@ -28,19 +24,12 @@ KINDS: dict[str, type] = {
 }
 
 
-def make_profile(*, kind: str, surface_radius_m: float, folder: Path, **settings: Any) -> Profile:
+def make_profile(*, kind: str, surface_radius_m: float, **settings: Any) -> Profile:
     """The profile of a config's ``actuator.profile`` section, whose keys the schema has checked.
 
-    Args:
-        surface_radius_m: radius of the actuator's disc, over which a profile has its maximum.
-        folder: where a measured profile's file is looked for: the folder of the configuration.
-
-    Raises:
-        InputError: for a formula or a scan that is no profile, naming the place.
+    surface_radius_m: radius of the actuator's disc, over which a profile has its maximum.
+    Raises InputError for a formula that is no profile, naming the place.
     """
-    if kind == "measured":
-        path = folder / settings.pop("file")
-        return smoothed_scan(path, surface_radius_m=surface_radius_m, **settings).profile
     if kind in ("standing-wave", "bessel", "formula"):
         settings["surface_radius_m"] = surface_radius_m
     profile: Profile = KINDS[kind](**settings)

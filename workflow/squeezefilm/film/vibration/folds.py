@@ -6,8 +6,6 @@ and taken from the fit (error reduction; Fienup, Applied Optics 21, 1982, 2758),
 of nodes. Where no region is found whose sign matters, there is no fold.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -5,8 +5,6 @@ one point. It is scanned once, on a net of the whole disc, and the places where 
 its neighbourhood are looked at closer.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

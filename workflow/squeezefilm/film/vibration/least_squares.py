@@ -1,7 +1,5 @@
 """Least squares on Zernike modes, the degree by cross-validation."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -47,8 +45,7 @@ def best_fit(
         path: of the scan, for messages.
         x, y: the points on the unit disc.
 
-    Raises:
-        InputError: where the points determine no profile.
+    Raises InputError where the points determine no profile.
     """
     degrees, orthogonal, triangle = _decomposed(x.tobytes(), y.tobytes(), axisymmetric)
     along = orthogonal.T @ measured

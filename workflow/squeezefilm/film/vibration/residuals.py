@@ -1,7 +1,5 @@
 """Data of the figure of a measured profile: the points, the profile through them, what is left."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

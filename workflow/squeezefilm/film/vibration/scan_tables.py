@@ -1,7 +1,5 @@
 """What a smoothed scan says of itself: a row for each point, and a summary."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

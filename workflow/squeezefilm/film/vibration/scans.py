@@ -12,8 +12,6 @@ The largest of a noisy profile is too large on average, by what profiles with mo
 size tell; that much is taken off the maximum to which the profile is scaled.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -129,9 +127,8 @@ def smoothed_scan(
 ) -> SmoothedScan:
     """The smooth profile of a scan's file on a disc; read and fitted once a process.
 
-    Raises:
-        InputError: naming the file and the row or column that is wrong, or what the points do not
-            determine.
+    Raises InputError naming the file and the row or column that is wrong, or what the points do not
+    determine.
     """
     return smoothed(
         read_scan(path), surface_radius_m=surface_radius_m, axisymmetric=axisymmetric, sign=sign
@@ -147,8 +144,7 @@ def smoothed(
         sign: ``unknown`` takes amplitudes without phase or sign as they are although they look
             folded up at a node line; ``measured`` refuses them.
 
-    Raises:
-        InputError: naming the file, and what its points do not determine.
+    Raises InputError naming the file, and what its points do not determine.
     """
     x_m, y_m = _places(scan, surface_radius_m, axisymmetric=axisymmetric)
     in_phase, across, quadrature = _in_one_phase(scan)

@@ -1,7 +1,5 @@
 """Vibration shapes s(x, y) of an actuator's surface, with maximum 1."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache

@@ -10,8 +10,6 @@ Units: m, mm, um (or µm) and nm; deg and rad. A row whose amplitude is empty or
 that could not be measured and is left out.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping
@@ -64,8 +62,7 @@ class Scan:
 def read_scan(path: Path | str) -> Scan:
     """Read a vibrometer's table.
 
-    Raises:
-        InputError: naming the file and the row or column that is wrong, and what is allowed.
+    Raises InputError naming the file and the row or column that is wrong, and what is allowed.
     """
     path = Path(path)
     header, rows = read_cells(path, what="scan", needs=FORM, comments=True)

@@ -4,8 +4,6 @@ Mode (n, m), n ≥ |m| with n − |m| even, is R_n^|m|(ρ) times cos mφ for m �
 on the unit disc. With degrees up to n they span all polynomials in x, y of degree n.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

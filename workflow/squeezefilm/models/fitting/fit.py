@@ -9,10 +9,9 @@ looked for, and searches end in false minima. asinh is linear near zero and loga
 every order of magnitude gets its share of the candidates.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -75,8 +74,9 @@ def fit_model(
     forces that are not finite or all zero.
     """
     force = _checked_force(model, factors, force_n, bound)
+    done = partial(_fit, model, factors, force, bound=bound, seed=seed)
     if model.is_linear:
-        return _linear_fit(model, factors, force, bound=bound, seed=seed)
+        return _linear_fit(model, factors, force, done)
     objective = _objective(model, factors, force)
     parameters = len(model.parameter_names)
     limit = np.full(parameters, np.arcsinh(bound))
@@ -91,14 +91,9 @@ def fit_model(
     nearer = [nelder_mead(objective, found.x, restarts=2) for found in leading]
     first = min(range(len(nearer)), key=lambda index: nearer[index].value)
     best = nelder_mead(objective, nearer[first].x)
-    return _fit(
-        model,
-        factors,
-        force,
+    return done(
         theta=np.sinh(best.x),
         method="genetic algorithm, then Nelder-Mead",
-        bound=bound,
-        seed=seed,
         searches=len(searches),
         evaluations=sum(found.evaluations for found in [*searches, *nearer, best]),
         search_theta=np.sinh(leading[first].x),
@@ -120,8 +115,9 @@ def fit_by_differential_evolution(
     bound. Raises InputError as fit_model does.
     """
     force = _checked_force(model, factors, force_n, bound)
+    done = partial(_fit, model, factors, force, bound=bound, seed=seed)
     if model.is_linear:
-        return _linear_fit(model, factors, force, bound=bound, seed=seed)
+        return _linear_fit(model, factors, force, done)
     objective = _objective(model, factors, force)
     limit = np.full(len(model.parameter_names), np.arcsinh(bound))
     population = 60 * len(model.parameter_names)
@@ -141,14 +137,9 @@ def fit_by_differential_evolution(
         maxiter=400,
     )
     best = nelder_mead(objective, rough.x)
-    return _fit(
-        model,
-        factors,
-        force,
+    return done(
         theta=np.sinh(best.x),
         method="differential evolution, then Nelder-Mead",
-        bound=bound,
-        seed=seed,
         searches=1,
         evaluations=population * (int(rough.nit) + 1) + best.evaluations,
         search_theta=np.sinh(rough.x),
@@ -184,21 +175,11 @@ def fits_from_seeds(
 
 
 def _linear_fit(
-    model: ExpressionModel, factors: Factors, force: Array, *, bound: float, seed: int
+    model: ExpressionModel, factors: Factors, force: Array, done: Callable[..., Fit]
 ) -> Fit:
     theta = local_fit(model, factors, force, np.zeros(len(model.parameter_names)))
-    return _fit(
-        model,
-        factors,
-        force,
-        theta=theta,
-        method="linear least squares" if len(theta) else "no parameters",
-        bound=bound,
-        seed=seed,
-        searches=0,
-        evaluations=1,
-        search_theta=theta,
-    )
+    method = "linear least squares" if len(theta) else "no parameters"
+    return done(theta=theta, method=method, searches=0, evaluations=1, search_theta=theta)
 
 
 def _checked_force(

@@ -1,7 +1,5 @@
 """Whether a model's parameters can be told apart at all, by experiments at given points."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,27 +8,25 @@ from squeezefilm.models.force_model import ExpressionModel, Factors
 
 Array = NDArray[np.float64]
 
-DRAWS = 400
+DRAWS, SEED = 400, 1
 SPREADS = (2.0, 16.0)
 """Parameters are drawn as sinh of a uniform number within these: up to 4 and up to 4 million."""
 LEAST_SINGULAR_VALUE = 1e-9
 SHARE_OF_DIRECTION = 0.1
 
 
-def check_identifiable(model: ExpressionModel, factors: Factors, *, seed: int = 1) -> None:
+def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
     """See that the gradient has full rank at some theta, so that a fit can have one answer.
 
     The rank is taken numerically, with columns scaled to one, at many random theta at which the
     model is defined: what fails at all of them is a property of the model and the points.
-
-    Raises:
-        InputError: naming the parameters that the points cannot tell apart, or a model that is
-            undefined wherever it was tried.
+    Raises InputError naming the parameters that the points cannot tell apart, or a model that is
+    undefined wherever it was tried.
     """
     count = len(model.parameter_names)
     if count == 0:
         return
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(SEED)
     best, direction = -1.0, np.zeros(count)
     for draw in range(DRAWS):
         spread = SPREADS[draw % len(SPREADS)]

@@ -1,7 +1,5 @@
 """Least squares near a known solution."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
@@ -24,9 +22,7 @@ def local_fit(
 
     A parameter may be held fixed, by its place. force_n has shape (n,). Where the model is linear
     the start does not matter. Steps to where the model is undefined are taken back.
-
-    Raises:
-        InputError: where the model is undefined at the start, or has no derivative on the way.
+    Raises InputError where the model is undefined at the start, or has no derivative on the way.
     """
     force = np.asarray(force_n, dtype=float)
     theta = np.array(start, dtype=float)

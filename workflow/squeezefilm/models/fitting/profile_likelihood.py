@@ -12,8 +12,6 @@ far a parameter can go while the model describes these points about as well as t
 a measure of what the points fix, not of a scatter.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +26,7 @@ from squeezefilm.models.force_model import ExpressionModel, Factors
 
 Array = NDArray[np.float64]
 
+LEVEL = 0.95
 MOST_STEPS = 60
 """Doublings and halvings of the step away from the estimate before a range counts as open."""
 
@@ -60,8 +59,6 @@ def parameter_ranges(
     factors: Factors,
     force_n: ArrayLike,
     theta: ArrayLike,
-    *,
-    level: float = 0.95,
 ) -> list[ParameterRange]:
     """The range of each parameter of a fit to n points, n above p (see the module).
 
@@ -79,7 +76,7 @@ def parameter_ranges(
     again = sum_of_squares(model, factors, force_n, local_fit(model, factors, force_n, theta))
     if again < least * (1 - 1e-3):
         raise InputError(f"profile: the parameters of {model.name} are not those of the best fit")
-    allowed = least * (1 + float(fdtri(1, spare, level)) / spare)
+    allowed = least * (1 + float(fdtri(1, spare, LEVEL)) / spare)
     slopes = model.gradient(theta, factors)
     spread = _standard_errors(slopes) * np.sqrt(least / spare)
     # Next to the fit the points may say nothing of a parameter, or describe it without a residual.

@@ -1,7 +1,5 @@
 """The searches that fits and designs share: a genetic algorithm, and the simplex after it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

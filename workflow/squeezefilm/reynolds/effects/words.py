@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from math import isnan
 
+from squeezefilm.io.tables import THIS_SCENE
 from squeezefilm.reynolds.effects import rim
 from squeezefilm.reynolds.effects.budget import Budget, Effect
 
 # Per cent of the force, from which on an effect that is left out is spoken of.
 LEAST_PERCENT = 0.5
-THIS_SCENE = "this scene"
 ABOVE = " (first order, above its range)"
 CALLED = {
     "inertia": "inertia",

@@ -29,7 +29,7 @@ from squeezefilm.reynolds.periodic.resolution import (
 )
 from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.solution import solution_of
-from squeezefilm.reynolds.terms import state_refused, stiffness_of
+from squeezefilm.reynolds.terms import Terms, state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
@@ -214,7 +214,7 @@ def _judge_scene(
         newton, krylov = int(each.newton_steps[position]), int(each.krylov_iterations[position])
         progress.newton_steps += newton
         progress.krylov_iterations += krylov
-        progress.work += (krylov + newton) * iteration_flops(its_grid)
+        progress.work += (krylov + newton) * iteration_flops(its_grid, progress.needs.terms)
 
     def finished(
         *, status: str, grid: Grid = grid, mean: float = np.nan, error: float = np.nan
@@ -257,10 +257,12 @@ def _judge_scene(
     return None
 
 
-def iteration_flops(grid: Grid) -> float:
+def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
     nx, ny, nt = grid.shape
-    return 2.0 * nx * ny * nt * (3 * nx + 3 * ny + 2 * nt)
+    in_space = 3 + sum(term.SPACE_PRODUCTS for term in terms)
+    in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
+    return 2.0 * nx * ny * nt * (in_space * (nx + ny) + in_time * nt)
 
 
 def _size(grid: Grid) -> str:

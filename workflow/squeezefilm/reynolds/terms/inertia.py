@@ -15,14 +15,15 @@ Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.flux_points import FluxPoints, flux_points
-from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -52,12 +53,19 @@ class Inertia(Term):
     HOOKS = ("residual", "response", "step", "carry")
     UNKNOWN_FIELDS = 2
     OWN_FIELDS = 27
+    SPACE_PRODUCTS = 7
+    TIME_PRODUCTS = 8
     ESTIMATE_MARGIN = 2.0
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
     @classmethod
     def of(cls, scene: Scene) -> Inertia | None:
         return cls() if scene.gas.inertia == "included" else None
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        gas = replace(scene.gas, inertia="included", density_kg_per_m3=NEGLIGIBLE)
+        return replace(scene, gas=gas)
 
     @classmethod
     def note(cls, scene: Scene) -> str:
@@ -116,6 +124,12 @@ class Inertia(Term):
             "flux_amplitude_x": along_x.from_all_nodes @ s[:, :, inner_y],
             "flux_amplitude_y": s[:, inner_x] @ along_y.from_all_nodes.T,
         }
+
+    def knows_limit(self, name: str) -> bool:
+        return name != "closed-form"
+
+    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+        return {"reynolds": scene.modified_reynolds}
 
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.rarefaction == "fukui-kaneko":

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,10 @@ class Polytropic(Term):
     @classmethod
     def of(cls, scene: Scene) -> Polytropic | None:
         return cls() if scene.gas.polytropic_exponent != 1 else None
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        return replace(scene, gas=replace(scene.gas, polytropic_exponent=1 + NEGLIGIBLE))
 
     def numbers(self, scene: Scene) -> Numbers:
         return {"inverse_exponent": 1 / scene.gas.polytropic_exponent}

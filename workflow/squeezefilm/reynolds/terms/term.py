@@ -30,6 +30,9 @@ HOOKS = {
     "carry": "(g, film, coarser, coarse)",
 }
 
+# What is put back to see what leaving it out saves.
+NEGLIGIBLE = 1e-14
+
 Numbers = Mapping[str, float | tuple[float, ...]]
 Arrays = Mapping[str, np.ndarray]
 
@@ -55,6 +58,8 @@ class Term:
         UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
         ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
+        SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
+            add to a Krylov iteration.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
     """
 
@@ -69,12 +74,22 @@ class Term:
     UNKNOWN_FIELDS: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
     ESTIMATE_MARGIN: ClassVar[float] = 1.0
+    SPACE_PRODUCTS: ClassVar[int] = 0
+    TIME_PRODUCTS: ClassVar[int] = 0
     CARRYING: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> Term | None:
         """The term as the scene has it, if it does."""
         raise NotImplementedError
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        """A scene that has so little of it that nothing changes but the work.
+
+        The scene itself where there is no such one: what is left out then is another film.
+        """
+        return scene
 
     @classmethod
     def note(cls, scene: Scene) -> str:

@@ -52,8 +52,7 @@ class FittedSpace:
     ) -> FittedSpace:
         """The space of a study, for a model fitted to these points, with forces in newtons.
 
-        Raises:
-            InputError: for a model without parameters, or points that do not bound them.
+        Raises InputError for a model without parameters, or points that do not bound them.
         """
         model = fit.force_model
         if not fit.theta:
@@ -163,7 +162,6 @@ def _anywhere(study: FittedSpace, layers: slice) -> ContinuousDesign:
         points=study.everywhere[used],
         weights=found.weights[used] / found.weights[used].sum(),
         derivatives=derivatives[:, used],
-        prior=np.full(len(derivatives), 1 / len(derivatives)),
         efficiency_bound=found.efficiency_bound,
     )
 

@@ -5,8 +5,6 @@ found with the study's own scaling are united and extended to the wanted number 
 factors: the determinant alone, and once more with the points physically distinct.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -19,8 +17,8 @@ from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.models.trust import Unseen
 from squeezefilm.models.weak_spots import in_words, weak_spots
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.config import Config
+from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import directions_of, scene_of
 from squeezefilm.studies.tasks.physics_limits import with_limits
@@ -61,7 +59,7 @@ class SimulatedSpace:
         self.scenes = [scene_of(point, config) for point in scene_points(self.table)]
         self.known = with_limits(self.table, self.scenes)
         self.solutions: dict[int, Solution] = {}
-        self.device = choose_device(config["solver"]["device"])
+        self.device = device_of(config)
         names = (*FACTOR_COLUMNS, *COLUMNS.values())
         self.pool = Pool(
             Factors.of(**{name: self.known[name].to_numpy() for name in names}),
@@ -117,10 +115,8 @@ def refined_model(
     """Run the loop by the study's section ``refine``; space is the name of what is simulated.
 
     scan_error is the share of a force that the scan of a measured profile leaves open.
-
-    Raises:
-        InputError: where the section allows too few simulations to begin with.
-        RunError: for a scene that has no force.
+    Raises InputError where the section allows too few simulations to begin with. Raises RunError
+    for a scene that has no force.
     """
     config, settings = simulated.config, simulated.config["refine"]
     outcome = refine_loop(

@@ -1,7 +1,5 @@
 """What a scan leaves open in the forces that are simulated with its profile."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -14,9 +12,10 @@ from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.limits.forces import fast_limit, limit_axis
 from squeezefilm.studies.config import Config
+from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import directions_of, scene_of
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
@@ -63,8 +62,7 @@ def scan_errors(
 ) -> ScanErrors:
     """Solve the scenes again with profiles of other noise, and estimate what was left out.
 
-    Raises:
-        RunError: naming a scene that has no force.
+    Raises RunError naming a scene that has no force.
     """
     from scipy.special import stdtrit
 
@@ -130,19 +128,13 @@ def errors_in_study(
     """Forces of some of a study's scenes, and what the scan leaves open in them."""
     points = _points(config)
     scenes = [scene_of(point, config) for point in points]
-    device = choose_device(config["solver"]["device"])
-    errors = scan_errors(scenes, smoothed, device=device, draws=draws, seed=seed)
+    errors = scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
     force_n = np.abs(errors.force_n)
     return pd.DataFrame([asdict(point) for point in points]).assign(
-        force_n=errors.force_n,
-        spread_n=errors.spread_n,
-        noise_n=errors.noise_n,
+        **asdict(errors),
         noise_share=errors.noise_n / force_n,
-        out_of_phase_n=errors.out_of_phase_n,
         scan_error_n=errors.total_n,
         scan_error_share=errors.total_n / force_n,
-        lowest_n=errors.lowest_n,
-        highest_n=errors.highest_n,
     )
 
 

@@ -1,7 +1,5 @@
 """What a study's scan leaves open of its forces, as `squeezefilm profile` found it."""
 
-from __future__ import annotations
-
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
 from squeezefilm.models.fitted import number
@@ -14,9 +12,8 @@ def scan_error_of(config: Config, summary: str | None) -> float:
     Args:
         summary: the file that `squeezefilm profile` wrote.
 
-    Raises:
-        InputError: for a study with a scan and no summary, a summary and no scan, or a file that
-            is none.
+    Raises InputError for a study with a scan and no summary, a summary and no scan, or a file that
+    is none.
     """
     if config["actuator"]["profile"]["kind"] == "measured":
         if summary is None:
