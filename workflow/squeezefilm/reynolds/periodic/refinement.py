@@ -253,6 +253,11 @@ def _judge_scene(
         return finished(
             status=f"tolerance not reached on the finest grid ({_size(grid)}): {reason}"
         )
+    if progress.work > min((term.MOST_WORK for term in progress.needs.terms), default=np.inf):
+        reason = error_text(error, allowed=allowed, force=force)
+        return finished(
+            status=f"tolerance not reached with bearable work ({_size(grid)}): {reason}"
+        )
     progress.grids, progress.state = (grid, finer), states.unknowns[position].copy()
     return None
 
