@@ -61,8 +61,8 @@ class Term:
         ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
-        MOST_WORK: products of a scene's iterations (refinement.iteration_flops) beyond which no finer
-            grid is begun.
+        MOST_WORK: operations of a scene's iterations (refinement.py) beyond which no finer grid is
+            begun.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
     """
 
