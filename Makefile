@@ -9,16 +9,17 @@ CONFIG :=
 OPTIONS :=
 RUN := PATH="$(CURDIR)/$(BIN):$$PATH"
 SNAKEMAKE = $(RUN) snakemake $(OPTIONS)
-STUDIES ?= paper quick
+STUDIES ?= paper paper-inertia quick
 REPORT ?= results/report.html
 COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 \
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper quick check reference report test test-check test-faults test-browser lint format keys lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report test test-check test-faults test-browser lint format keys lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
+	@echo "make paper-inertia  the same with a gas that has inertia, and the two side by side"
 	@echo "make quick    the same rules on a small study, in a minute or two"
 	@echo "make check    everything anew where it is not, and every number beside its reference"
 	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
@@ -38,10 +39,13 @@ help:
 paper: $(VENV)/.run
 	$(SNAKEMAKE)
 
+paper-inertia: paper
+	$(SNAKEMAKE) --configfile config/paper-inertia.yaml
+
 quick: $(VENV)/.run
 	$(SNAKEMAKE) --configfile config/quick.yaml
 
-# Both studies are checked, also when the first one fails.
+# All studies are checked, also when one fails.
 check: $(VENV)/.run
 	failed=0; for study in $(STUDIES); do \
 		$(SNAKEMAKE) check --configfile config/$$study.yaml || failed=1; done; exit $$failed

@@ -54,8 +54,16 @@ def test_the_papers_own_numbers_agree_with_themselves():
 def test_the_force_beyond_the_equation_stands_beside_the_paper_s(claims: pd.DataFrame) -> None:
     """First order at 5 µm, 2.2 µm: +2.1, −1.2 and −0.2 %, and −0.3 to −0.5 % at the rim."""
     said = claims.loc["simulation_at_2.2", "explanation"]
-    assert "inertia +2.1 %, slip −1.2 %, heat −0.2 %" in said
+    assert "leaves out inertia +2.1 %, slip −1.2 %, heat −0.2 %" in said
+    assert "at the rim, −0.3 to −0.5 %" in said
     assert "with all of them 0.964 to 0.966 N" in said
+
+
+def test_what_a_force_has_already_is_not_left_out(results: Results) -> None:
+    budget = results.extrapolation_budget.assign(in_force="inertia")
+    there = judge(replace(results, extrapolation_budget=budget)).set_index("claim_id")
+    said = there.loc["simulation_at_2.2", "explanation"]
+    assert "With inertia in it, which eq. (1) has not; left out are slip −1.2 %, heat" in said
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,14 @@
 """The device: chosen by name, refused with a reason, never asked for more than it has."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
+from squeezefilm.reynolds import device, self_test
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study
@@ -34,11 +36,11 @@ def test_an_option_goes_before_the_environment_and_that_before_the_configuration
 
 
 def test_groups_stay_within_the_scenes_and_half_the_memory():
-    device = replace(choose_device(), groups=528, memory_bytes=80 * 2**30)
-    assert device.groups_for(10_000, workspace_bytes=7 * 2**20) == 528
-    assert device.groups_for(3, workspace_bytes=7 * 2**20) == 3
-    assert device.groups_for(10_000, workspace_bytes=256 * 2**20) == 160
-    assert device.groups_for(10_000, workspace_bytes=2**40) == 1
+    few = replace(choose_device(), groups=528, memory_bytes=80 * 2**30)
+    assert few.groups_for(10_000, workspace_bytes=7 * 2**20) == 528
+    assert few.groups_for(3, workspace_bytes=7 * 2**20) == 3
+    assert few.groups_for(10_000, workspace_bytes=256 * 2**20) == 160
+    assert few.groups_for(10_000, workspace_bytes=2**40) == 1
 
 
 def test_kernels_are_compiled_for_a_study_of_any_gap(edited, tmp_path):
@@ -49,3 +51,29 @@ def test_kernels_are_compiled_for_a_study_of_any_gap(edited, tmp_path):
     check_study(load_config(config))
     assert main(["warm", f"--config={config}", f"--output={tmp_path}/device.json"]) == 0
     assert "device" in read_json(tmp_path / "device.json")
+
+
+def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused):
+    """As if its compiler had made a plus of a minus."""
+    sound = Path.read_text
+
+    def compiled_wrongly(path, *arguments, **options):
+        text = sound(path, *arguments, **options)
+        if path.name == "inertia_over_period.cl":
+            wrong = text.replace("rate)[i] - u[i] * filling", "rate)[i] + u[i] * filling", 1)
+            assert wrong != text
+            return wrong
+        return text
+
+    monkeypatch.setattr(Path, "read_text", compiled_wrongly)
+    monkeypatch.setattr(self_test, "PROVED", {})
+    device._kernel.cache_clear()
+    device._program.cache_clear()
+    try:
+        message = refused("doctor")
+    finally:
+        device._kernel.cache_clear()
+        device._program.cache_clear()
+    assert "fails its self-test" in message
+    assert "inertia: " in message
+    assert "slip: " not in message.replace("inertia and slip", "")

@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main as cli
+from squeezefilm.cli.use.new import EQUATION_OF_A_STUDY, EQUATION_OF_THE_EXAMPLE
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study, scan_path, smoothed_scan_of
 
@@ -27,6 +28,8 @@ def test_its_texts_are_the_examples(tmp_path, repository):
     assert cli.main(["new", "vibrometer", "--folder", str(tmp_path)]) == 0
     example, new = repository / "config" / "vibrometer.yaml", tmp_path / "vibrometer.yaml"
     body = example.read_text(encoding="utf-8").split("\nstudy:")[1]
+    body = body.replace(EQUATION_OF_THE_EXAMPLE, EQUATION_OF_A_STUDY)
+    assert "inertia: auto" in body
     assert new.read_text(encoding="utf-8").split("\nstudy:")[1] == body
     scan = (repository / "config" / "vibrometer.csv").read_bytes()
     assert (tmp_path / "vibrometer.csv").read_bytes() == scan
@@ -74,14 +77,16 @@ def test_what_the_walk_through_shows_is_valid(walk_through, repository, tmp_path
 
 
 def test_the_forces_of_the_walk_through_are_those_of_its_commands(
-    walk_through, repository, monkeypatch, capsys
+    walk_through, repository, tmp_path, monkeypatch, capsys
 ):
-    monkeypatch.chdir(repository)
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["new", "my-actuator"]) == 0
+    capsys.readouterr()
     section = walk_through.partition("## 5. ")[2].partition("## 6. ")[0]
     commands = re.findall(r"^    squeezefilm (simulate .*)", section, re.MULTILINE)
-    example, exact = re.findall(r"(0\.7\d+) N", section)
+    example, exact = re.findall(r"(0\.[78]\d+) N", section)
     for command, force in zip(commands, (example, exact), strict=True):
-        words = command.replace("my-actuator.yaml", "vibrometer.yaml").split()
+        words = command.replace("config/paper", f"{repository}/config/paper").split()
         assert cli.main(words) == 0
         found = float(re.match(r"force (\S+) N", capsys.readouterr().out).group(1))
         assert f"{found:.{len(force) - 2}f}" == force, command

@@ -50,7 +50,7 @@ def test_known_designs_are_found_off_the_grid(gradients, limits, points):
     # By the paper's search, and by the exchange that it is checked with.
     criterion = Criterion(gradients, box)
     for found in (
-        search_design(criterion, len(points), seed=1, generations=40),
+        search_design(criterion, len(points), seed=1),
         exchange_design(criterion, len(points), levels=40),
     ):
         np.testing.assert_allclose(np.sort(found.points[:, 0]), points, atol=1e-5 * span)

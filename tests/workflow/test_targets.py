@@ -1,9 +1,12 @@
 """Every target can be planned, from nothing, and makes its own part alone."""
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
+
+from paper.equations import INPUTS
 
 from .conftest import Planner, copy_checkout, snakemake
 
@@ -88,3 +91,16 @@ def test_a_study_without_a_reference_can_be_reported(fresh):
     planned = fresh.made_anew("everything", edits={config: text})
     assert "results/mine/report/runs.html" in planned
     assert "results/mine/report/check.html" not in planned
+
+
+def test_two_equations_stand_side_by_side_where_the_other_one_is_made(fresh):
+    words = ("--summary", "--configfile", "config/paper-inertia.yaml")
+    page = "results/paper-inertia/report/equations.html"
+    assert page not in snakemake(fresh.folder, *words).stdout
+    other = fresh.folder / "results/paper"
+    for file in INPUTS.values():
+        (other / file).parent.mkdir(parents=True, exist_ok=True)
+        (other / file).touch()
+    done = snakemake(fresh.folder, *words)
+    shutil.rmtree(other)
+    assert page in done.stdout, done.stdout

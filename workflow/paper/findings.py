@@ -20,6 +20,8 @@ BUDGET_COLUMNS = (
     "inertia_percent",
     "slip_percent",
     "heat_percent",
+    "rim_percent",
+    "in_force",
     "left_out_least_percent",
     "left_out_most_percent",
 )
@@ -254,14 +256,22 @@ def _beyond_the_equation(results: Results) -> str:
     low, high = (
         force * (1 + float(budget[f"left_out_{end}_percent"]) / 100) for end in ("least", "most")
     )
+    present = str(budget["in_force"]).split("; ") if pd.notna(budget["in_force"]) else []
     effects = ", ".join(
-        f"{name} {budget[f'{name}_percent']:+.1f} %".replace("-", "−")
+        f"{name} {budget[f'{name}_percent']:+.1f} %"
         for name in ("inertia", "slip", "heat")
+        if name not in present
     )
-    return (
-        f"Eq. (1) leaves out {effects} and a loss at the rim (first order, "
-        f"simulations/extrapolation/budget.csv): with all of them {low:.3f} to {high:.3f} N."
-    )
+    rim = float(budget["rim_percent"])
+    lossy = rim - float(budget["left_out_most_percent"] - budget["left_out_least_percent"])
+    said = (
+        f"{effects} and, at the rim, {rim:+.1f} to {lossy:+.1f} % "
+        "(first order, simulations/extrapolation/budget.csv): with all of them "
+        f"{low:.3f} to {high:.3f} N."
+    ).replace("-", "−")
+    if present:
+        return f"With {' and '.join(present)} in it, which eq. (1) has not; left out are {said}"
+    return f"Eq. (1) leaves out {said}"
 
 
 @finds("amplitude")

@@ -84,14 +84,14 @@ def side_by_side(data: pd.DataFrame) -> pd.DataFrame:
     columns = {
         f"{fit} ({rows['points'].iloc[0]} points)": rows.set_index("quantity")["value"]
         .reindex(quantities["quantity"])
-        .map(_five_digits)
+        .map(five_digits)
         .to_numpy()
         for fit, rows in data.groupby("fit", sort=False)
     }
     return pd.DataFrame({"quantity": quantities["quantity"], "unit": quantities["unit"], **columns})
 
 
-def _five_digits(value: float) -> str:
+def five_digits(value: float) -> str:
     """Five digits; what is zero but for rounding, beside parameters of order 1 to 100, reads 0."""
     return "0" if abs(value) < 1e-12 else f"{value:.5g}".replace("-", "−")
 

@@ -56,9 +56,10 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     note = (
         f"Maps: finger at the centre. (f): h0 = {first['h0_um']:.3g} µm, "
         f"hv = {first['hv_um']:.3g} µm, open circles the first direction of the plan, squares the "
-        "last. First order about the film that the forces are of, on "
-        "coarse grids."
+        "last. First order about the film without inertia, on coarse grids."
     )
+    if isinstance(present := screen["in_force"].iloc[0], str):
+        note += f" In the forces already: {present}."
     if screen["basis"].iloc[0] != THIS_SCENE:
         note += f" Estimates, of {screen['basis'].iloc[0]}."
     return pd.concat(
@@ -68,7 +69,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 def _read(path: Any) -> pd.DataFrame:
     table = read_columns(
-        path, columns=("h0_m", "hv_m", "phi_r_m", "phi_deg", "above_range", "basis")
+        path, columns=("h0_m", "hv_m", "phi_r_m", "phi_deg", "above_range", "in_force", "basis")
     )
     middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
     return table.assign(

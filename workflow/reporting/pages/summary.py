@@ -63,13 +63,16 @@ def to_markdown(
 def _simulated(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     total = sum(len(table) for table in tables.values())
     frequency = settings["actuator"]["frequency_hz"] / 1e3
+    gas = {"included": " of a gas that has inertia", "auto": ", with inertia where it matters"}.get(
+        settings["gas"]["inertia"], ""
+    )
     yield "## What was simulated\n"
     yield (
         f"A plate vibrates at {frequency:g} kHz under a finger. The thin film of air between the "
-        "two is squeezed and stretched; it follows the compressible Reynolds equation, and once "
-        "it has settled its mean pressure is above that of the room: the finger is lifted. The "
-        "result of a simulation is this mean lifting force F. Its factors are the mean gap h0, "
-        "the amplitude of vibration hv at its maximum, and where the finger is: radius φr "
+        f"two is squeezed and stretched; it follows the compressible Reynolds equation{gas}, "
+        "and once it has settled its mean pressure is above that of the room: the finger is "
+        "lifted. The result of a simulation is this mean lifting force F. Its factors are the mean "
+        "gap h0, the amplitude of vibration hv at its maximum, and where the finger is: radius φr "
         f"and angle φφ. Made were {total} simulations, in these plans:\n"
     )
     yield markdown_table(pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]))

@@ -31,6 +31,7 @@ class Device:
         groups: work-groups to launch, each with a workspace of its own.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
         memory_bytes: the device's own memory.
+        processor: whether it is one, and not an accelerator.
         rooms: the buffer that kernels work in, kept from launch to launch.
     """
 
@@ -41,6 +42,7 @@ class Device:
     groups: int
     work_items: int
     memory_bytes: int
+    processor: bool = True
     rooms: list[Any] = field(default_factory=list, compare=False)
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
@@ -116,7 +118,8 @@ def choose_device(
     """The device whose platform or name contains what is asked for (any case).
 
     The command line's ``option`` goes before the environment variable SQUEEZEFILM_DEVICE, and that
-    before what is ``configured``. ``auto`` takes any device. Among those that match, GPUs go first.
+    before what is ``configured``. ``auto`` takes a processor: another device is taken when it is
+    named, and has to prove itself (self_test.py). Among those that match, GPUs go first.
 
     Raises:
         InputError: when no matching device computes in double precision.
@@ -136,6 +139,8 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
             rejected.append(f"{name} (not asked for)")
         elif not device.double_fp_config:
             rejected.append(f"{name} (no double precision)")
+        elif wanted == "auto" and not device.type & cl.device_type.CPU:
+            rejected.append(f"{name} (no processor: name it to take it)")
         else:
             found.append(device)
     if not found:
@@ -156,6 +161,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         groups=device.max_compute_units * (4 if on_gpu else 1),
         work_items=work_items or (128 if on_gpu else 1),
         memory_bytes=device.global_mem_size,
+        processor=bool(device.type & cl.device_type.CPU),
     )
 
 

@@ -24,6 +24,7 @@ from squeezefilm.reynolds.modes.galerkin import solve_in_modes, wants_modes
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile, unseen_profile
+from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.terms import first_reason, terms_of
 
@@ -207,6 +208,8 @@ def _solve(
         else:
             on_device = solve_periodic if name == "periodic" else solve_marching
             chosen = device or choose_device()
+            if not chosen.processor:
+                check_device(chosen)
             try:
                 rest = on_device(some, theirs, tolerance=tolerance, device=chosen, report=report)
             except Exception:

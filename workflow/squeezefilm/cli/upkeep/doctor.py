@@ -15,6 +15,7 @@ from squeezefilm.reynolds.device import (
     device_name,
     list_devices,
 )
+from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.runs import locks
 from squeezefilm.runs.provenance import versions
 
@@ -34,7 +35,8 @@ def run(options: argparse.Namespace) -> None:
     _section("workflow", {"lock": lock_state(options.folder)})
     try:
         _section("devices", {device_name(device): _kind(device) for device in list_devices()})
-        _section("chosen device", describe(choose_device(option=options.device)))
+        device = choose_device(option=options.device)
+        _section("chosen device", describe(device))
     except ImportError as error:
         raise RunError(
             f'pyopencl cannot be imported ({error}); install it: pip install "pyopencl[pocl]"'
@@ -44,6 +46,8 @@ def run(options: argparse.Namespace) -> None:
             f"{error}. A device is chosen by --device, by the environment variable "
             f"{DEVICE_VARIABLE}, or by solver.device of the configuration"
         ) from None
+    check_device(device)
+    print("  self-test: forces of stored films, with every term, are right to 1e-9")
     print("\nall well: simulations can run")
 
 

@@ -1,0 +1,124 @@
+"""The paper's study beside the one with inertia: what is compared, when its conclusion holds."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from paper.equations import FITS, INPUTS, Study, compare, conditions, survives, to_markdown
+from squeezefilm.cli import main as cli
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import read_json, write_json
+from squeezefilm.studies.config import load_config
+
+MORE = 1.02
+"""Forces of the other study, over those of the first."""
+
+
+@pytest.fixture(scope="module")
+def other(study, tmp_path_factory):
+    """The same study with every force of the screen and the plan larger by one factor."""
+    root = tmp_path_factory.mktemp("other")
+    for file in INPUTS.values():
+        (root / file).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(study.root / file, root / file)
+    for name in ("screen", "plan", "extrapolation"):
+        forces = pd.read_csv(root / INPUTS[name])
+        forces.assign(force_n=MORE * forces["force_n"]).to_csv(root / INPUTS[name], index=False)
+    return root
+
+
+@pytest.fixture
+def table(study, other):
+    return compare(Study(study.root), Study(other))
+
+
+def value(table: pd.DataFrame, part: str, quantity: str, column: str = "with_inertia") -> float:
+    rows = table[(table["part"] == part) & (table["quantity"] == quantity)]
+    assert len(rows) == 1
+    return float(rows[column].iloc[0])
+
+
+def test_the_study_with_inertia_is_the_papers_but_for_that(repository):
+    paper, inertia = (
+        load_config(repository / "config" / f"{name}.yaml") for name in ("paper", "paper-inertia")
+    )
+    assert inertia["study"] == "paper-inertia"
+    assert inertia["gas"] == {**paper["gas"], "inertia": "included"}
+    for section in set(paper) | set(inertia):
+        if section not in ("study", "gas"):
+            assert inertia[section] == paper[section], section
+
+
+def test_every_parameter_stands_beside_the_other_once(table, study):
+    assert not table.duplicated(["part", "quantity"]).any()
+    for name, part in FITS.items():
+        fit = read_json(study.root / INPUTS[name])
+        for index, theta in enumerate(fit["theta"]):
+            assert value(table, part, f"θ{index}") == theta
+    assert (table["unit"] != "").all()
+
+
+def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(table):
+    part = "the paper's equation judged by forces with inertia"
+    largest = value(table, part, "worst relative error of the forces themselves, screen")
+    assert largest == pytest.approx(100 * (1 - 1 / MORE), rel=1e-9)
+    for which in ("least", "largest"):
+        change = value(table, part, f"{which} change of a force, screen")
+        assert change == pytest.approx(100 * (MORE - 1), rel=1e-9)
+    judged = f"global error, fit to {FITS['screen_fit']}"
+    assert value(table, part, judged, "paper_equation") == pytest.approx(0.533, abs=1e-3)
+    assert value(table, part, judged) > 1.7
+
+
+def test_points_that_the_paper_s_equation_finds_are_as_good_where_theta_is_the_same(table):
+    efficiency = table[table["quantity"].str.startswith("D-efficiency")]
+    assert len(efficiency) == 3
+    assert np.allclose(efficiency[["paper_equation", "with_inertia"]], 1)
+
+
+def test_points_of_one_gap_but_for_rounding_keep_their_order(study, other):
+    path = other / INPUTS["design"]
+    points = pd.read_csv(path)
+    middle = np.isclose(points["hv_m"], 1.45e-6)
+    assert middle.sum() == 1
+    points.assign(h0_m=points["h0_m"] + 4e-17 * middle).to_csv(path, index=False)
+    again = compare(Study(study.root), Study(other))
+    amplitudes = again["quantity"].str.fullmatch(r"point \d hv")
+    mine, theirs = (again.loc[amplitudes, name] for name in ("paper_equation", "with_inertia"))
+    assert np.allclose(mine, theirs)
+    assert len(mine) == 15
+
+
+def test_the_conclusion_falls_with_any_of_its_conditions(table):
+    assert survives(table, column="with_inertia")
+    assert "**survives**" in to_markdown(table)
+    assert [each.largest for each in conditions()] == [4.6, 15, 4.5]
+    for each in conditions():
+        worse = table.copy()
+        row = (worse["part"] == each.part) & (worse["quantity"] == each.quantity)
+        worse.loc[row, "with_inertia"] = 1.01 * each.largest
+        assert not survives(worse, column="with_inertia")
+        assert "**does not survive**" in to_markdown(worse)
+
+
+def test_the_command_writes_both_files(study, other, tmp_path):
+    paths = [f"--output={tmp_path}/t.csv", f"--markdown={tmp_path}/t.md"]
+    assert cli.main(["equations", str(study.root), str(other), *paths]) == 0
+    table = pd.read_csv(tmp_path / "t.csv")
+    text = (tmp_path / "t.md").read_text(encoding="utf-8")
+    assert text.count("\n| ") == len(table) + 2 * (table["part"].nunique() + 1) + 3
+
+
+def test_a_study_that_is_not_made_is_named(study, tmp_path):
+    with pytest.raises(InputError, match=r"forces\.csv"):
+        compare(Study(study.root), Study(tmp_path))
+    fit = tmp_path / INPUTS["screen_fit"]
+    for file in INPUTS.values():
+        Path(tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(study.root / file, tmp_path / file)
+    write_json({"model": "two-factor"}, fit)
+    with pytest.raises(InputError, match=r"screen\.json"):
+        compare(Study(study.root), Study(tmp_path))
