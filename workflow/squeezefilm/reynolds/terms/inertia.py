@@ -56,7 +56,7 @@ class Inertia(Term):
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 8
     ESTIMATE_MARGIN = 2.0
-    MOST_WORK = 1e12  # about half a minute of one core
+    MOST_WORK = 5e10  # some ten seconds of one core
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
     @classmethod
