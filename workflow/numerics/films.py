@@ -28,6 +28,7 @@ class Film:
         x, y: the finger's centre on the actuator, in units of its side along x.
         aspect: the finger's side along y over that along x.
         knudsen: mean free path over mean gap, with first-order slip; 0 for no rarefaction.
+        reynolds: modified Reynolds number, with inertia of the gas; 0 for none.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Film:
     y: float = 0.0
     aspect: float = 1.0
     knudsen: float = 0.0
+    reynolds: float = 0.0
 
     @property
     def scene(self) -> Scene:
@@ -46,6 +48,7 @@ class Film:
         angular_frequency = 2 * pi * FREQUENCY_HZ
         viscosity = self.sigma * PRESSURE_PA * H0_M**2 / (12 * angular_frequency * LENGTH_M**2)
         speed = self.bearing * PRESSURE_PA * H0_M**2 / (6 * viscosity * LENGTH_M)
+        density = self.reynolds * viscosity / (angular_frequency * H0_M**2)
         return Scene(
             point_id=self.name,
             h0_m=H0_M,
@@ -53,10 +56,10 @@ class Film:
             phi_r_m=hypot(self.x, self.y) * LENGTH_M,
             phi_deg=degrees(atan2(self.y, self.x)),
             gas=Gas(
-                inertia="none",
+                inertia="included" if self.reynolds else "none",
                 viscosity_pa_s=viscosity,
                 ambient_pressure_pa=PRESSURE_PA,
-                density_kg_per_m3=1.2,
+                density_kg_per_m3=density or 1.2,
                 mean_free_path_m=self.knudsen * H0_M or 67e-9,
                 rarefaction="slip" if self.knudsen else "none",
                 polytropic_exponent=1.0,

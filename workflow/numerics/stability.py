@@ -14,6 +14,7 @@ import pandas as pd
 
 from numerics import analytic
 from numerics.films import PISTON, Film, Mirrored, Rough
+from numerics.inertia import cases as with_inertia
 from numerics.peers import numpy_periodic
 from numerics.peers.explicit_march import step_limit
 from numerics.peers.fixed_grid import solve_on_grid
@@ -116,6 +117,7 @@ def cases() -> list[Case]:
         Case(replace(film, name=name), "shape, gas, frequency", in_sample=name in sampled)
         for name, film in shapes.items()
     ]
+    found += [Case(film, with_inertia.GROUP, in_sample) for film, in_sample in with_inertia.films()]
     return found
 
 
@@ -129,11 +131,13 @@ def beyond(film: Film) -> str:
         return "bearing number of 1000 or more"
     if film.sigma > 1e7:
         return "squeeze number above 1e7"
-    return ""
+    return with_inertia.beyond(film)
 
 
 def limit_of(film: Film) -> Limit | None:
     """The analytic limit that a film is nearest to, if any, and how close it must come."""
+    if film.reynolds:
+        return None
     at_rest = film.bearing == 0 and film.knudsen == 0
     eps, sigma = film.epsilon, film.sigma
     square = film.aspect == 1
@@ -188,6 +192,7 @@ def _judge(case: Case, *, device: Device) -> dict[str, Any]:
             "epsilon": film.epsilon,
             "sigma": film.sigma,
             "bearing": film.bearing,
+            "reynolds": film.reynolds,
             "profile": type(film.profile).__name__.lower(),
         }
     )
@@ -223,7 +228,8 @@ def _judge(case: Case, *, device: Device) -> dict[str, Any]:
     }
     if periodic.status == "ok":
         force = periodic.force_n / film.scene.force_scale_n
-        _check_periodic(judgement, film, periodic, force, device=device)
+        check = _check_inertia if film.reynolds else _check_periodic
+        check(judgement, film, periodic, force, device=device)
     elif not beyond(film):
         judgement.broken.append(f"periodic state: {periodic.status}")
     row["verdict"] = "failed" if judgement.broken else "solved"
@@ -274,6 +280,17 @@ def _check_periodic(
         row["single_precision_difference"] = _single_precision(film, solution, force)
 
 
+def _check_inertia(
+    judgement: _Judgement, film: Film, solution: Solution, force: float, *, device: Device
+) -> None:
+    """The equation that the other checks know has no inertia: the same state, but finer."""
+    finer = with_inertia.on_a_finer_grid(film, solution, tolerance=0.1 * TOLERANCE, device=device)
+    if finer is not None:
+        judgement.require("finer_difference", abs(finer / force - 1), TOLERANCE)
+    elif not beyond(film):
+        judgement.broken.append(with_inertia.NOT_CHECKED)
+
+
 def _scrambled(film: Film, grid: Grid, *, device: Device) -> States:
     """The same collocation with all sums in another order: on the whole finger if symmetry had
     saved a part of it, mirrored along y if not."""
@@ -320,6 +337,7 @@ def _explicit_limit(sigma: float) -> dict[str, Any]:
         "epsilon": found.epsilon,
         "sigma": sigma,
         "bearing": 0.0,
+        "reynolds": 0.0,
         "profile": "sinc",
         "verdict": "solved" if solved else "failed",
         "reason": f"{found.experiment:.0f} steps a period by experiment, {found.theory:.0f} by "

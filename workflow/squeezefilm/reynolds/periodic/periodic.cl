@@ -44,6 +44,8 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 
 /* The iteration's rounding error of the mass, relative to the largest overpressure. */
 #define ROUNDING 1e-14
+/* Newton steps that may fail, one after the other, to take a tenth off the least residual. */
+#define PATIENCE 8
 
 /* Newton's iteration from the guess film->p. `basis` has room for most_krylov + 1 vectors,
  * `small` for the numbers of gmres. */
@@ -51,6 +53,8 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
                   field basis, field small, __local double *scratch)
 {
     Said s = {.mean = mean_overpressure(g, film, scratch), .status = STALLED};
+    double least = INFINITY;
+    int patience = PATIENCE;
     for (; s.newton_steps <= most_newton; s.newton_steps++) {
         residual(g, film, basis, scratch);
         precondition(g, film, basis);
@@ -66,7 +70,9 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
             s.status = CONVERGED;
             break;
         }
-        if (s.newton_steps == most_newton)
+        patience = s.residual < 0.9 * least ? PATIENCE : patience - 1;
+        least = fmin(least, s.residual);
+        if (s.newton_steps == most_newton || patience == 0)
             break;
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
         const double target = fmax(0.3 * goal, fmin(0.1 * s.residual, s.residual * s.residual));
@@ -95,8 +101,8 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
  * rows:    sizes, numbers and where the scene's parts lie; carry_t is negative on its first grid.
  * values:  those parts: matrices, profiles, operators.
  * results: per row what is said of it; then, where the row says, its state, the first guess on
- *          entry: p (nx, ny, nt) and the terms' own unknowns. One array, for each that the host waits for costs it as much as a
- *          small solve. */
+ *          entry: p (nx, ny, nt) and the terms' own unknowns. One array, for each that the host
+ *          waits for costs it as much as a small solve. */
 __kernel void periodic_state(const int scenes, const int most_newton, __global const int *begins,
                              __global const Row *rows, matrix values, field results,
                              __global int *queue, field workspace, const ulong workspace_size,

@@ -235,10 +235,13 @@ def _judge_scene(
             work=progress.work,
         )
 
-    for each, its_grid in list(zip(stages, progress.grids, strict=True))[-2:]:
-        if each.status[position] != 0:
-            reason = f"{STATUS[each.status[position]]} ({_size(its_grid)})"
-            return finished(status=reason, grid=its_grid)
+    failed = [each.status[position] != 0 for each in stages[-2:]]
+    if failed[-1] or (failed[0] and finer is None):
+        at = -1 if failed[-1] else -2
+        its_grid, ending = progress.grids[at], stages[at].status[position]
+        return finished(status=f"{STATUS[ending]} ({_size(its_grid)})", grid=its_grid)
+    if failed[0]:  # what no coarser grid describes, a finer one may
+        error = np.inf
     thinnest = float(states.thinnest[position])
     if refused := state_refused(scene, progress.needs.terms, thinnest=thinnest):
         return finished(status=refused)
@@ -249,6 +252,11 @@ def _judge_scene(
         reason = error_text(error, allowed=allowed, force=force)
         return finished(
             status=f"tolerance not reached on the finest grid ({_size(grid)}): {reason}"
+        )
+    if progress.work > min((term.MOST_WORK for term in progress.needs.terms), default=np.inf):
+        reason = error_text(error, allowed=allowed, force=force)
+        return finished(
+            status=f"tolerance not reached with bearable work ({_size(grid)}): {reason}"
         )
     progress.grids, progress.state = (grid, finer), states.unknowns[position].copy()
     return None

@@ -16,14 +16,14 @@ Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.flux_points import FluxPoints, flux_points
-from squeezefilm.reynolds.terms.term import Arrays, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -36,6 +36,10 @@ LAG_PER_REYNOLDS = 0.1
 MOST_CROSSING = 32.0
 # A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
+# Beyond these one mode across the gap was more than 1 % off the resolved velocity, on a strip
+# (docs/numerics.md): a parabola is too little, or gas is pumped in and out and hardly compressed.
+MOST_REYNOLDS = 10.0
+MOST_REYNOLDS_THICK, THICK_SIGMA = 5.0, 20.0
 RIM = np.array([0.0, 0.5, 1.0])
 
 
@@ -52,11 +56,35 @@ class Inertia(Term):
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 8
     ESTIMATE_MARGIN = 2.0
+    MOST_WORK = 5e10  # some ten seconds of one core
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
     @classmethod
     def of(cls, scene: Scene) -> Inertia | None:
         return cls() if scene.gas.inertia == "included" else None
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        gas = replace(scene.gas, inertia="included", density_kg_per_m3=NEGLIGIBLE)
+        return replace(scene, gas=gas)
+
+    @classmethod
+    def note(cls, scene: Scene) -> str:
+        reynolds = scene.modified_reynolds
+        if scene.gas.inertia != "included":
+            return ""
+        if scene.sigma < THICK_SIGMA and reynolds > MOST_REYNOLDS_THICK:
+            return (
+                f"inertia by one mode is good to 1 % up to Re {MOST_REYNOLDS_THICK:g} where the "
+                f"gas is hardly compressed, and was 9 % off at Re 10, σ 5 (Re {reynolds:.2g}, "
+                f"σ {scene.sigma:.2g})"
+            )
+        if reynolds > MOST_REYNOLDS:
+            return (
+                f"inertia by one mode is good to 1 % up to Re {MOST_REYNOLDS:g}, to 2 % at Re 20 "
+                f"(Re {reynolds:.2g})"
+            )
+        return ""
 
     def numbers(self, scene: Scene) -> Numbers:
         reynolds = scene.modified_reynolds

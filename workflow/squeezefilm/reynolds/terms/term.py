@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -60,6 +61,8 @@ class Term:
         ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
+        MOST_WORK: operations of a scene's iterations (refinement.py) beyond which no finer grid is
+            begun.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
     """
 
@@ -74,6 +77,7 @@ class Term:
     UNKNOWN_FIELDS: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
     ESTIMATE_MARGIN: ClassVar[float] = 1.0
+    MOST_WORK: ClassVar[float] = inf
     SPACE_PRODUCTS: ClassVar[int] = 0
     TIME_PRODUCTS: ClassVar[int] = 0
     CARRYING: ClassVar[tuple[str, ...]] = ()

@@ -1,0 +1,318 @@
+"""Inertia of the gas in the periodic state: limits, known forces, order, refusals, ``auto``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+from films import PISTON, PRESSURE_PA, SINC, film, mean_overpressure
+from numpy.linalg import solve as solve_linear
+
+from numerics.inertia.random_scenes import moved_by_leaving_out, random_scenes
+from numerics.peers.numpy_periodic import chebyshev_grid
+from numerics.strip.force import strip_force
+from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.vibration.shapes import Formula, Profile
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.effects.budget import budgets
+from squeezefilm.reynolds.flux_points import flux_points
+from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.spectral import axis, period
+from squeezefilm.reynolds.terms.inertia import Inertia
+
+STRIP = Formula("sinc(109.8*x)", surface_radius_m=1.0)
+
+
+def moving(reynolds: float, **numbers: object) -> Scene:
+    """A scene of tests with inertia, by its modified Reynolds number."""
+    scene = film(inertia="included", **numbers)  # type: ignore[arg-type]
+    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
+    return replace(scene, gas=replace(scene.gas, density_kg_per_m3=density))
+
+
+def still(scene: Scene) -> Scene:
+    return replace(scene, gas=replace(scene.gas, inertia="none"))
+
+
+def forces(scenes: list[Scene], *, tolerance: float, **options: object) -> np.ndarray:
+    """In units of p0 times the area."""
+    solved = solve(scenes, tolerance=tolerance, method="periodic", **options)  # type: ignore[arg-type]
+    assert [each.status for each in solved] == ["ok"] * len(scenes)
+    return np.array([a.force_n / b.force_scale_n for a, b in zip(solved, scenes, strict=True)])
+
+
+def second_order(scene: Scene, *, points: int) -> float:
+    """Mean overpressure over ε² as ε → 0: the equation of inertia.py expanded about rest.
+
+    First order, with the mobility χ = 1/(1 + i Re/10) of a parabola, is Δp₁ − (iσ/χ) p₁ = (σ/χ) s;
+    the mean of the second order is a Poisson equation. Dense, in Chebyshev points of its own.
+    """
+    sigma, reynolds = scene.sigma, scene.modified_reynolds
+    line = chebyshev_grid(points)
+    first, inner = line.first, (slice(1, -1), slice(1, -1))
+    s = scene.amplitude(*np.meshgrid(line.x, line.x, indexing="ij"))
+    one = np.eye(points)
+    laplacian = np.kron(line.second[1:-1, 1:-1], one) + np.kron(one, line.second[1:-1, 1:-1])
+
+    def poisson(source: np.ndarray, decay: complex) -> np.ndarray:
+        matrix = laplacian - decay * np.eye(points**2)
+        return np.pad(solve_linear(matrix, source[inner].ravel()).reshape(points, points), 1)
+
+    def gradient(values: np.ndarray) -> np.ndarray:
+        return np.stack([first @ values, values @ first.T])
+
+    def mean(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return np.real(a * np.conj(b)) / 2
+
+    mobility = 1 / (1 + 0.1j * reynolds)
+    pressure = poisson(sigma / mobility * s, 1j * sigma / mobility)
+    slope = gradient(pressure)
+    flow, gap = -mobility / sigma * slope, -1j * s
+    shear = [gradient(each) for each in flow]
+    carried = np.stack([mean(flow[0], each[0]) + mean(flow[1], each[1]) for each in shear])
+    forced = (
+        mean(pressure + 2 * gap, 1j * flow)
+        + 9 / 7 * carried
+        - mean(1j * (gap + pressure), flow) / 7
+    )
+    drive = sigma * mean(gap + pressure, flow) - 0.1 * sigma * reynolds * forced
+    drive = drive - 2 * mean(gap, slope)
+    source = first @ drive[0] + drive[1] @ first.T
+    return float(line.weights @ poisson(source, 0.0) @ line.weights)
+
+
+@pytest.mark.parametrize(
+    ("reynolds", "sigma", "place", "profile"),
+    [
+        (0.45, 583.0, {}, SINC),
+        (2.0, 583.0, {"x": 0.2, "y": 0.1}, SINC),
+        (7.0, 150.0, {"x": 0.25}, SINC),
+        (5.0, 40.0, {}, PISTON),
+    ],
+)
+def test_small_motion_has_the_second_order_force(
+    reynolds: float, sigma: float, place: dict[str, float], profile: Profile
+) -> None:
+    """Two small ε, extrapolated: the next order is ε⁴."""
+    small, twice = (
+        moving(reynolds, epsilon=epsilon, sigma=sigma, profile=profile, **place)
+        for epsilon in (0.02, 0.04)
+    )
+    at_small, at_twice = forces([small, twice], tolerance=1e-5) / [0.02**2, 0.04**2]
+    expected = second_order(small, points=28)
+    assert (4 * at_small - at_twice) / 3 == pytest.approx(expected, rel=4e-5)
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "sigma", "reynolds", "force"),
+    [
+        (0.2, 583.0, 0.45, 0.026096),
+        (0.2, 583.0, 1.81, 0.027352),
+        (0.4, 2331.0, 0.45, 0.1096565),
+        (0.2, 146.0, 7.23, 0.028855),
+    ],
+)
+def test_the_middle_of_a_long_finger_is_the_strip(
+    epsilon: float, sigma: float, reynolds: float, force: float
+) -> None:
+    """physics.md, T10; and the strip's own solver, which shares nothing with this one."""
+    ends = [
+        moving(reynolds, epsilon=epsilon, sigma=sigma, profile=STRIP, aspect=aspect)
+        for aspect in (4.0, 8.0)
+    ]
+    short, long = forces(ends, tolerance=1e-5)
+    middle = (8 * long - 4 * short) / 4
+    assert middle == pytest.approx(force, abs=1.5e-6)
+    other = strip_force(epsilon=epsilon, sigma=sigma, reynolds=reynolds, inertia="one-mode")
+    assert middle == pytest.approx(other.force, rel=3e-5)
+
+
+def test_forces_of_the_paper_s_finger(scene: Scene) -> None:
+    """physics.md, T10: found by another program."""
+    included = replace(scene, gas=replace(scene.gas, inertia="included"))
+    wide = replace(included, h0_m=10e-6, hv_m=2e-6)
+    solved = solve([included, wide], tolerance=1e-5)
+    assert [each.force_n for each in solved] == pytest.approx([0.981542, 0.200885], rel=1e-5)
+    assert all(each.force_error_n <= 1e-5 * each.force_n for each in solved)
+
+
+@pytest.mark.parametrize("gas", [{}, {"rarefaction": "slip"}, {"polytropic_exponent": 1.4}])
+def test_without_inertia_s_number_the_force_is_that_of_the_film_equation(
+    gas: dict[str, object],
+) -> None:
+    heavy = moving(1e-7, epsilon=0.4, sigma=583.0, x=0.1, **gas)
+    with_it, without = forces([heavy, still(heavy)], tolerance=1e-6)
+    assert with_it == pytest.approx(without, rel=1e-6)
+
+
+@pytest.mark.parametrize("gas", [{}, {"rarefaction": "slip", "knudsen": 0.05}])
+def test_a_little_inertia_moves_the_force_by_the_effect_in_its_budget(
+    gas: dict[str, object],
+) -> None:
+    """Also beside slip, which changes velocity and lag: its share of the effect is 5 % here."""
+    heavy = moving(0.02, epsilon=0.4, sigma=583.0, **gas)
+    with_it, without = forces([heavy, still(heavy)], tolerance=1e-7)
+    (budget,) = budgets([still(heavy)])
+    assert 100 * (with_it / without - 1) == pytest.approx(budget.inertia.percent, rel=8e-3)
+
+
+def test_a_gas_that_heats_has_inertia_too() -> None:
+    """Faster compression is stiffer, with inertia as without, and inertia adds a few per cent."""
+    heavy = moving(1.0, epsilon=0.3, sigma=200.0, polytropic_exponent=1.4)
+    cool = replace(heavy, gas=replace(heavy.gas, polytropic_exponent=1.0))
+    hot, hot_still, cold, cold_still = forces(
+        [heavy, still(heavy), cool, still(cool)], tolerance=1e-5
+    )
+    assert hot > cold
+    assert hot / hot_still - 1 == pytest.approx(cold / cold_still - 1, rel=0.5)
+    assert 0.02 < hot / hot_still - 1 < 0.15
+
+
+def test_error_falls_fast_with_points_and_with_instants() -> None:
+    """In time like a power of ε; in space like layer and profile, until the corners are left.
+
+    There the velocity is not smooth: errors of 3e-7 fall algebraically.
+    """
+    scene = moving(2.0, epsilon=0.5, sigma=200.0)
+
+    def errors(grids: list[tuple[int, int]]) -> list[float]:
+        *some, best = (
+            mean_overpressure(scene, points=points, instants=instants, fold=True)
+            for points, instants in grids
+        )
+        return [abs(each / best - 1) for each in some]
+
+    in_space = errors([(8, 24), (16, 24), (24, 24), (48, 24)])
+    in_time = errors([(32, 8), (32, 12), (32, 16), (32, 24)])
+    for found, fall, least in ((in_space, 10, 5e-7), (in_time, 100, 5e-9)):
+        assert found[1] < found[0] / fall
+        assert found[2] < found[1] / fall
+        assert found[2] < least
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
+    """Each direction has its own flux points, halves their own symmetry."""
+    at = {"x": 0.1, "y": 0.25} if turned else {"x": -0.25, "y": 0.1}
+    scenes = [
+        moving(2.0, epsilon=0.4, sigma=200.0, **place) for place in ({"x": 0.25, "y": 0.1}, at)
+    ]
+    first, second = forces(scenes, tolerance=1e-5)
+    assert second == pytest.approx(first, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "finger", "method", "reason"),
+    [
+        ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
+        ({"bearing": 0.1}, {}, "auto", "not derived for a sliding finger"),
+        ({}, {"shape": "ellipse"}, "auto", "inertia is not known under this finger"),
+        ({}, {"gap": GapShape(tilt_x_m=1e-6)}, "auto", "inertia is not known under this finger"),
+        ({}, {}, "march", "march does not know inertia"),
+        ({"profile": PISTON}, {}, "closed-form", "closed-form does not know this scene's"),
+    ],
+)
+def test_what_does_not_know_inertia_refuses_it(
+    numbers: dict[str, object], finger: dict[str, object], method: str, reason: str
+) -> None:
+    scene = moving(1.0, epsilon=0.3, sigma=200.0, **numbers)
+    scene = replace(scene, finger=replace(scene.finger, **finger))  # type: ignore[arg-type]
+    (solution,) = solve([scene], tolerance=1e-3, method=method)
+    assert reason in solution.status
+    assert np.isnan(solution.force_n)
+
+
+def test_inertia_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene: Scene) -> None:
+    scenes = random_scenes(scene, count=30, seed=7, reynolds=(0.0, 2.0), inertia="auto")
+    left_out, moved = moved_by_leaving_out(
+        scenes, model_tolerance=1e-2, tolerance=1e-4, device=choose_device()
+    )
+    assert 3 < left_out < 27
+    assert len(moved) == left_out
+    assert 1e-3 < moved.max() < 1e-2
+
+
+@pytest.mark.parametrize(("variation", "lag"), [(0.0, 0.0), (0.4, 0.0), (0.4, 0.2), (-0.6, 1.0)])
+def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(variation: float, lag: float) -> None:
+    """A d/dT with A = 1/h + lag d/dT; numbers on the steps that are told apart."""
+    instants = 16
+    half = instants // 2
+    near = 10 ** (round(20 * np.log10(lag)) / 20) if lag else 0.0
+    modes = time_modes(instants, variation=variation, lag=lag)
+    rate = period(instants).derivative
+    gap = 1 + variation * np.sin(period(instants).nodes)
+    assert modes.mean_gap == pytest.approx(gap, abs=1e-12)
+    resistance = np.diag(1 / gap) + near * rate
+    g, s = np.diag(modes.decays), np.diag(modes.speeds)
+    turning = np.block([[g, s], [-s, g]])
+    vectors = modes.from_modes
+    assert resistance @ rate @ vectors == pytest.approx(vectors @ turning, abs=1e-9)
+    assert vectors @ modes.to_modes == pytest.approx(resistance, abs=1e-9)
+    assert np.linalg.norm(vectors, 2) == pytest.approx(1.0)
+    assert modes.decays[0] == modes.speeds[0] == 0
+    assert (modes.speeds[1:half] > 0).all()
+    follows = (np.eye(instants) + near * gap[:, None] * rate) @ modes.settling
+    assert follows == pytest.approx(np.eye(instants), abs=1e-12)
+
+
+def test_flux_points_are_exact_on_polynomials() -> None:
+    points = flux_points(9, False)
+    nodes, here = points.axis.nodes, points.all_points
+    excess, rise = (lambda x: x**4 * (1 - x)), (lambda x: 4 * x**3 - 5 * x**4)
+    assert points.from_nodes @ excess(nodes) == pytest.approx(excess(here), abs=1e-12)
+    assert points.from_all_nodes @ points.axis.all_nodes**3 == pytest.approx(here**3, abs=1e-12)
+    assert points.slope @ excess(nodes) == pytest.approx(rise(here), abs=1e-11)
+    assert points.to_nodes @ here**5 == pytest.approx(nodes**5, abs=1e-12)
+    assert points.along @ here**5 == pytest.approx(5 * here**4, abs=1e-11)
+    assert points.divergence @ here**5 == pytest.approx(5 * nodes**4, abs=1e-11)
+    finer = flux_points(12, False)
+    assert points.carried_to(finer) @ here**5 == pytest.approx(finer.all_points**5, abs=1e-12)
+    # All modes kept: the plain derivative, on the nodes, of what vanishes at the ends.
+    assert points.across(1e3) @ excess(nodes) == pytest.approx(rise(nodes), abs=1e-11)
+    assert np.abs(points.across(3.0)).max() < 0.5 * np.abs(points.across(1e3)).max()
+
+
+@pytest.mark.parametrize("odd", [False, True])
+def test_a_folded_axis_has_the_flux_points_of_the_whole_one(odd: bool) -> None:
+    """About the middle the velocity along the axis is odd, all else even."""
+    n = 6
+    half, whole = flux_points(n, True), flux_points(2 * n, False)
+    assert half.axis == axis(n, True)
+    random = np.random.default_rng(1).normal(size=n)
+    both = np.concatenate([random, (-1 if odd else 1) * random[::-1]])
+    names = ("to_nodes", "along", "divergence") if odd else ("from_nodes", "slope")
+    for name in names:
+        unfolded = (getattr(whole, name) @ both)[:n]
+        assert getattr(half, name) @ random == pytest.approx(unfolded, abs=1e-11), name
+    if odd:
+        carried = whole.carried_to(flux_points(16, False)) @ both
+        assert half.carried_to(flux_points(8, True)) @ random == pytest.approx(carried[:8])
+    else:
+        assert half.across(5.0) @ random == pytest.approx((whole.across(5.0) @ both)[:n], abs=1e-9)
+
+
+def test_the_number_of_a_scene_is_that_of_its_gas() -> None:
+    scene = moving(3.0, epsilon=0.1, sigma=10.0)
+    gas = scene.gas
+    lag = gas.density_kg_per_m3 * 2 * pi * scene.actuator.frequency_hz * scene.h0_m**2
+    assert lag / gas.viscosity_pa_s == pytest.approx(3.0)
+    assert gas.ambient_pressure_pa == PRESSURE_PA
+
+
+@pytest.mark.parametrize(
+    ("reynolds", "sigma", "said"),
+    [
+        (9.0, 100.0, ""),
+        (12.0, 100.0, "good to 1 % up to Re 10, to 2 % at Re 20 (Re 12)"),
+        (4.0, 5.0, ""),
+        (6.0, 5.0, "hardly compressed, and was 9 % off at Re 10, σ 5 (Re 6, σ 5)"),
+    ],
+)
+def test_one_mode_says_where_it_is_stretched(reynolds: float, sigma: float, said: str) -> None:
+    scene = moving(reynolds, epsilon=0.1, sigma=sigma)
+    assert Inertia.note(scene).endswith(said)
+    assert bool(Inertia.note(scene)) == bool(said)
+    assert Inertia.note(still(scene)) == ""

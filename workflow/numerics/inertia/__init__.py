@@ -1,0 +1,1 @@
+"""Inertia of the gas as a term of the solver, examined on random scenes."""
