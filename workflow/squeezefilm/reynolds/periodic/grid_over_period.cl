@@ -97,11 +97,11 @@ static double4 gap_at(const Grid *g, const Film *film, int row, int t)
 }
 
 /* A field of the coarser grid of another row on g, by the matrices from axis to axis. */
-static void carry_field(const Grid *g, const Film *film, __global const Row *coarser, matrix along_x,
-                        matrix along_y, field coarse, field fine)
+static void carry_field(const Grid *g, const Film *film, __global const Row *coarser, matrix in_t,
+                        matrix in_x, matrix in_y, field coarse, field fine)
 {
     const int nx = coarser->nx, ny = coarser->ny, nt = coarser->nt;
-    multiply(coarse, nx * ny, nt, (matrix4)ARRAY(film, carry_t), (field4)film->work_a, g->nt4, 1, 0);
-    multiply(along_x, g->nx, nx, (matrix4)film->work_a, (field4)film->work_b, ny * g->nt4, 1, 0);
-    multiply(along_y, g->ny, ny, (matrix4)film->work_b, (field4)fine, g->nt4, g->nx, 0);
+    multiply(coarse, nx * ny, nt, (matrix4)in_t, (field4)film->work_a, g->nt4, 1, 0);
+    multiply(in_x, g->nx, nx, (matrix4)film->work_a, (field4)film->work_b, ny * g->nt4, 1, 0);
+    multiply(in_y, g->ny, ny, (matrix4)film->work_b, (field4)fine, g->nt4, g->nx, 0);
 }

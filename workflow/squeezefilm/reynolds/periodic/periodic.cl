@@ -36,8 +36,8 @@ static double safe_share(const Grid *g, const Film *film, matrix4 step, __local 
 /* The state on the coarser grid of another row as the first guess on g. */
 static void carry(const Grid *g, const Film *film, __global const Row *coarser, field coarse)
 {
-    carry_field(g, film, coarser, ARRAY(film, carry_x), ARRAY(film, carry_y), coarse,
-                (field)film->p);
+    carry_field(g, film, coarser, ARRAY(film, carry_t), ARRAY(film, carry_x), ARRAY(film, carry_y),
+                coarse, (field)film->p);
     coarse += coarser->nx * coarser->ny * coarser->nt;
     TERMS_CARRY(g, film, coarser, coarse)
 }

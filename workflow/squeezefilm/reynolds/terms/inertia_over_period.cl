@@ -278,7 +278,9 @@ static void step_inertia(const Grid *g, const Film *film, field step, double sha
 static void carry_inertia(const Grid *g, const Film *film, __global const Row *coarser, field coarse)
 {
     const int count = coarser->nx * coarser->ny * coarser->nt;
-    carry_field(g, film, coarser, ARRAY(film, carry_flux_x), ARRAY(film, carry_y), coarse, film->own);
-    carry_field(g, film, coarser, ARRAY(film, carry_x), ARRAY(film, carry_flux_y), coarse + count,
-                film->own + g->count);
+    matrix in_t = ARRAY(film, carry_t);
+    carry_field(g, film, coarser, in_t, ARRAY(film, carry_flux_x), ARRAY(film, carry_y), coarse,
+                film->own);
+    carry_field(g, film, coarser, in_t, ARRAY(film, carry_x), ARRAY(film, carry_flux_y),
+                coarse + count, film->own + g->count);
 }
