@@ -43,8 +43,11 @@ CODE = sorted(
     if path.is_file() and path.suffix != ".pyc"
 )
 IDLE = {path for path in CODE for place in DECIDES_NOTHING if path.match(f"workflow/{place}")}
-# The packages around them, which are loaded with them, have a docstring and nothing else.
+# The packages around them and around commands, which are loaded with them, have a docstring and
+# nothing else.
+PACKAGES_OF_COMMANDS = ("workflow/squeezefilm/cli/*/__init__.py", "workflow/*/commands/__init__.py")
 AROUND = {folder / "__init__.py" for path in IDLE for folder in path.parents} - IDLE
+AROUND |= {path for path in CODE for place in PACKAGES_OF_COMMANDS if path.match(place)}
 
 
 @dataclass(frozen=True)
@@ -81,8 +84,12 @@ def loads(path: Path, checkout: Path) -> frozenset[Path]:
     if path.suffix != ".py":
         return frozenset(each for each in CODE if each.name in includes_of(path, checkout))
     modules = [each for each in Direct(checkout / path, checkout).modules.values() if each.__file__]
-    names = {text.rpartition("/")[2] for text in texts_in(modules[0].__code__)}
+    texts = texts_in(modules[0].__code__)
+    names = {text.rpartition("/")[2] for text in texts}
     data = {each for each in CODE if each.suffix != ".py" and each.name in names}
+    if path not in IDLE and "modules_in(" in (checkout / path).read_text(encoding="utf-8"):
+        packages = {WORKFLOW.joinpath(*text.split(".")) for text in texts if text.isascii()}
+        data |= {each for each in CODE if each.suffix == ".py" and each.parent in packages}
     return frozenset(data.union(Path(each.__file__).relative_to(checkout) for each in modules))
 
 
