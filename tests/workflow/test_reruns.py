@@ -88,7 +88,7 @@ def loads(path: Path, checkout: Path) -> frozenset[Path]:
     names = {text.rpartition("/")[2] for text in texts}
     data = {each for each in CODE if each.suffix != ".py" and each.name in names}
     if path not in IDLE and "modules_in(" in (checkout / path).read_text(encoding="utf-8"):
-        packages = {WORKFLOW.joinpath(*text.split(".")) for text in texts if text.isascii()}
+        packages = {WORKFLOW.joinpath(*text.split(".")) for text in texts if "." in text}
         data |= {each for each in CODE if each.suffix == ".py" and each.parent in packages}
     return frozenset(data.union(Path(each.__file__).relative_to(checkout) for each in modules))
 
