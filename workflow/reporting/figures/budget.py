@@ -138,7 +138,7 @@ def _draw_lines(axes: Any, rows: pd.DataFrame) -> None:
                 values,
                 marker + "-",
                 color=colour,
-                markersize=4 if marker == "o" else 3,
+                markersize=6 if marker == "o" else 3,
                 markerfacecolor="white" if marker == "o" else colour,
             )
             if marker == "s" and np.isfinite(values.iloc[-1]):
