@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds import unknown_processor
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64
@@ -228,6 +229,9 @@ def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple
     import pyopencl as cl
 
     texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
+    processor = unknown_processor.named(context.devices[0])
+    if processor:
+        defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
     options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", cl.CompilerWarning)
