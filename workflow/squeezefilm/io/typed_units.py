@@ -10,7 +10,7 @@ from squeezefilm.io.errors import InputError
 
 BASES = ("N", "m", "s", "deg")
 """A degree counts as a base: a formula that takes degrees for radians is wrong."""
-EXAMPLES = {"deg": "45deg", "N": "0.5N"}
+EXAMPLES = {"deg": "45deg", "N": "0.5N", "Hz": "300Hz"}
 MOST_LEVELS = 10_000
 MOST_PLACES = 15
 """Decimals of a force that is shown; a smaller one has an exponent."""
@@ -40,6 +40,7 @@ UNITS = {
     "rad": Unit(180 / math.pi, (0, 0, 0, 1)),
     "Pa": Unit(1.0, (1, -2, 0, 0)),
     "Hz": Unit(1.0, (0, 0, -1, 0)),
+    "kHz": Unit(1e3, (0, 0, -1, 0)),
     "kg": Unit(1.0, (1, -1, 2, 0)),
 }
 

@@ -95,7 +95,10 @@ __kernel void march_films(const int scenes, const int periods, const int stages,
                 for (int i = 0; i < stages; i++) {
                     if (phase != (step + nodes[i]) / steps) {
                         phase = (step + nodes[i]) / steps;
-                        set_gap(&g, &film, film.epsilon * sin(2.0 * M_PI * phase));
+                        const double slow = sin(2.0 * M_PI * given->modulations * (period + phase));
+                        set_gap(&g, &film,
+                                film.epsilon * (1.0 + given->depth * slow) *
+                                    sin(2.0 * M_PI * phase));
                     }
                     matrix row = table + i * stages;
                     field own = rates + i * g.count;

@@ -6,7 +6,7 @@ velocity, which the mass as unknown does not see.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
@@ -26,11 +26,24 @@ ENDINGS = {
     "NOT_PHYSICAL": "the pressure left the physical range",
 }
 STATUS = tuple(ENDINGS.values())
+MOST_NEWTON = 12
+MOST_KRYLOV = 30
 # What the kernel says of a period and of a scene's march.
 PERIOD = np.dtype([(name, np.float64) for name in ("mean", "lowest", "highest")])
 ENDING = np.dtype([(name, np.int64) for name in ("status", "newton_steps", "krylov_iterations")])
-MOST_NEWTON = 12
-MOST_KRYLOV = 30
+
+
+@dataclass(frozen=True)
+class Modulation:
+    """The amplitude ε (1 + depth sin(modulations T)), the same for all films of a march.
+
+    Attributes:
+        depth: relative to the mean amplitude.
+        modulations: cycles per period of the vibration.
+    """
+
+    depth: float = 0.0
+    modulations: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -105,6 +118,7 @@ def march(
     scheme: str,
     device: Device,
     overpressure: np.ndarray | None = None,
+    modulation: Modulation = Modulation(),
 ) -> March:
     """Follow films through ``periods`` periods from rest or from a given state.
 
@@ -116,6 +130,7 @@ def march(
         scheme: a name of SCHEMES.
         overpressure: P − 1 at the beginning, shape (scenes, nx, ny); zero, the film at rest, if
             left out.
+        modulation: how the amplitude changes meanwhile; not at all if left out.
 
     Raises:
         InputError: for another scheme's name, scenes with terms that marching does not know, or a
@@ -134,7 +149,11 @@ def march(
     method = SCHEMES[scheme]
     scenes = len(problems)
     steps = np.broadcast_to(np.asarray(steps_per_period, dtype=float), (scenes,))
-    stable = steps_for_stability(problems=problems, grid=grid, scheme=scheme)
+    loudest = problems.numbers.copy()
+    loudest["epsilon"] = np.abs(problems.epsilon) * (1 + abs(modulation.depth))
+    stable = steps_for_stability(
+        problems=replace(problems, numbers=loudest), grid=grid, scheme=scheme
+    )
     if np.any(steps < stable):
         few = int(np.argmax(stable / steps))
         raise InputError(
@@ -163,6 +182,8 @@ def march(
         },
         problems.numbers,
         tolerance=_stage_tolerance(problems, steps),
+        depth=np.full(scenes, modulation.depth),
+        modulations=np.full(scenes, modulation.modulations),
     )
     march_films = kernel(
         device,

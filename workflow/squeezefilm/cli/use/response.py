@@ -1,0 +1,163 @@
+"""How the mean force follows a changing amplitude: gain and phase, rise and release.
+
+  squeezefilm response --h0 5um --hv 2.2um [--frequencies 10Hz,100Hz,300Hz]
+  squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]
+
+The gain is the relative change of the force per relative change of the amplitude: twice a little
+for slow modulation. Part of the force follows at once, the rest with the gas that comes and goes
+through the rim: `prompt_gain` is what is left of the gain above the corner, `corner_hz`; the film
+passes modulation at any frequency, with another size. `rise_s` is until the force stays within 5 %
+after the surface starts, `release_s` until 5 % is left after it stops, each to about a period.
+
+By the slow film equation where its error is at most 3 %, else by marching through every period;
+without inertia and heat of the gas. `squeezefilm budget` says what those are for the force.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.cli.points import add_point_options, points_of
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import InputError, RunError, naming
+from squeezefilm.io.progress import progress_bar
+from squeezefilm.io.tables import ScenePoint, read_scenes, scene_points, write_table
+from squeezefilm.io.typed_units import quantities
+from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.slow.response import METHODS, Gains, gains, response
+from squeezefilm.reynolds.slow.scenes import refused
+from squeezefilm.runs import node_cache
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
+
+PAPER_CONFIG = Path(__file__).parents[4] / "config" / "paper.yaml"
+SECTIONS = ("gas", "actuator", "finger", "solver")
+FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenes", nargs="?", metavar="SCENES.csv", help="table of scenes")
+    parser.add_argument(
+        "--config", default=PAPER_CONFIG, metavar="CONFIG.yaml", help="the study, else the paper's"
+    )
+    parser.add_argument("--output", metavar="RESPONSE.csv", help="table to write, a row per scene")
+    parser.add_argument(
+        "--gains", metavar="GAINS.csv", help="table to write, a row per scene and frequency"
+    )
+    parser.add_argument(
+        "--frequencies",
+        default=FREQUENCIES,
+        metavar="QUANTITY",
+        help=f"of the modulation: several with commas, or first:last:count; {FREQUENCIES}",
+    )
+    parser.add_argument("--method", choices=METHODS, default="auto", help="of gain and phase")
+    parser.add_argument(
+        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
+    )
+    add_point_options(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
+    with node_cache.one_build_at_a_time():
+        device = choose_device(config["solver"]["device"], option=options.device)
+    if options.scenes is None:
+        if options.h0_m is None or options.hv_m is None:
+            raise InputError("give a table of scenes, or one scene by --h0 and --hv")
+        (scene,) = (scene_of(point, config) for point in _typed(options))
+        _show(scene, gains(scene, frequency_hz, device=device, method=options.method))
+        return
+    if options.h0_m is not None or options.hv_m is not None:
+        raise InputError("give either a table of scenes or --h0 and --hv, not both")
+    if options.output is None and options.gains is None:
+        raise InputError("a table of scenes needs --output, --gains or both")
+    table = read_scenes(options.scenes)
+    with naming(options.scenes):
+        scenes = [scene_of(point, config) for point in scene_points(table)]
+    if options.output is not None:
+        write_table(_summaries(table, scenes), options.output)
+    if options.gains is not None:
+        rows = _all_gains(table, scenes, frequency_hz, device=device, method=options.method)
+        write_table(rows, options.gains)
+
+
+def _typed(options: argparse.Namespace) -> list[ScenePoint]:
+    """The one scene that the options give."""
+    points = points_of(options)
+    if len(points) != 1:
+        raise InputError("one scene at a time: give --h0 and --hv one value each, or a table")
+    row = points.iloc[0].to_dict()
+    x_m, y_m = row.get("x_m", 0.0), row.get("y_m", 0.0)
+    return [
+        ScenePoint(
+            point_id="1",
+            h0_m=row["h0_m"],
+            hv_m=row["hv_m"],
+            phi_r_m=row.get("phi_r_m", float(np.hypot(x_m, y_m))),
+            phi_deg=row.get("phi_deg", float(np.degrees(np.arctan2(y_m, x_m)))),
+        )
+    ]
+
+
+def _show(scene: Scene, found: Gains) -> None:
+    one = response(scene)
+    if isfinite(one.rise_s):
+        period_s = 1 / scene.actuator.frequency_hz
+        percent = f"± {100 * one.error:.2g} %"
+        print(
+            f"gain {one.static_gain:.3f} for slow modulation, {one.prompt_gain:.3f} far above the "
+            f"corner at {one.corner_hz:.3g} Hz ({percent})"
+        )
+        for what, share, seconds in (
+            ("start", one.prompt_share, one.rise_s),
+            ("stop", one.lasting_share, one.release_s),
+        ):
+            print(
+                f"{what}: {share:.1%} of the force {'at once' if what == 'start' else 'is left'}, "
+                f"settled to 5 % after {1e3 * seconds:.3g} ms (± {100 * one.error:.2g} % and "
+                f"{1e3 * period_s:.2g} ms)"
+            )
+    else:
+        print("rise, release and corner: not known, the film is not slow against its vibration")
+    rows = pd.DataFrame(asdict(found)).drop(columns="method")
+    print(rows.to_string(index=False, float_format=lambda value: f"{value:.4g}"))
+    print(f"by {found.method}; error is relative; without inertia and heat of the gas")
+
+
+def _summaries(table: pd.DataFrame, scenes: list[Scene]) -> pd.DataFrame:
+    rows = []
+    with progress_bar(len(scenes), unit="scene", name="response") as bar:
+        for scene in scenes:
+            reason = refused(scene)
+            rows.append({**({} if reason else asdict(response(scene))), "status": reason or "ok"})
+            bar.update(1)
+    return pd.concat([table, pd.DataFrame(rows)], axis=1)
+
+
+def _all_gains(
+    table: pd.DataFrame,
+    scenes: list[Scene],
+    frequency_hz: np.ndarray,
+    *,
+    device: Device,
+    method: str,
+) -> pd.DataFrame:
+    parts, failures = [], []
+    for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
+        try:
+            found = gains(scene, frequency_hz, device=device, method=method)
+        except InputError as error:
+            failures.append(str(error))
+            continue
+        parts.append(pd.DataFrame(asdict(found)).assign(**{str(k): v for k, v in row.items()}))
+    if failures:
+        raise RunError("no gain for " + "; ".join(failures))
+    rows = pd.concat(parts, ignore_index=True)
+    return rows[[*table.columns, "frequency_hz", "gain", "phase_deg", "error", "method"]]

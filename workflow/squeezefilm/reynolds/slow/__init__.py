@@ -1,0 +1,1 @@
+"""What the film does when its amplitude changes slowly against the vibration."""

@@ -1,0 +1,199 @@
+"""The slow film: the mean force while the amplitude changes over many periods.
+
+At σ → ∞ the gas under the finger keeps its mass over a period, HP = ψ(X, Y, T), and gives it away
+through the rim over many. Averaged over a period the film equation is a diffusion equation,
+
+    σ ∂ψ/∂T = ∇²w,   w = ψ²/2 + 6 Kn ψ,
+    w on the rim = (1 + 3 a²/2 + u)/2 + 6 Kn (1 + a²/2),   a = ε(T) s,   u = ε ∂s/∂n g(a)/√σ,
+    mean overpressure = ∫ ψ/√(1 − ε² s²) − 1 + ∮ d(a)/√σ,
+
+n the inward normal, d and g the integrals of the rim's boundary layer (limits/boundary_layer.py),
+which follows the amplitude at once. The settled ψ is that of ``limits.forces``. Slopes of ψ at the
+rim do not move its value there: ⟨H³P²⟩ is linear across the layer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from squeezefilm.reynolds.limits import boundary_layer
+from squeezefilm.reynolds.limits.films import Films, films_of
+
+# Step of a difference quotient of the layer's functions, relative to ε.
+STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class SlowFilm:
+    """One film on one grid (B = 1 of ``films``), with or without the rim's boundary layer."""
+
+    films: Films
+    layer: bool = True
+
+    @property
+    def epsilon(self) -> float:
+        return float(self.films.epsilon[0])
+
+    @property
+    def sigma(self) -> float:
+        return float(self.films.sigma[0])
+
+    @property
+    def slip(self) -> float:
+        return float(self.films.slip[0])
+
+    @cached_property
+    def laplacian(self) -> np.ndarray:
+        """∇² on the inner nodes of a field on all nodes, shape (inner, all), both flattened."""
+        films = self.films
+        second_x, second_y = (line.derivative @ line.derivative for line in (films.x, films.y))
+        along_x = np.kron(second_x, np.eye(len(second_y)))
+        along_y = np.kron(np.eye(len(second_x)), second_y) / films.aspect[0] ** 2
+        return (along_x + along_y)[self.inner]
+
+    @cached_property
+    def inner(self) -> np.ndarray:
+        """Which of all nodes are not on the rim, shape (all,)."""
+        inside = np.zeros(self.films.s.shape[1:], dtype=bool)
+        inside[1:-1, 1:-1] = True
+        return inside.ravel()
+
+    def rim(self, epsilon: float) -> np.ndarray:
+        """w on the rim's nodes, in the order of all nodes; corners are means of both sides."""
+        films = self.films
+        a = epsilon * films.rim
+        values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
+        if self.layer:
+            u = epsilon * films.slope * boundary_layer.integrals(a)[1]
+            values = values + u / np.sqrt(films.layer_number) / 2
+        return self._together(values)[~self.inner]
+
+    def field(self, inside: np.ndarray, on_rim: np.ndarray) -> np.ndarray:
+        """A field on all nodes, (nx + 2, ny + 2), from its parts."""
+        field = np.empty(self.inner.size, dtype=inside.dtype)
+        field[self.inner], field[~self.inner] = inside, on_rim
+        return field.reshape(self.films.s.shape[1:])
+
+    def density(self, w: np.ndarray) -> np.ndarray:
+        """ψ of w."""
+        return np.sqrt(self.slip**2 + 2 * w) - self.slip
+
+    def mean(self, psi: np.ndarray, epsilon: float) -> float:
+        """Mean overpressure over finger and period at an amplitude, in units of p0."""
+        films = self.films
+        within = float(films.mean((psi / self._root(epsilon) - 1)[None])[0])
+        return within + (self._layer(epsilon) if self.layer else 0.0)
+
+    def settled(self, epsilon: float) -> np.ndarray:
+        """w after the amplitude has long been the same: harmonic, shape (nx + 2, ny + 2)."""
+        on_rim = self.rim(epsilon)
+        inside = np.linalg.solve(
+            self.laplacian[:, self.inner], -self.laplacian[:, ~self.inner] @ on_rim
+        )
+        return self.field(inside, on_rim)
+
+    def at_rest(self) -> np.ndarray:
+        """ψ of the film before the surface moves."""
+        return np.ones(self.films.s.shape[1:])
+
+    def response(self, modulation: np.ndarray) -> np.ndarray:
+        """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,).
+
+        δψ exp(iΩT): iΩσ δψ = ∇²((ψ + 6 Kn) δψ), with δw known on the rim.
+        """
+        epsilon = self.epsilon
+        up, down = epsilon * (1 + STEP), epsilon * (1 - STEP)
+        psi = self.density(self.settled(epsilon))
+        on_rim = (self.rim(up) - self.rim(down)) / (2 * STEP)
+        inside = self.laplacian[:, self.inner]
+        driven = -self.laplacian[:, ~self.inner] @ on_rim
+        mobility = psi + self.slip
+        at_once = (self.mean(psi, up) - self.mean(psi, down)) / (2 * STEP)
+        weight = 1 / (mobility * self._root(epsilon))
+        gains = []
+        for omega in np.atleast_1d(modulation):
+            if np.isinf(omega):  # the gas does not move
+                gains.append(complex(at_once))
+                continue
+            shift = np.diag(1j * omega * self.sigma / mobility.ravel()[self.inner])
+            change = self.field(np.linalg.solve(inside - shift, driven), on_rim)
+            gains.append(at_once + complex(self.films.mean((change * weight)[None])[0]))
+        return np.array(gains) / self.mean(psi, epsilon)
+
+    def after_step(self, psi: np.ndarray, epsilon: float, times: np.ndarray) -> np.ndarray:
+        """Mean overpressure at times T after the amplitude has jumped to ε from a state ψ.
+
+        Args:
+            psi: the state, shape (nx + 2, ny + 2).
+            times: rising, from 0, shape (n,).
+        """
+        settled = self.density(self.settled(epsilon))
+        inside = self.laplacian[:, self.inner]
+        final = settled.ravel()[self.inner]
+
+        # In the distance y = ψ − settled, whose small end is then as exact as its beginning.
+        def rate(_: float, y: np.ndarray) -> np.ndarray:
+            return np.asarray(inside @ (y * (final + self.slip + y / 2)) / self.sigma)
+
+        def jacobian(_: float, y: np.ndarray) -> np.ndarray:
+            return np.asarray(inside * (final + self.slip + y) / self.sigma)
+
+        start = psi.ravel()[self.inner] - final
+        found = solve_ivp(
+            rate,
+            (0.0, float(times[-1])),
+            start,
+            method="BDF",
+            t_eval=times,
+            jac=jacobian,
+            rtol=1e-6,
+            atol=1e-8 * np.abs(start).max(),
+        )
+        if not found.success:
+            raise ArithmeticError(f"the slow film: {found.message}")
+        on_rim = settled.ravel()[~self.inner]
+        return np.array([self.mean(self.field(y + final, on_rim), epsilon) for y in found.y.T])
+
+    def _root(self, epsilon: float) -> np.ndarray:
+        return np.asarray(np.sqrt(1 - (epsilon * self.films.s[0]) ** 2))
+
+    def _layer(self, epsilon: float) -> float:
+        films = self.films
+        d = films.rim_integral(boundary_layer.integrals(epsilon * films.rim)[0])
+        return float((d / np.sqrt(films.layer_number))[0])
+
+    def _together(self, values: np.ndarray) -> np.ndarray:
+        """Values on the sides, (1, 2 (nx + ny + 4)), on all nodes, flattened; zero inside."""
+        films = self.films
+        nx, ny = films.s.shape[1:]
+        left, right, low, high = np.split(values[0], [ny, 2 * ny, 2 * ny + nx])
+        total, count = np.zeros((nx, ny)), np.zeros((nx, ny))
+        for place, side in (
+            ((0, slice(None)), left),
+            ((-1, slice(None)), right),
+            ((slice(None), 0), low),
+            ((slice(None), -1), high),
+        ):
+            total[place] += side
+            count[place] += 1
+        return (total / np.maximum(count, 1)).ravel()
+
+
+def slow_film(
+    *,
+    epsilon: float,
+    sigma: float,
+    amplitude: np.ndarray,
+    aspect: float = 1.0,
+    slip: float = 0.0,
+    layer: bool = True,
+) -> SlowFilm:
+    """The film of a profile on the nodes of ``limits.limit_axis``, shape (nx + 2, ny + 2)."""
+    films = films_of(
+        np.array([epsilon]), np.array([sigma]), amplitude[None], aspect=aspect, slip=slip
+    )
+    return SlowFilm(films, layer)

@@ -1,0 +1,203 @@
+"""How the mean force follows the amplitude: gain and phase, rise and release.
+
+By the slow film (film.py) or, where that is too coarse, by marching through every period. Part of
+the force follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from math import inf, pi
+
+import numpy as np
+from scipy.optimize import brentq
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.slow import marched
+from squeezefilm.reynolds.slow.film import SlowFilm
+from squeezefilm.reynolds.slow.scenes import refused, slow_film_of
+
+METHODS = ("auto", "slow", "march")
+# Relative error of the settled force up to which ``auto`` takes the slow film.
+SLOW_ERROR = 0.03
+# What the slow film leaves out of a gain, per square of the modulation over the vibration: about
+# twice what the worst of 19 random films needed (ε 0.05–0.85, σ 130–8000, aspects 0.6–2.5).
+HASTE = 2.0
+# Modulations are slow up to this share of the vibration's frequency.
+MOST_MODULATION = 0.1
+# What is left of the way when a film counts as settled.
+LEFT = 0.05
+INSTANTS = 240
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Relative change of the force per small relative change of the amplitude.
+
+    Attributes:
+        frequency_hz: of the modulation, shape (n,).
+        gain: its size, 2 or a little more for a modulation that is slow enough.
+        phase_deg: of the force behind the amplitude where it is negative.
+        error: of ``gain``, relative, and of the phase in radians.
+        method: ``slow`` or ``march``.
+    """
+
+    frequency_hz: np.ndarray
+    gain: np.ndarray
+    phase_deg: np.ndarray
+    error: np.ndarray
+    method: str
+
+
+@dataclass(frozen=True)
+class Response:
+    """How one film answers, by the slow film.
+
+    Attributes:
+        static_gain: for a modulation of no frequency.
+        prompt_gain: for one too fast for the gas to leave.
+        corner_hz: where what lies between them has fallen by 3 dB.
+        prompt_share: of the settled force, that is there when the surface starts.
+        rise_s: until the force stays within 5 % of the settled one.
+        lasting_share: of the settled force, that is left when the surface stops.
+        release_s: until 5 % of the settled force is left.
+        error: relative, of gains, shares and corner; of both times beside one period.
+    """
+
+    static_gain: float
+    prompt_gain: float
+    corner_hz: float
+    prompt_share: float
+    rise_s: float
+    lasting_share: float
+    release_s: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Mean force after the surface starts from rest, and after it stops; shapes (n,)."""
+
+    time_s: np.ndarray
+    rising_n: np.ndarray
+    falling_n: np.ndarray
+
+
+def gains(scene: Scene, frequency_hz: np.ndarray, *, device: Device, method: str = "auto") -> Gains:
+    """Gain and phase of a scene's force at some modulation frequencies.
+
+    Raises InputError for a scene whose response is not known, a method that does not hold, or a
+    frequency that is not slow against the vibration.
+    """
+    frequency_hz = np.asarray(frequency_hz, dtype=float)
+    vibration_hz = scene.actuator.frequency_hz
+    most = MOST_MODULATION * vibration_hz
+    if not np.all((frequency_hz > 0) & (frequency_hz <= most)):
+        raise InputError(
+            f"a modulation's frequency must lie above 0 and up to {most:g} Hz, a tenth of the "
+            "vibration's"
+        )
+    film, error = _slow(scene, method)
+    if method == "march" or (method == "auto" and error > SLOW_ERROR):
+        found, errors = marched.gains(scene, frequency_hz / vibration_hz, device=device)
+        return _gains(frequency_hz, found, errors, "march")
+    modulations = frequency_hz / vibration_hz
+    found = film.response(modulations)
+    return _gains(frequency_hz, found, error + HASTE * modulations**2, "slow")
+
+
+def response(scene: Scene) -> Response:
+    """A scene's response in a few numbers; NaN where the slow film does not hold.
+
+    Raises InputError for a scene whose response is not known.
+    """
+    film, error = _slow(scene, "slow")
+    if error > SLOW_ERROR:
+        unknown = {each.name: float("nan") for each in fields(Response)}
+        return Response(**{**unknown, "error": error})
+    static, prompt = film.response(np.array([0.0, inf])).real
+    rate = scene.actuator.angular_frequency_rad_per_s
+    steps = _steps(film)
+    settled = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
+    return Response(
+        static_gain=float(static),
+        prompt_gain=float(prompt),
+        corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
+        prompt_share=float(steps.rising[0] / settled),
+        rise_s=_crossing(steps.time, np.abs(steps.rising / settled - 1)) / rate,
+        lasting_share=float(steps.falling[0] / settled),
+        release_s=_crossing(steps.time, np.abs(steps.falling / settled)) / rate,
+        error=error,
+    )
+
+
+def steps_of(scene: Scene) -> Steps:
+    """The mean force after start and stop of a scene's vibration, by the slow film.
+
+    Raises InputError for a scene whose response is not known.
+    """
+    film, _ = _slow(scene, "slow")
+    steps, scale = _steps(film), scene.force_scale_n
+    time_s = steps.time / scene.actuator.angular_frequency_rad_per_s
+    return Steps(time_s, steps.rising * scale, steps.falling * scale)
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """Over the time T, in units of p0 and the finger's area."""
+
+    time: np.ndarray
+    rising: np.ndarray
+    falling: np.ndarray
+
+
+def _slow(scene: Scene, method: str) -> tuple[SlowFilm, float]:
+    if method not in METHODS:
+        raise InputError(f"method {method!r}: unknown; allowed are {', '.join(METHODS)}")
+    if reason := refused(scene):
+        raise InputError(f"point {scene.point_id}: {reason}")
+    return slow_film_of(scene)
+
+
+def _gains(frequency_hz: np.ndarray, gain: np.ndarray, error: np.ndarray, method: str) -> Gains:
+    phase_deg = np.degrees(np.angle(gain))
+    return Gains(frequency_hz, np.abs(gain), phase_deg, error, method)
+
+
+def _corner(film: SlowFilm, static: float, prompt: float) -> float:
+    """Modulation, in units of ω, at which |gain − prompt| has fallen by 3 dB."""
+
+    def above(exponent: float) -> float:
+        (gain,) = film.response(np.array([np.exp(exponent)]))
+        return float(abs(gain - prompt) - abs(static - prompt) / np.sqrt(2))
+
+    guess = np.log(2 * pi**2 / film.sigma)
+    return float(np.exp(brentq(above, guess - 6, guess + 6, rtol=1e-6)))
+
+
+def _steps(film: SlowFilm) -> _Steps:
+    """From a thousandth of the slowest mode's decay time to twenty times that."""
+    narrow = 1 + film.films.aspect[0] ** -2
+    slowest = film.sigma / (pi**2 * narrow)
+    time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, INSTANTS))
+    settled = film.density(film.settled(film.epsilon))
+    return _Steps(
+        time=time,
+        rising=film.after_step(film.at_rest(), film.epsilon, time),
+        falling=film.after_step(settled, 0.0, time),
+    )
+
+
+def _crossing(time: np.ndarray, left: np.ndarray) -> float:
+    """The last time at which LEFT is crossed, interpolated on the logarithm of what is left."""
+    outside = np.flatnonzero(left > LEFT)
+    if not outside.size:
+        return 0.0
+    last = outside[-1]
+    if last + 1 == len(time):
+        return float("nan")
+    ends = np.log(np.maximum(left[last : last + 2], 1e-300) / LEFT)
+    share = ends[0] / (ends[0] - ends[1])
+    return float(time[last] + share * (time[last + 1] - time[last]))

@@ -1,0 +1,63 @@
+"""The slow film of a scene, and how good it is there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.limits.films import limit_axis
+from squeezefilm.reynolds.limits.forces import boundary_layer_limit
+from squeezefilm.reynolds.modes.galerkin import wants_modes
+from squeezefilm.reynolds.slow.film import SlowFilm, slow_film
+from squeezefilm.reynolds.terms import terms_of
+
+# Unknowns along each side of the grids that are tried, and what the next must gain.
+POINTS = (11, 15, 21, 31)
+GAIN = 0.9
+
+
+def refused(scene: Scene) -> str:
+    """Why a scene's response is not known; empty where it is."""
+    if wants_modes(scene):
+        return "the response is known of rectangular fingers with a flat gap only"
+    if scene.epsilon == 0:
+        return "the surface is at rest"
+    unknown = [term.label for term in terms_of(scene) if not term.knows_limit("boundary-layer")]
+    with_inertia = [term.label for term in terms_of(scene) if term.label == "inertia"]
+    if unknown or with_inertia:
+        return f"the response is not derived with {', '.join((*unknown, *with_inertia))}"
+    return ""
+
+
+def slow_film_of(scene: Scene) -> tuple[SlowFilm, float]:
+    """The slow film on a grid that shows all that it can, and its relative error at rest.
+
+    The error is that of the settled force, by the boundary-layer limit: it may be infinite. A
+    finer grid is taken as long as it makes the error smaller by a tenth.
+    """
+    slip = sum(dict(term.limit_numbers(scene)).get("slip", 0.0) for term in terms_of(scene))
+    best: tuple[SlowFilm, float] | None = None
+    for points in POINTS:
+        nodes = limit_axis(points).all_nodes
+        amplitude = scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))
+        film = slow_film(
+            epsilon=scene.epsilon,
+            sigma=scene.sigma,
+            amplitude=amplitude,
+            aspect=scene.aspect,
+            slip=slip,
+        )
+        limit = boundary_layer_limit(
+            epsilon=film.films.epsilon,
+            sigma=film.films.sigma,
+            amplitude=film.films.s,
+            aspect=film.films.aspect,
+            slip=film.films.slip,
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = float(np.abs(limit.error / limit.mean)[0])
+        if best is not None and not error < GAIN * best[1]:
+            break
+        best = film, error
+    assert best is not None
+    return best
