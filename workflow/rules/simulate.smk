@@ -184,6 +184,29 @@ rule plan_budget:
         "--output {output} >{log} 2>&1"
 
 
+rule plan_response:
+    input:
+        code=code("response"),
+        config=ancient(CONFIG_FILE),
+        scenes="<results>/simulations/{plan}/scenes.csv",
+        kernels="<results>/simulations/device.json",
+    output:
+        response="<results>/simulations/{plan}/response.csv",
+        gains="<results>/simulations/{plan}/gains.csv",
+    log:
+        "<logs>/response/{plan}.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    message:
+        "How the forces of {wildcards.plan} follow a changing amplitude"
+    shell:
+        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
+        "python -m squeezefilm response {input.scenes} --config {input.config} --method slow "
+        "--frequencies 3Hz,10Hz,30Hz,60Hz,100Hz,150Hz,200Hz,300Hz,500Hz,700Hz,1kHz,2kHz,4kHz "
+        "--output {output.response} --gains {output.gains} >{log} 2>&1"
+
+
 rule explain:
     input:
         code=code("explain"),

@@ -85,8 +85,8 @@ class SlowFilm:
     def mean(self, psi: np.ndarray, epsilon: float) -> float:
         """Mean overpressure over finger and period at an amplitude, in units of p0."""
         films = self.films
-        within = float(films.mean((psi / self._root(epsilon) - 1)[None])[0])
-        return within + (self._layer(epsilon) if self.layer else 0.0)
+        within = films.mean((psi / self._root(epsilon) - 1)[None])
+        return float(within[0]) + self._layer(epsilon)
 
     def settled(self, epsilon: float) -> np.ndarray:
         """w after the amplitude has long been the same: harmonic, shape (nx + 2, ny + 2)."""
@@ -155,13 +155,17 @@ class SlowFilm:
         )
         if not found.success:
             raise ArithmeticError(f"the slow film: {found.message}")
-        on_rim = settled.ravel()[~self.inner]
-        return np.array([self.mean(self.field(y + final, on_rim), epsilon) for y in found.y.T])
+        fields = np.repeat(settled[None], len(times), axis=0).reshape(len(times), -1)
+        fields[:, self.inner] += found.y.T
+        densities = fields.reshape(-1, *settled.shape) / self._root(epsilon) - 1
+        return np.asarray(self.films.mean(densities) + self._layer(epsilon))
 
     def _root(self, epsilon: float) -> np.ndarray:
         return np.asarray(np.sqrt(1 - (epsilon * self.films.s[0]) ** 2))
 
     def _layer(self, epsilon: float) -> float:
+        if not self.layer:
+            return 0.0
         films = self.films
         d = films.rim_integral(boundary_layer.integrals(epsilon * films.rim)[0])
         return float((d / np.sqrt(films.layer_number))[0])

@@ -1,0 +1,49 @@
+"""`squeezefilm response`: what a user gets, and what is said of a mistake."""
+
+import pandas as pd
+import pytest
+
+from squeezefilm.cli.main import main
+
+ONE = ["response", "--h0", "5um", "--hv", "2.2um"]
+
+
+def test_one_scene_is_told_in_words_and_a_table(capsys):
+    assert main([*ONE, "--frequencies", "100Hz,1kHz"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("gain 2.167 for slow modulation, 1.320 far above the corner at 439")
+    assert [line.split()[:2] for line in lines[4:6]] == [["100", "2.134"], ["1000", "1.644"]]
+
+
+def test_a_table_keeps_every_scene_and_frequency(tmp_path, repository):
+    scenes, output, gains = (tmp_path / name for name in ("scenes.csv", "out.csv", "gains.csv"))
+    scenes.write_text(
+        "point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\nb,1e-5,1e-6,0.0029,45\n"
+    )
+    config = str(repository / "config" / "paper.yaml")
+    words = ["response", str(scenes), "--config", config, "--output", str(output)]
+    assert main([*words, "--gains", str(gains), "--frequencies", "10Hz,300Hz"]) == 0
+    table = pd.read_csv(output)
+    assert list(table["status"]) == ["ok", "ok"]
+    assert table["corner_hz"].between(100, 2000).all()
+    rows = pd.read_csv(gains)
+    assert list(zip(rows["point_id"], rows["frequency_hz"], strict=True)) == [
+        ("a", 10),
+        ("a", 300),
+        ("b", 10),
+        ("b", 300),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["response"], "--h0 and --hv"),
+        ([*ONE, "--frequencies", "10kHz"], "tenth"),
+        ([*ONE, "--frequencies", "10"], "unit of Hz"),
+        (["response", "--h0", "5um,6um", "--hv", "2um"], "one scene at a time"),
+    ],
+)
+def test_mistakes_are_told(words, said, capsys):
+    assert main(words) != 0
+    assert said in capsys.readouterr().err
