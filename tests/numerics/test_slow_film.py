@@ -9,13 +9,13 @@ from films import film
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.dynamics.response import gains, response, steps_of
+from squeezefilm.reynolds.dynamics.scenes import slow_film_of
+from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.limits.films import limit_axis
 from squeezefilm.reynolds.march.transient import march
 from squeezefilm.reynolds.problems import problems_of
-from squeezefilm.reynolds.slow.film import SlowFilm, slow_film
-from squeezefilm.reynolds.slow.response import gains, response, steps_of
-from squeezefilm.reynolds.slow.scenes import slow_film_of
 
 DEVICE = choose_device()
 PERIODS = np.array([1, 3, 6, 11, 21, 41, 81, 120])

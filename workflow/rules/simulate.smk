@@ -207,6 +207,27 @@ rule plan_response:
         "--output {output.response} --gains {output.gains} >{log} 2>&1"
 
 
+rule levitation:
+    input:
+        code=code("levitate"),
+        config=ancient(CONFIG_FILE),
+        forces="<results>/simulations/{plan}/forces.csv",
+        kernels="<results>/simulations/device.json",
+    output:
+        "<results>/simulations/{plan}/levitation.csv",
+    log:
+        "<logs>/levitation/{plan}.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    message:
+        "The gaps that carry loads as in {wildcards.plan}"
+    shell:
+        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
+        "python -m squeezefilm levitate --like {input.forces} --config {input.config} "
+        "--output {output} >{log} 2>&1"
+
+
 rule explain:
     input:
         code=code("explain"),

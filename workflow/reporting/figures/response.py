@@ -125,5 +125,3 @@ def _draw_lines(axes: Any, lines: pd.DataFrame, name: str) -> None:
         axes.plot(line["frequency_hz"], line[name], color=colour, label=f"{gap:.3g} µm")
     if name == "gain":
         axes.legend(title="$h_0$", fontsize=6, title_fontsize=6)
-
-

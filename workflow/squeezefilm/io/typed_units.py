@@ -10,7 +10,7 @@ from squeezefilm.io.errors import InputError
 
 BASES = ("N", "m", "s", "deg")
 """A degree counts as a base: a formula that takes degrees for radians is wrong."""
-EXAMPLES = {"deg": "45deg", "N": "0.5N", "Hz": "300Hz"}
+EXAMPLES = {"deg": "45deg", "N": "0.5N", "Hz": "300Hz", "kg": "50g"}
 MOST_LEVELS = 10_000
 MOST_PLACES = 15
 """Decimals of a force that is shown; a smaller one has an exponent."""
@@ -42,6 +42,7 @@ UNITS = {
     "Hz": Unit(1.0, (0, 0, -1, 0)),
     "kHz": Unit(1e3, (0, 0, -1, 0)),
     "kg": Unit(1.0, (1, -1, 2, 0)),
+    "g": Unit(1e-3, (1, -1, 2, 0)),
 }
 
 

@@ -30,8 +30,8 @@ from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import ScenePoint, read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.slow.response import METHODS, Gains, gains, response
-from squeezefilm.reynolds.slow.scenes import refused
+from squeezefilm.reynolds.dynamics.response import METHODS, Gains, gains, response
+from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of

@@ -1,7 +1,7 @@
 """How the mean force follows the amplitude: gain and phase, rise and release.
 
-By the slow film (film.py) or, where that is too coarse, by marching through every period. Part of
-the force follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
+By the slow film (slow_film.py) or, where that is too coarse, by marching through every period. Part
+of the force follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.slow import marched
-from squeezefilm.reynolds.slow.film import SlowFilm
-from squeezefilm.reynolds.slow.scenes import refused, slow_film_of
+from squeezefilm.reynolds.dynamics import modulated_march
+from squeezefilm.reynolds.dynamics.scenes import refused, slow_film_of
+from squeezefilm.reynolds.dynamics.slow_film import SlowFilm
 
 METHODS = ("auto", "slow", "march")
 # Relative error of the settled force up to which ``auto`` takes the slow film.
@@ -101,7 +101,7 @@ def gains(scene: Scene, frequency_hz: np.ndarray, *, device: Device, method: str
         )
     film, error = _slow(scene, method)
     if method == "march" or (method == "auto" and error > SLOW_ERROR):
-        found, errors = marched.gains(scene, frequency_hz / vibration_hz, device=device)
+        found, errors = modulated_march.gains(scene, frequency_hz / vibration_hz, device=device)
         return _gains(frequency_hz, found, errors, "march")
     modulations = frequency_hz / vibration_hz
     found = film.response(modulations)

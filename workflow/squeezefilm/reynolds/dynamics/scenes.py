@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
 from squeezefilm.reynolds.limits.films import limit_axis
 from squeezefilm.reynolds.limits.forces import boundary_layer_limit
 from squeezefilm.reynolds.modes.galerkin import wants_modes
-from squeezefilm.reynolds.slow.film import SlowFilm, slow_film
 from squeezefilm.reynolds.terms import terms_of
 
 # Unknowns along each side of the grids that are tried, and what the next must gain.

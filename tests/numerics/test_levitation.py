@@ -1,0 +1,66 @@
+"""The gap under a load against the solver's own forces, and mistakes told."""
+
+import pandas as pd
+import pytest
+from films import film
+
+from squeezefilm.cli.main import main
+from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.dynamics.levitation import levitate
+
+DEVICE = choose_device()
+SETTINGS = {"tolerance": 1e-6, "model_tolerance": 1e-3, "device": DEVICE}
+
+
+@pytest.mark.parametrize("inertia", ["none", "included"])
+def test_the_gap_found_is_the_one_that_the_force_was_simulated_at(inertia):
+    scene = film(epsilon=0.4, sigma=1000.0, inertia=inertia)
+    settings = SETTINGS | ({"tolerance": 1e-4} if inertia == "included" else {})
+    (force,) = solve([scene], tolerance=settings["tolerance"], device=DEVICE)
+    found = levitate(scene, load_n=force.force_n, **settings)
+    assert found.scene.h0_m == pytest.approx(scene.h0_m, abs=2 * found.h0_error_m)
+    assert found.h0_error_m < 1e-4 * scene.h0_m
+    assert found.stable
+
+
+def test_stiffness_is_the_slope_of_the_force():
+    """For small motion the force goes like (hv/h0)² S(σ(h0)): with σ → ∞, k = 2 F/h0."""
+    scene = film(epsilon=0.02, sigma=1e5)
+    (force,) = solve([scene], tolerance=1e-7, device=DEVICE)
+    found = levitate(scene, load_n=force.force_n, **SETTINGS)
+    assert found.stiffness_n_per_m == pytest.approx(2 * force.force_n / scene.h0_m, rel=0.02)
+    assert found.resonance_hz(0.05) == pytest.approx(
+        (found.stiffness_n_per_m / 0.05) ** 0.5 / 6.283185307, rel=1e-6
+    )
+
+
+def test_a_load_that_no_gap_carries_is_refused_with_the_range():
+    with pytest.raises(InputError, match=r"no gap .* carries 1e\+06 N"):
+        levitate(film(epsilon=0.4, sigma=1000.0), load_n=1e6, **SETTINGS)
+
+
+def test_a_table_keeps_every_load_with_a_reason_where_it_has_no_gap(tmp_path):
+    output = tmp_path / "levitation.csv"
+    words = ["levitate", "--load", "0.5N,1000N", "--hv", "1.5um", "--output", str(output)]
+    assert main(words) == 0
+    table = pd.read_csv(output)
+    assert table.loc[0, "status"] == "ok"
+    assert table.loc[0, "h0_m"] == pytest.approx(4.643e-6, rel=1e-3)
+    assert "no gap" in table.loc[1, "status"]
+    assert pd.isna(table.loc[1, "h0_m"])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["levitate", "--hv", "1um"], "--load and --hv"),
+        (["levitate", "--load", "1um", "--hv", "1um"], "unit of N"),
+        (["levitate", "--load", "1000N", "--hv", "1um"], "carries 1000 N"),
+        (["levitate", "--load", "0.5N", "--hv", "1um", "--mass", "0g"], "must be positive"),
+    ],
+)
+def test_mistakes_are_told(words, said, capsys):
+    assert main(words) != 0
+    assert said in capsys.readouterr().err

@@ -1,0 +1,175 @@
+"""The gap at which the film carries a load, its stiffness, and whether it is stable.
+
+  squeezefilm levitate --load 0.5N --hv 1.5um [--mass 50g]
+  squeezefilm levitate --load 0.1N:1N:10 --hv 1um,2um --output LEVITATION.csv
+  squeezefilm levitate --like FORCES.csv --config CONFIG.yaml --output LEVITATION.csv
+
+Each gap is sought with simulations, at the finger's place. `stiffness_n_per_m` is that of slow
+motion, −∂F/∂h0 with the amplitude kept; with a mass, `resonance_hz` is the frequency of its slow
+vertical motion on that spring. What the film equation leaves out of the force is not in the errors;
+`left_out_least_percent` and `…_most_percent` of the force say what it is worth. `--like` takes
+eight loads and three amplitudes over the range of a table of forces. A load that no gap carries
+keeps its row, with the reason as its `status`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.cli.points import add_point_options, points_of
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.progress import progress_bar
+from squeezefilm.io.tables import ScenePoint, read_forces, write_table
+from squeezefilm.io.typed_units import quantities, quantity
+from squeezefilm.reynolds.dynamics.levitation import Levitation, levitate
+from squeezefilm.reynolds.effects.budget import Budget, budgets
+from squeezefilm.reynolds.effects.words import budget_text
+from squeezefilm.reynolds.terms import notes_of
+from squeezefilm.runs import node_cache
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
+from squeezefilm.studies.study import scene_of
+
+PAPER_CONFIG = Path(__file__).parents[4] / "config" / "paper.yaml"
+SECTIONS = ("gas", "actuator", "finger", "solver")
+LOADS, AMPLITUDES = 8, 3
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--load", metavar="QUANTITY", help="e.g. 0.5N; 0.1N,0.2N; 0.1N:1N:10")
+    parser.add_argument("--mass", metavar="QUANTITY", help="that floats, e.g. 50g, for a resonance")
+    parser.add_argument("--like", metavar="FORCES.csv", help="loads and amplitudes of a table")
+    parser.add_argument("--output", metavar="LEVITATION.csv", help="table to write, a row a load")
+    parser.add_argument(
+        "--config", default=PAPER_CONFIG, metavar="CONFIG.yaml", help="the study, else the paper's"
+    )
+    parser.add_argument(
+        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
+    )
+    add_solver_arguments(parser)
+    add_point_options(parser, without=("h0_m",))
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    settings = solver_settings(options, config)
+    mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
+    if mass_kg is not None and mass_kg <= 0:
+        raise InputError(f"--mass {options.mass!r} must be positive")
+    loads_n, points = _asked(options)
+    with node_cache.one_build_at_a_time():
+        device = device_of(config, option=options.device)
+    rows, failures = [], []
+    with progress_bar(len(loads_n) * len(points), unit="load", name="levitate") as bar:
+        for point in points:
+            for load_n in loads_n:
+                row: dict[str, object] = {"load_n": load_n, "hv_m": point.hv_m}
+                try:
+                    found = levitate(
+                        scene_of(point, config),
+                        load_n=load_n,
+                        tolerance=settings.tolerance,
+                        model_tolerance=settings.model_tolerance,
+                        method=settings.method,
+                        device=device,
+                    )
+                    (budget,) = budgets([found.scene], device=device)
+                    row |= _row(found, budget, mass_kg)
+                except (InputError, RunError) as error:
+                    row["status"] = str(error).removeprefix("load: ")
+                    failures.append(str(error))
+                rows.append(row)
+                bar.update(1)
+    table = pd.DataFrame(rows)
+    if options.output is not None:
+        write_table(table, options.output)
+        return
+    if failures:
+        raise RunError("; ".join(failures))
+    if len(rows) > 1:
+        print(table.to_string(index=False, float_format=lambda value: f"{value:.4g}"))
+        return
+    _show(found, budget, mass_kg)
+
+
+def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
+    """Loads, and the places and amplitudes that they are asked at; gaps are not looked at."""
+    if options.like is not None:
+        if options.load is not None or options.hv_m is not None:
+            raise InputError("give either --like or --load and --hv, not both")
+        table = read_forces(options.like)
+        known = table.loc[table["force_n"] > 0, "force_n"]
+        if known.empty:
+            raise InputError(f"{options.like}: has no force above 0")
+        loads_n = [float(each) for each in np.geomspace(known.min(), known.max(), LOADS)]
+        levels = np.sort(table["hv_m"].unique())
+        places = np.linspace(0, len(levels) - 1, AMPLITUDES).round().astype(int)
+        options.hv_m = ",".join(f"{each!r}m" for each in dict.fromkeys(levels[places].tolist()))
+    else:
+        if options.load is None or options.hv_m is None:
+            raise InputError("give --load and --hv, or --like FORCES.csv")
+        loads_n = quantities(options.load, option="--load", unit="N")
+    points = points_of(options)
+    return loads_n, [
+        ScenePoint(
+            point_id=str(number),
+            h0_m=2 * row["hv_m"],
+            hv_m=row["hv_m"],
+            phi_r_m=row.get("phi_r_m", float(np.hypot(row.get("x_m", 0), row.get("y_m", 0)))),
+            phi_deg=row.get(
+                "phi_deg", float(np.degrees(np.arctan2(row.get("y_m", 0), row.get("x_m", 0))))
+            ),
+        )
+        for number, row in enumerate(points.to_dict(orient="records"), start=1)
+    ]
+
+
+def _row(found: Levitation, budget: Budget, mass_kg: float | None) -> dict[str, object]:
+    scene: Scene = found.scene
+    least, most = budget.sums(left_out_only=True)
+    row: dict[str, object] = {
+        "h0_m": scene.h0_m,
+        "h0_error_m": found.h0_error_m,
+        "stiffness_n_per_m": found.stiffness_n_per_m,
+        "stiffness_error_n_per_m": found.stiffness_error_n_per_m,
+        "stable": found.stable,
+        "epsilon": scene.epsilon,
+        "modified_reynolds": scene.modified_reynolds,
+        "inertia": scene.gas.inertia,
+        "left_out_least_percent": least,
+        "left_out_most_percent": most,
+        "status": "ok",
+    }
+    if mass_kg is not None:
+        row["resonance_hz"] = found.resonance_hz(mass_kg)
+    return row
+
+
+def _show(found: Levitation, budget: Budget, mass_kg: float | None) -> None:
+    scene = found.scene
+    least, most = (
+        1e6 * percent / 100 * found.force_n / found.stiffness_n_per_m
+        for percent in budget.sums(left_out_only=True)
+    )
+    print(
+        f"gap {1e6 * scene.h0_m:.6g} µm ± {1e6 * found.h0_error_m:.2g} µm for "
+        f"{found.force_n:.6g} N at hv = {1e6 * scene.hv_m:g} µm (ε {scene.epsilon:.3g}, "
+        f"Re {scene.modified_reynolds:.2g}, inertia {scene.gas.inertia})"
+    )
+    print(
+        f"stiffness {found.stiffness_n_per_m:.4g} N/m ± {found.stiffness_error_n_per_m:.2g} N/m "
+        f"of slow motion: {'stable' if found.stable else 'not stable'}"
+    )
+    if mass_kg is not None:
+        print(f"resonance of {mass_kg:g} kg: {found.resonance_hz(mass_kg):.4g} Hz")
+    if found.others_m:
+        others = ", ".join(f"{1e6 * each:.3g} µm" for each in found.others_m)
+        print(f"note: the same force at smaller gaps too, about {others}")
+    print(f"beyond the equation: {budget_text(budget)}: {least:+.2g} to {most:+.2g} µm of the gap")
+    for note in notes_of(scene):
+        print(f"note: {note}")

@@ -1,0 +1,165 @@
+"""The gap at which a film carries a load, and the film as a spring there.
+
+The mean force falls as the gap grows: where it equals the load the part floats. Coming down from
+above it settles at the widest such gap. Stiffness is that of slow motion, −∂F/∂h0 with the
+amplitude of the surface kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import isfinite, pi, sqrt
+
+import numpy as np
+
+from squeezefilm.film.scene import GAPS_M, Scene
+from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.solver import solve
+
+# Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
+# ratios.
+CLOSEST, FARTHEST, LOOKED_AT = 0.97, 1e-3, 48
+LOOK_TOLERANCE = 1e-2
+MOST_STEPS = 40
+# Half the distance of gaps in the stiffness' difference quotient, relative; taken once more twice
+# as wide, whose difference bounds what the quotient misses.
+STEP = 0.01
+
+
+@dataclass(frozen=True)
+class Levitation:
+    """A part at rest on a film.
+
+    Attributes:
+        scene: the film at the gap found.
+        force_n, force_error_n: its mean force, the load to its error.
+        h0_error_m: of the gap, from the force's error and the stiffness.
+        stiffness_n_per_m, stiffness_error_n_per_m: −∂F/∂h0 for slow motion.
+        others_m: further gaps at which the force equals the load, rough, rising.
+    """
+
+    scene: Scene
+    force_n: float
+    force_error_n: float
+    h0_error_m: float
+    stiffness_n_per_m: float
+    stiffness_error_n_per_m: float
+    others_m: tuple[float, ...]
+
+    @property
+    def stable(self) -> bool:
+        """Whether the force falls as the gap grows, beyond doubt."""
+        return self.stiffness_n_per_m > self.stiffness_error_n_per_m
+
+    def resonance_hz(self, mass_kg: float) -> float:
+        """Frequency of a small slow vertical motion of a mass on this film; NaN where unstable."""
+        if not self.stable:
+            return float("nan")
+        return sqrt(self.stiffness_n_per_m / mass_kg) / (2 * pi)
+
+
+def levitate(
+    scene: Scene,
+    *,
+    load_n: float,
+    tolerance: float,
+    model_tolerance: float,
+    device: Device,
+    method: str = "auto",
+) -> Levitation:
+    """The gap under a load; that of ``scene`` does not matter.
+
+    Raises:
+        InputError: for a load that is not positive, or one that no gap carries, with the range.
+        RunError: where a force near the gap cannot be had to the tolerance.
+    """
+    if not (isfinite(load_n) and load_n > 0):
+        raise InputError(f"load: {load_n:g} N must be a positive force")
+    gaps_m = _gaps(scene)
+    forces_n = _forces(
+        _at(scene, gaps_m, inertia="none"), tolerance=LOOK_TOLERANCE, method="auto", device=device
+    )
+    brackets = _brackets(gaps_m, forces_n, load_n)
+    if not brackets:
+        known = forces_n[np.isfinite(forces_n)]
+        carried = f"{known.min():.2g} to {known.max():.2g} N" if known.size else "none"
+        raise InputError(
+            f"load: no gap from {gaps_m[0]:.3g} to {gaps_m[-1]:.3g} m carries {load_n:g} N at "
+            f"hv = {scene.hv_m:g} m; forces there: {carried}"
+        )
+    rough = [sqrt(low * high) for low, high in brackets]
+    near = replace(scene, h0_m=rough[-1])
+    # Terms are decided for this gap and kept: the force must not jump while the gap is sought.
+    (chosen,) = decided([near], model_tolerance=model_tolerance, method=method, device=device)
+
+    def force(*gaps: float) -> np.ndarray:
+        there = [replace(chosen, h0_m=gap) for gap in gaps]
+        found = solve(there, tolerance=tolerance, method=method, device=device)
+        if bad := next((each for each in found if each.status != "ok"), None):
+            raise RunError(f"load: no force near h0 = {gaps[0]:.4g} m: {bad.status}")
+        return np.array([(each.force_n, each.force_error_n) for each in found]).T
+
+    h0_m = _root(lambda gap: float(force(gap)[0, 0]) - load_n, *brackets[-1], load_n * tolerance)
+    steps = h0_m * STEP * np.array([-2, -1, 0, 1, 2])
+    forces, errors = force(*(h0_m + steps))
+    narrow, wide = ((forces[2 - k] - forces[2 + k]) / (2 * k * STEP * h0_m) for k in (1, 2))
+    # The wide quotient misses four times what the narrow one does.
+    stiffness = narrow + (narrow - wide) / 3
+    noise = (errors[1] + errors[3]) / (2 * STEP * h0_m)
+    return Levitation(
+        scene=replace(chosen, h0_m=h0_m),
+        force_n=float(forces[2]),
+        force_error_n=float(errors[2]),
+        h0_error_m=float((errors[2] + abs(forces[2] - load_n)) / abs(stiffness)),
+        stiffness_n_per_m=float(stiffness),
+        stiffness_error_n_per_m=float(abs(narrow - wide) / 3 + 4 / 3 * noise),
+        others_m=tuple(rough[:-1]),
+    )
+
+
+def _gaps(scene: Scene) -> np.ndarray:
+    """Gaps to look at, rising."""
+    least, most = scene.hv_m / CLOSEST, scene.hv_m / FARTHEST
+    return np.geomspace(max(least, GAPS_M[0]), min(most, GAPS_M[1]), LOOKED_AT)
+
+
+def _at(scene: Scene, gaps_m: np.ndarray, *, inertia: str) -> list[Scene]:
+    gas = replace(scene.gas, inertia=inertia)
+    return [replace(scene, h0_m=float(gap), gas=gas) for gap in gaps_m]
+
+
+def _forces(
+    scenes: Sequence[Scene], *, tolerance: float, method: str, device: Device
+) -> np.ndarray:
+    """Mean forces, NaN where there is none."""
+    found = solve(scenes, tolerance=tolerance, method=method, device=device)
+    return np.array([each.force_n for each in found])
+
+
+def _brackets(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float) -> list[tuple[float, float]]:
+    """Neighbouring gaps between which the force falls to the load, rising."""
+    known = np.isfinite(forces_n)
+    gaps, above = gaps_m[known], forces_n[known] >= load_n
+    crossed = np.flatnonzero(above[:-1] & ~above[1:])
+    return [(float(gaps[k]), float(gaps[k + 1])) for k in crossed]
+
+
+def _root(excess, low: float, high: float, enough: float) -> float:  # type: ignore[no-untyped-def]
+    """A gap at which the excess is small enough, between two gaps; wider where terms moved it."""
+    from scipy.optimize import brentq
+
+    for _ in range(8):
+        if excess(low) >= 0:
+            break
+        low /= 1.1
+    for _ in range(8):
+        if excess(high) <= 0:
+            break
+        high *= 1.1
+    try:
+        return float(brentq(excess, low, high, rtol=1e-10, xtol=1e-15, maxiter=MOST_STEPS))
+    except (ValueError, RuntimeError) as error:
+        raise RunError(f"load: the gap was not found between {low:.4g} and {high:.4g} m") from error

@@ -1,1 +1,0 @@
-"""What the film does when its amplitude changes slowly against the vibration."""
