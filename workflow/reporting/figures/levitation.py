@@ -2,7 +2,7 @@
 
 For three amplitudes of the screen, the finger at the centre: where the mean force equals the load.
 Dotted: the surface would touch. Grey: the gaps of the study; outside them models are extrapolated,
-simulations are not. Hollow: beyond Re 10, where the gas's inertia is known by one mode alone.
+simulations are not. Hollow: beyond Re 10, where inertia rules and a first order says nothing.
 """
 
 from __future__ import annotations
@@ -37,11 +37,17 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     """A row for each load and amplitude; without a gap where none carries the load."""
     table = read_columns(inputs["levitation"], columns=("load_n", "hv_m", "h0_m", "status"))
     gaps = micrometres(read_columns(inputs["screen"], columns=("h0_m",))["h0_m"])
-    known = table["h0_m"].notna()
-    band = table[["left_out_least_percent", "left_out_most_percent"]].abs().max(axis=None)
+    known = table[table["h0_m"].notna()]
+    within = known[known["modified_reynolds"] <= MOST_REYNOLDS]
+    numerical = max(
+        (known["h0_error_m"] / known["h0_m"]).max(),
+        (known["stiffness_error_n_per_m"] / known["stiffness_n_per_m"].abs()).max(),
+    )
+    left_out = within[["left_out_least_percent", "left_out_most_percent"]].abs().to_numpy().max()
     note = (
-        f"{known.sum()} of {len(table)} loads are carried. Numerical errors of gap and stiffness "
-        f"below 0.1 %; what the equation leaves out is up to {band:.2g} % of a force."
+        f"{len(known)} of {len(table)} loads are carried. Numerical error up to "
+        f"{100 * float(numerical):.1g} %; up to Re {MOST_REYNOLDS:g} the equation leaves out up "
+        f"to {float(left_out):.2g} % of a force, at first order."
     )
     return table.assign(
         hv_um=micrometres(table["hv_m"]),
