@@ -184,6 +184,11 @@ def _write_extras(root: Path, config: Path) -> None:
         folder = root / "simulations" / plan
         budget = [f"{folder}/scenes.csv", f"--config={config}", f"--output={folder}/budget.csv"]
         assert cli.main(["budget", *budget]) == 0
+    screen = root / "simulations/screen"
+    out = [f"--output={screen}/response.csv", f"--gains={screen}/gains.csv", "--method=slow"]
+    assert cli.main(["response", f"{screen}/scenes.csv", f"--config={config}", *out]) == 0
+    out = [f"--like={screen}/forces.csv", f"--output={screen}/levitation.csv", "--tolerance=1e-3"]
+    assert cli.main(["levitate", f"--config={config}", *out]) == 0
     scenes = root / "simulations/extrapolation/scenes.csv"
     film = f"--output={scenes.parent}/film.csv"
     assert cli.main(["cross-section", str(scenes), f"--config={config}", film]) == 0

@@ -84,7 +84,7 @@ def test_a_figure_is_whole_legible_as_wide_as_a_journal_s_and_has_units(name, ta
     for axes in figure.axes:
         for label in (axes.get_xlabel(), axes.get_ylabel()):
             assert label == "" or label.endswith(
-                ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)")
+                ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)", "(Hz)", "(N/µm)")
             )
     assert figure.get_figwidth() in (style.SINGLE_COLUMN_IN, style.DOUBLE_COLUMN_IN)
     sizes = [text.get_fontsize() for text in figure.findobj(match=Text) if text.get_text()]

@@ -30,7 +30,7 @@ MAPS = {
     "prompt_percent": "(b) force at once (%)",
 }
 LINES = {
-    "gain": ("(c) gain", "relative change of the force\nper that of the amplitude"),
+    "gain": ("(c) gain", "change of the force, relative,\nper that of the amplitude (–)"),
     "phase_deg": ("(d) phase", "force behind amplitude (°)"),
 }
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
