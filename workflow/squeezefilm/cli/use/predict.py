@@ -1,10 +1,10 @@
 """Forces by a fitted model, from its file alone.
 
-  squeezefilm predict FIT.json --h0 5um --hv 0.5um:2um:4 --x 1mm
+  squeezefilm predict FIT.json --h0 5um --hv 0.5:2:4um --x 1mm
   squeezefilm predict FIT.json --points POINTS.csv --output FORCES.csv
 
 A quantity is a number with its unit, several with commas, or evenly spaced ones as
-first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
+first:last:count, with one unit at the end for all if you like; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
 finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
 was fitted in, any direction may be asked. `force_error_n` is what the model erred by at
 points that were left out of its fit (root mean square); --validation gives the summary of
@@ -16,18 +16,15 @@ Where the profile was measured, both contain what its scan leaves open, `scan_pe
 
 import argparse
 
-import numpy as np
-
+from squeezefilm.api.fit import Fit
 from squeezefilm.cli.points import (
     add_control_option,
     add_point_options,
-    factors_of_points,
-    points_of,
+    points_in,
     read_points,
     write_points,
 )
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitted import expected_error, read_judged_fit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,25 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    fit = read_judged_fit(options.fit, control=options.control)
+    fit = Fit.read(options.fit, control=options.control, validation=options.validation)
     if options.points:
         points, place = read_points(options.points), options.points
     else:
-        points, place = points_of(options), "predict"
+        points, place = points_in(options), "predict"
         if not {"h0_m", "hv_m"} <= set(points):
             raise InputError("predict: give --h0 and --hv, or --points")
-    factors = fit.represented(factors_of_points(points, place=place))
-    force_n = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-    verdict = fit.judge(factors, force_n)
-    table = points.assign(
-        force_n=force_n,
-        force_error_n=np.where(
-            verdict.trusted,
-            expected_error(fit, options.validation) + fit.scan_error * np.abs(force_n),
-            np.nan,
-        ),
-        within_percent=verdict.within_percent(force_n),
-        **fit.scan_percent,
-        note=verdict.reasons,
-    )
-    write_points(table, options.output)
+    write_points(fit.predict_at(points, place=place), options.output)
