@@ -106,4 +106,3 @@ def field_of(
 
 def _axis(name: str) -> dict[str, str]:
     return {"long_name": f"from the finger's centre along its own {name} axis"}
-

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -226,4 +226,3 @@ class Film:
 
     def _settings(self, tolerance: float | None, method: str | None) -> SolverSettings:
         return solver_settings(self.config, tolerance=tolerance, method=method)
-

@@ -133,9 +133,7 @@ class Fit:
         """The same for a table of points: h0_m and a position, if any."""
         factors = factors_of_points(points.assign(hv_m=0.0), place=place)
         rows = [
-            working_point(
-                self.model, factors.take([index]), force_n=force_n, error_n=self.error_n
-            )
+            working_point(self.model, factors.take([index]), force_n=force_n, error_n=self.error_n)
             for index in range(len(factors))
         ]
         return pd.concat([points, pd.DataFrame(rows)], axis=1)

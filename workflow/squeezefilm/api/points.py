@@ -49,7 +49,7 @@ def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.D
 def scene_points_of(points: pd.DataFrame) -> list[ScenePoint]:
     """A table of points as points of scenes, numbered from 1; the finger is centred if not said."""
     # A scene's place is polar, as in the paper; a direction of 180° for what lies at -x.
-    factors = Factors.of(**{name: points[name].to_numpy(dtype=float) for name in points})
+    factors = Factors.of(**{str(name): points[name].to_numpy(dtype=float) for name in points})
     columns = (factors.h0_m, factors.hv_m, factors.phi_r_m, factors.phi_deg)
     return [
         ScenePoint(str(number), *(float(value) for value in row))
@@ -68,6 +68,7 @@ def _levels(values: Values, *, called: str, name: str) -> list[float]:
     found = [float(value) for value in np.asarray(numbers)]
     if not found or not all(map(isfinite, found)):
         raise InputError(
-            f"{called}: {values!r} is no finite number in {unit}, nor several, nor a text with units"
+            f"{called}: {values!r} is no finite number in {unit}, nor several of them, nor a text "
+            "with units"
         )
     return found

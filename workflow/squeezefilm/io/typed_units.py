@@ -83,8 +83,8 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
         raise InputError(f"{option} {text!r}: a range is first:last:count, such as 5:10:6um")
     if not 2 <= int(count) <= MOST_LEVELS:
         raise InputError(f"{option} {text!r}: the count must lie within 2 … {MOST_LEVELS}")
-    ends = [quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in numbers]
-    return [float(f"{value:.12g}") for value in np.linspace(*ends, int(count))]
+    first, last = (quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in numbers)
+    return [float(f"{value:.12g}") for value in np.linspace(first, last, int(count))]
 
 
 def with_error(force_n: float, error_n: float) -> str:

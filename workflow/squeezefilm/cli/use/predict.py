@@ -4,7 +4,7 @@
   squeezefilm predict FIT.json --points POINTS.csv --output FORCES.csv
 
 A quantity is a number with its unit, several with commas, or evenly spaced ones as
-first:last:count, with one unit at the end for all if you like; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
+first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
 finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
 was fitted in, any direction may be asked. `force_error_n` is what the model erred by at
 points that were left out of its fit (root mean square); --validation gives the summary of
