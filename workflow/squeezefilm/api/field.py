@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, needing
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.pressure import pressure
@@ -35,12 +35,8 @@ def field_of(
 
     Raises InputError for numbers out of range or without xarray, RunError where there is no state.
     """
-    try:
+    with needing("fields", what="a pressure field"):
         import xarray
-    except ImportError:
-        raise InputError(
-            "a pressure field needs xarray: pip install 'squeezefilm[fields]'"
-        ) from None
     for name, value, least, most in (
         ("places", places, LEAST_PLACES, MOST_PLACES),
         ("instants", instants, LEAST_INSTANTS, MOST_INSTANTS),

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.io.typed_units import quantities
-from squeezefilm.models.force_model import CARTESIAN, POLAR, Factors
 
 Values = str | float | Sequence[float] | np.ndarray
 """Values of one factor: a number in SI units (degrees for angles), several of them, or a text with
 units such as ``"5 um"``, ``"5 um, 6 um"``, ``"0.5:2.5:9 um"`` (first:last:count)."""
 COLUMNS = {"h0": "h0_m", "hv": "hv_m", "x": "x_m", "y": "y_m", "phi_r": "phi_r_m", "phi": "phi_deg"}
 """What the factors are called where they are asked for, and their columns."""
+POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 MOST_POINTS = 1_000_000
 
 
@@ -47,13 +47,26 @@ def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.D
 
 
 def scene_points_of(points: pd.DataFrame) -> list[ScenePoint]:
-    """A table of points as points of scenes, numbered from 1; the finger is centred if not said."""
-    # A scene's place is polar, as in the paper; a direction of 180° for what lies at -x.
-    factors = Factors.of(**{str(name): points[name].to_numpy(dtype=float) for name in points})
-    columns = (factors.h0_m, factors.hv_m, factors.phi_r_m, factors.phi_deg)
+    """A table of points as points of scenes, numbered from 1: h0_m, hv_m and a position, if any.
+
+    Raises InputError where gap or amplitude is missing.
+    """
+    missing = [name for name in ("h0_m", "hv_m") if name not in points]
+    if missing:
+        raise InputError(f"points need the column {missing[0]!r}")
+    values = {
+        name: points[name].to_numpy(dtype=float) for name in COLUMNS.values() if name in points
+    }
+    zeros = np.zeros(len(points))
+    if any(name in values for name in CARTESIAN):
+        x, y = (values.get(name, zeros) for name in CARTESIAN)
+        radius, angle = np.hypot(x, y), np.degrees(np.arctan2(y, x))
+    else:
+        radius, angle = (values.get(name, zeros) for name in POLAR)
+    rows = zip(values["h0_m"], values["hv_m"], radius, angle, strict=True)
     return [
         ScenePoint(str(number), *(float(value) for value in row))
-        for number, row in enumerate(zip(*columns, strict=True), start=1)
+        for number, row in enumerate(rows, start=1)
     ]
 
 

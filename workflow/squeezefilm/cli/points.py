@@ -1,18 +1,13 @@
-"""The points that people ask for, as options of a command or as a table."""
+"""The points that people ask for as options of a command, and what is answered."""
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 
 import pandas as pd
 
-from squeezefilm.api.points import COLUMNS as FACTORS
 from squeezefilm.api.points import Values, points_of
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import write_table
 from squeezefilm.io.typed_units import to_its_error
-from squeezefilm.models.force_model import COLUMNS
 
 OPTIONS = {
     "h0": "mean gap, e.g. 5um; several 5um,6um; or a range 5:10:6um (first:last:count)",
@@ -49,18 +44,6 @@ def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
     given = {name: getattr(options, name, None) for name in OPTIONS}
     values = {name: defaults.get(name) if each is None else each for name, each in given.items()}
     return points_of(values, option="--{}")
-
-
-def read_points(path: Path | str) -> pd.DataFrame:
-    """A table of points: h0_m, hv_m, and a position in polar or Cartesian form, if any.
-
-    Raises InputError naming the file and the column that is missing or holds no numbers.
-    """
-    table = read_columns(path, columns=("h0_m", "hv_m"))
-    for name in (*FACTORS.values(), *COLUMNS.values()):
-        if name in table and not pd.api.types.is_numeric_dtype(table[name]):
-            raise InputError(f"{path}: {name}: a value is not a number")
-    return table
 
 
 def write_points(points: pd.DataFrame, path: str | None) -> None:

@@ -73,6 +73,8 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
     Raises InputError naming the option, as quantity does.
     """
     *numbers, end = text.split(":")
+    if not numbers and "," not in text:
+        return [quantity(text, option=option, unit=unit)]
     shared = SHARED_UNIT.fullmatch(text)
     unit_of_all = shared[2] if shared else ""
     if not numbers:

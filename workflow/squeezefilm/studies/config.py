@@ -14,7 +14,7 @@ import yaml
 
 from squeezefilm.io.errors import InputError
 
-SCHEMA_PATH = Path(__file__).parents[2] / "schemas" / "config.schema.yaml"
+SCHEMA_PATH = Path(__file__).with_name("config.schema.yaml")
 LARGEST_INTEGER = 2**53
 """Integers up to here are the same number when they are used as a float."""
 

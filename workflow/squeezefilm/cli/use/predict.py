@@ -15,16 +15,21 @@ Where the profile was measured, both contain what its scan leaves open, `scan_pe
 """
 
 import argparse
+from pathlib import Path
+
+import pandas as pd
 
 from squeezefilm.api.fit import Fit
+from squeezefilm.api.points import COLUMNS as FACTORS
 from squeezefilm.cli.points import (
     add_control_option,
     add_point_options,
     points_in,
-    read_points,
     write_points,
 )
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.sources import read_columns
+from squeezefilm.models.force_model import COLUMNS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,3 +50,15 @@ def run(options: argparse.Namespace) -> None:
         if not {"h0_m", "hv_m"} <= set(points):
             raise InputError("predict: give --h0 and --hv, or --points")
     write_points(fit.predict_at(points, place=place), options.output)
+
+
+def read_points(path: Path | str) -> pd.DataFrame:
+    """A table of points: h0_m, hv_m, and a position in polar or Cartesian form, if any.
+
+    Raises InputError naming the file and the column that is missing or holds no numbers.
+    """
+    table = read_columns(path, columns=("h0_m", "hv_m"))
+    for name in (*FACTORS.values(), *COLUMNS.values()):
+        if name in table and not pd.api.types.is_numeric_dtype(table[name]):
+            raise InputError(f"{path}: {name}: a value is not a number")
+    return table
