@@ -50,7 +50,11 @@ def test_help_shows_groups_in_the_order_of_use(capsys):
 
 @pytest.mark.parametrize(
     ("word", "hint"),
-    [("simulat", "did you mean 'simulate'?"), ("workingpoint", "'working-point'"), ("zzzz", "")],
+    [
+        ("simulat", "did you mean 'simulate'?"),
+        ("workingpoint", "did you mean 'working-point'?"),
+        ("zzzz", ""),
+    ],
 )
 def test_a_typo_is_answered_with_the_nearest_command_alone(word, hint, capsys):
     with pytest.raises(SystemExit) as end:

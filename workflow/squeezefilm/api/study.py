@@ -18,7 +18,7 @@ from squeezefilm.models.fitting.described import described_fit
 from squeezefilm.models.force_model import COLUMNS, Factors
 from squeezefilm.models.library import model_named
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import load_config
+from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import finger_positions, four_factor_plan, level_values
 from squeezefilm.studies.study import directions_of, scene_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
@@ -27,7 +27,13 @@ from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
 @dataclass(frozen=True, repr=False)
 class Study(Film):
-    """A film as a study's file describes it, with the study's ranges and models."""
+    """A film as a study's file describes it, with the study's ranges and models.
+
+    Attributes:
+        config: the whole study.
+    """
+
+    config: Config
 
     @property
     def name(self) -> str:
