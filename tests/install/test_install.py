@@ -28,7 +28,7 @@ def run(*words: object, folder: Path) -> str:
     done = subprocess.run(
         [str(word) for word in words],
         cwd=folder,
-        env={**kept, "VIRTUAL_ENV": str(folder / "alone")},
+        env=kept,
         capture_output=True,
         text=True,
         check=False,
@@ -45,7 +45,8 @@ def alone(repository, tmp_path_factory):
     run(*uv, "build", "--wheel", "--out-dir", folder, repository, folder=folder)
     run(*uv, "venv", "--python", sys.executable, folder / "alone", folder=folder)
     (wheel,) = folder.glob("*.whl")
-    run(*uv, "pip", "install", f"{wheel}[fields,fits]", folder=folder)
+    python = folder / "alone/bin/python"
+    run(*uv, "pip", "install", "--python", python, f"{wheel}[fields,fits]", folder=folder)
     (folder / "paper.yaml").write_bytes((repository / "config" / "paper.yaml").read_bytes())
     return folder
 
@@ -62,6 +63,7 @@ def test_the_door_opens_without_a_checkout(alone):
 def test_the_command_line_too(alone):
     words = ("simulate", "--config", "paper.yaml", "--h0", "5um", "--hv", "2.2um", "--x", "-1mm")
     assert "force 0.95" in run(alone / "alone/bin/squeezefilm", *words, folder=alone)
-    packages = run(sys.executable, "-m", "uv", "--quiet", "pip", "list", folder=alone)
+    listed = ("-m", "uv", "pip", "list", "--python", alone / "alone/bin/python")
+    packages = run(sys.executable, *listed, folder=alone)
     assert "snakemake" not in packages
     assert "squeezefilm" in packages
