@@ -11,11 +11,15 @@ RUN := PATH="$(CURDIR)/$(BIN):$$PATH"
 SNAKEMAKE = $(RUN) snakemake $(OPTIONS)
 STUDIES ?= paper paper-inertia quick
 REPORT ?= results/report.html
+API ?= results/api
+PIP_LOG := $(VENV)/pip.log
+# A command whose words go to a log, the last of them to the terminal where it fails.
+quietly = $(1) >>$(PIP_LOG) 2>&1 || { tail -n 20 $(PIP_LOG); exit 1; }
 COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 \
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report test test-check test-faults test-browser lint format keys lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report test test-check test-faults test-browser test-install api lint format keys lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -28,6 +32,8 @@ help:
 	@echo "make test-faults    runs that are killed, full disks, damaged results"
 	@echo "make test-browser   the pages, in a browser without a screen"
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
+	@echo "make test-install   the library from its wheel, in an environment of its own; needs a network"
+	@echo "make api      pages about the library's names, from its docstrings: $(API)"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
 	@echo "make keys     the table of a study's keys in config/README.md, from the schema"
@@ -37,7 +43,9 @@ help:
 	@echo "make clean    remove results, logs and the environment"
 
 paper: $(VENV)/.run
-	$(SNAKEMAKE)
+	@echo "Every simulation, fit, design, table and figure of the paper: 85 s on two idle cores."
+	@echo "What is made already stays; a run that was stopped goes on by make resume."
+	@$(SNAKEMAKE)
 
 paper-inertia: paper
 	$(SNAKEMAKE) --configfile config/paper-inertia.yaml
@@ -76,6 +84,14 @@ test-browser: $(VENV)/.dev
 		|| true
 	$(RUN) pytest tests/browser
 
+# Of a network: the library is installed from its wheel, as a user of it alone would.
+test-install: $(VENV)/.dev
+	$(RUN) pytest tests/install
+
+# Pages of the library's door, from its docstrings; no network is needed.
+api: $(VENV)/.dev
+	$(RUN) pdoc --docformat google --output-directory $(API) squeezefilm
+
 test-cluster: $(VENV)/.dev
 	$(RUN) pytest -v -s tests/cluster
 
@@ -109,13 +125,15 @@ clean:
 
 # The packages as pinned, checked by their hashes; the library itself in place.
 $(VENV)/.run: requirements.lock pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --require-hashes --requirement requirements.lock
-	$(BIN)/python -m pip install --no-deps --no-build-isolation --editable .
-	touch $@
+	@echo "Setting up $(VENV): 1 GB, a minute or two, once; pip's words are in $(PIP_LOG)"
+	@$(call quietly,$(BIN)/python -m pip install --require-hashes --requirement requirements.lock)
+	@$(call quietly,$(BIN)/python -m pip install --no-deps --no-build-isolation --editable .)
+	@touch $@
 
 $(VENV)/.dev: requirements-dev.lock $(VENV)/.run
-	$(BIN)/python -m pip install --require-hashes --requirement requirements-dev.lock
-	touch $@
+	@echo "Adding what tests and linters need; pip's words are in $(PIP_LOG)"
+	@$(call quietly,$(BIN)/python -m pip install --require-hashes --requirement requirements-dev.lock)
+	@touch $@
 
 $(BIN)/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm.cli.main import commands_of, installed, main, summary_of
+from squeezefilm.cli.main import commands_of, installed, main, summary_of, with_negative_values
 from squeezefilm.cli.steps.gather import in_order
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
@@ -36,6 +36,41 @@ def test_help_lists_every_command(capsys):
     for command, module in COMMANDS.items():
         assert command in text
         assert " ".join(summary_of(module).split()) in " ".join(text.split())
+
+
+def test_help_shows_groups_in_the_order_of_use(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    text = capsys.readouterr().out
+    heads = ["Use: ", "A study of your own", "Steps of the workflow: plans", "Upkeep"]
+    places = [text.index(f"\n{head}") for head in heads]
+    assert places == sorted(places)
+    assert places[0] < text.index("\n  simulate ") < places[1] < text.index("\n  new ") < places[2]
+
+
+@pytest.mark.parametrize(
+    ("word", "hint"),
+    [
+        ("simulat", "did you mean 'simulate'?"),
+        ("workingpoint", "did you mean 'working-point'?"),
+        ("zzzz", ""),
+    ],
+)
+def test_a_typo_is_answered_with_the_nearest_command_alone(word, hint, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([word])
+    assert end.value.code == 2
+    told = capsys.readouterr().err
+    assert f"there is no command {word!r}; {hint}" in told
+    others = [name for name in COMMANDS if f"'{name}'" in told]
+    assert len(others) == (1 if hint else 0)
+    assert len(told.splitlines()) == 2
+
+
+def test_a_negative_value_is_no_option():
+    words = ["simulate", "--x", "-2mm", "--y", "-.5,1mm", "--keep-going", "-1", "a", "-2"]
+    joined = ["simulate", "--x=-2mm", "--y=-.5,1mm", "--keep-going=-1", "a", "-2"]
+    assert with_negative_values(words) == joined
 
 
 @pytest.mark.parametrize("words", [[], ["simulat"], ["plan"], ["plan", "nonsense"], ["--nonsense"]])

@@ -36,7 +36,7 @@ def library(tmp_path):
         "io/__init__.py": "",
         "io/job.py": "import squeezefilm.other",
         "solver/__init__.py": "if False:\n    from squeezefilm import cyclic",
-        "solver/core.py": "SOURCES = ('main.cl', '../schemas/table.yaml')",
+        "solver/core.py": "SOURCES = ('main.cl', '../other/table.yaml')",
         "solver/main.cl": '#include "common.h"\n  #  include <deep.h>\n// secret.cl',
         "solver/common.h": '#include "common.h"',
         "solver/deep.h": "",
@@ -44,7 +44,7 @@ def library(tmp_path):
         "cyclic.py": "import squeezefilm.solver",
         "other.py": "SECTIONS = tuple(range(3))",
         "plugin.py": "from squeezefilm import late\nSECTIONS = ('finger', 'screen')",
-        "../schemas/table.yaml": "",
+        "other/table.yaml": "",
     }
     for name, text in files.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
@@ -71,7 +71,7 @@ PRESS = {
     "solver/main.cl",
     "solver/common.h",
     "solver/deep.h",
-    "schemas/table.yaml",
+    "other/table.yaml",
 }
 
 

@@ -215,6 +215,16 @@ def test_quantities_have_units_commas_and_ranges():
     assert quantities("0deg:45deg:4", option="--phi", unit="deg") == [0, 15, 30, 45]
     assert quantities("-5e-3 mm,.5µm", option="--x", unit="m") == pytest.approx([-5e-6, 5e-7])
     assert quantities("1rad", option="--phi", unit="deg") == pytest.approx([180 / math.pi])
+    assert quantities("5um", option="--h0", unit="m") == [5e-6]
+
+
+def test_one_unit_at_the_end_is_that_of_all_numbers():
+    assert quantities("0.5, 1,2 um", option="--hv", unit="m") == [5e-7, 1e-6, 2e-6]
+    assert quantities("-2:2:3mm", option="--x", unit="m") == [-2e-3, 0, 2e-3]
+    assert quantities("0:45:4°", option="--phi", unit="deg") == [0, 15, 30, 45]
+    for text in ("1,2", "1:2:3", "5um,6", "5:6um:3", "1:2um", "1:2:3:4um", "5:6:x um", "5:6:1um"):
+        with pytest.raises(InputError, match="--h0"):
+            quantities(text, option="--h0", unit="m")
 
 
 @pytest.mark.parametrize(
@@ -392,9 +402,13 @@ def test_where_the_limit_does_not_hold_the_table_says_so(edited, tmp_path):
 @pytest.mark.parametrize(
     ("force_n", "error_n", "shown"),
     [
-        (0.9620420431, 6.31e-7, "0.96204204 N ± 6.3e-07 N"),
-        (12.34, 0.52, "12.34 N ± 0.52 N"),
-        (-1.2e-75, 4.3e-73, "-1.2e-75 N ± 4.3e-73 N"),
+        (0.9620420431, 6.31e-7, "0.9620420 N ± 6e-07 N"),
+        (0.9620420431, 0.0096, "0.96 N ± 0.01 N"),
+        (12.34, 0.52, "12.3 N ± 0.5 N"),
+        (123.4, 12.0, "1.2e+02 N ± 1e+01 N"),
+        (-1.2e-75, 4.3e-73, "-1e-75 N ± 4e-73 N"),
+        (0.9620420431, math.nan, "0.962 N ± unknown N"),
+        (0.0, 0.0, "0 N ± 0 N"),
     ],
 )
 def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):

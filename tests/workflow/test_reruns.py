@@ -38,7 +38,7 @@ PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
 REPOSITORY = Path(__file__).resolve().parents[2]
 CODE = sorted(
     path.relative_to(REPOSITORY)
-    for folder in (REPOSITORY / WORKFLOW / name for name in (*PACKAGES, "schemas"))
+    for folder in (REPOSITORY / WORKFLOW / name for name in PACKAGES)
     for path in folder.rglob("*")
     if path.is_file() and path.suffix != ".pyc"
 )
@@ -206,7 +206,7 @@ def test_an_edit_of_what_only_people_read_makes_nothing_anew(planner):
             edits[path] += "# edited\n"
         elif path.suffix == ".cl":
             edits[path] = f"// edited\n{text}"
-    schema = WORKFLOW / "schemas/config.schema.yaml"
+    schema = LIBRARY / "studies/config.schema.yaml"
     edits[schema] = re.sub(r"description: (?=\w)", "description: Edited ", edits[schema])
     assert planner.made_anew(*EVERYTHING, edits=edits) == set()
 

@@ -8,9 +8,10 @@ LIBRARY = Path(workflow.current_basedir).parent.resolve()
 IS_MODULE = not workflow.modifier.is_main_snakefile()
 sys.path.insert(0, str(LIBRARY))
 
+from snakemake.logging import logger
 from squeezefilm.io import atomic
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.runs import locks, run_card
+from squeezefilm.runs import console, locks, run_card
 from squeezefilm.runs.basis import basis_file, forget_others
 from squeezefilm.runs.checked import checked_study
 from squeezefilm.runs.code import Code
@@ -184,6 +185,16 @@ if MAIN and not workflow.output_settings.dryrun and locks.is_held(CARDS):
     print(f"squeezefilm: note: {locks.held_by(CARDS)}", file=sys.stderr)
 
 
+# A line for each job; who asks for more, and a workflow that this is a module of, has Snakemake's.
+ASKED = workflow.output_settings
+if MAIN and not IS_MODULE and not (ASKED.dryrun or ASKED.verbose or ASKED.printshellcmds):
+    console.quieten(
+        logger,
+        about=f"Study {STUDY}, on {workflow.cores} cores, into {CARDS.parent}",
+        pace_s=console.pace(CARDS.parent.parent, host=OWNER.host),
+    )
+
+
 def begin_run():
     """Take the study and begin the run's card."""
     global HELD
@@ -220,6 +231,8 @@ onstart:
 onsuccess:
     if MAIN:
         end_run(run_card.COMPLETED)
+        for line in console.where_to_look(CARDS.parent):
+            print(line, file=sys.stderr)
 
 
 onerror:

@@ -1,1 +1,1 @@
-"""Commands of the numerics stage."""
+"""Steps of the workflow: the solver examined."""

@@ -1,1 +1,1 @@
-"""Commands for what the paper alone has."""
+"""Steps of the workflow: what the paper alone has."""

@@ -1,1 +1,1 @@
-"""Commands that make figures and pages, and check a study."""
+"""Steps of the workflow: figures and pages, and the check of a study."""

@@ -2,17 +2,20 @@
 
 A command ``a-b`` is the module ``a_b`` of a package of commands, found by being there; the first
 line of its docstring is what help says of it. Packages above the library add theirs by entry
-points.
+points. Help shows the packages as groups, each under the first line of its docstring.
 """
 
 import argparse
 import ast
+import difflib
 import gc
 import importlib
 import importlib.metadata
 import importlib.util
+import re
 import sys
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 
@@ -22,14 +25,22 @@ from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.found import modules_in
 from squeezefilm.runs import provenance
 
-LIBRARY = ("squeezefilm.cli.use", "squeezefilm.cli.steps", "squeezefilm.cli.upkeep")
+LIBRARY = ("squeezefilm.cli.use", "squeezefilm.cli.study", "squeezefilm.cli.steps")
+UPKEEP = "squeezefilm.cli.upkeep"
 ENTRY_POINTS = "squeezefilm.commands"
+NEGATIVE = re.compile(r"-\.?\d")
+OPTION = re.compile(r"--[a-z][a-z0-9-]*")
+NAME_WIDTH, WIDTH = 18, 100
 
 
 def installed() -> tuple[str, ...]:
-    """The library's packages of commands and, by their entry points, those of packages above it."""
-    above = importlib.metadata.entry_points(group=ENTRY_POINTS)
-    return (*LIBRARY, *sorted(point.value for point in above))
+    """The library's packages of commands and, by their entry points, those of packages above it.
+
+    The packages above lie beside the library in a checkout; without one they are not there.
+    """
+    above = sorted(point.value for point in importlib.metadata.entry_points(group=ENTRY_POINTS))
+    there = (name for name in above if importlib.util.find_spec(name.partition(".")[0]))
+    return (*LIBRARY, *there, UPKEEP)
 
 
 def commands_of(packages: Sequence[str]) -> dict[str, str]:
@@ -51,17 +62,20 @@ def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | No
 
     ``packages`` are those that have the commands, all that are installed if none are named.
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    words = with_negative_values(sys.argv[1:] if arguments is None else arguments)
+    packages = packages or installed()
+    commands = commands_of(packages)
+    chosen = words[0] if words else ""
     parser = argparse.ArgumentParser(
         prog="squeezefilm",
+        usage=None if chosen in commands else "squeezefilm COMMAND …",
         description="Squeeze-film forces from the Reynolds equation, and empirical models of them.",
-        epilog="`squeezefilm COMMAND --help` explains a command.",
+        epilog=None if chosen in commands else overview(packages),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
-    chosen = words[0] if words else ""
-    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    commands = commands_of(packages or installed())
     if chosen in commands:
+        subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
         module = _imported(commands[chosen])
         subparser = subparsers.add_parser(
             chosen,
@@ -70,9 +84,8 @@ def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | No
         )
         module.add_arguments(subparser)
         subparser.set_defaults(run=module.run)
-    else:
-        for name, place in commands.items():
-            subparsers.add_parser(name, help=summary_of(place))
+    elif not chosen.startswith("-"):
+        parser.error(_unknown(chosen, commands))
     options = parser.parse_args(words)
     try:
         status = int(options.run(options) or 0)
@@ -90,6 +103,39 @@ def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | No
     except KeyboardInterrupt:
         print("squeezefilm: interrupted", file=sys.stderr)
         return 130
+
+
+def with_negative_values(words: Sequence[str]) -> list[str]:
+    """Words of a command line in which no value looks like an option: ``--x -2mm`` as one word."""
+    found: list[str] = []
+    for word in words:
+        if found and NEGATIVE.match(word) and OPTION.fullmatch(found[-1]):
+            found[-1] += f"={word}"
+        else:
+            found.append(word)
+    return found
+
+
+def overview(packages: Sequence[str]) -> str:
+    """Every command with a line about it, in groups."""
+    lines = []
+    for package in packages:
+        lines.append(summary_of(package).removesuffix("."))
+        for name, place in commands_of([package]).items():
+            about = textwrap.wrap(summary_of(place), WIDTH - NAME_WIDTH - 2)
+            first, *rest = about or [""]
+            lines.append(f"  {name:{NAME_WIDTH}}{first}")
+            lines += [f"{'':{NAME_WIDTH + 2}}{line}" for line in rest]
+        lines.append("")
+    return "\n".join([*lines, "`squeezefilm COMMAND --help` explains a command."])
+
+
+def _unknown(chosen: str, commands: Mapping[str, str]) -> str:
+    if not chosen:
+        return "which command? `squeezefilm --help` names them"
+    near = difflib.get_close_matches(chosen, commands, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return f"there is no command {chosen!r}; {hint}`squeezefilm --help` names all"
 
 
 def _imported(place: str) -> ModuleType:

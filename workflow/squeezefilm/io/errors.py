@@ -25,3 +25,17 @@ def naming(place: object) -> Iterator[None]:
         yield
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
+
+
+@contextmanager
+def needing(extra: str, *, what: str) -> Iterator[None]:
+    """Imports within are of packages that only an extra of the library brings.
+
+    Raises InputError saying what needs them and how they are installed.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise InputError(
+            f"{what} needs {error.name or 'a package'}: pip install 'squeezefilm[{extra}]'"
+        ) from None

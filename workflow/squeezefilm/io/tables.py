@@ -16,7 +16,7 @@ import pandas as pd
 
 from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.cells import finite_number, read_cells
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, needing
 from squeezefilm.io.solution import SOLUTION_COLUMNS
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
@@ -143,8 +143,9 @@ def _read(
 def _read_parquet(
     path: Path, *, columns: Sequence[str], numbers: Sequence[str], rows: Rows
 ) -> pd.DataFrame:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
+    with needing("workflow", what="a table in Parquet"):
+        import pyarrow as pa
+        import pyarrow.parquet as pq
 
     try:
         with pq.ParquetFile(path) as file:
@@ -251,8 +252,9 @@ def _csv_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
 
 @contextmanager
 def _parquet_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
+    with needing("workflow", what="a table in Parquet"):
+        import pyarrow as pa
+        import pyarrow.parquet as pq
 
     writer: pq.ParquetWriter | None = None
 

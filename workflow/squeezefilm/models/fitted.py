@@ -155,27 +155,34 @@ def read_fit(path: Path | str) -> FittedModel:
 
     Raises InputError naming the file and the entry that is missing or no number.
     """
-    values = read_json(path)
+    return fit_of(read_json(path), place=path)
+
+
+def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
+    """A fit from what its file holds; ``place`` is the file, for messages.
+
+    Raises InputError naming the place and the entry that is missing or no number.
+    """
     if "refused" in values:
-        raise InputError(f"{path}: there is no fit: {values['refused']}")
+        raise InputError(f"{place}: there is no fit: {values['refused']}")
     try:
         theta = tuple(float(value) for value in values["theta"])
     except (KeyError, TypeError, ValueError):
-        raise InputError(f"{path}: 'theta' must be a list of numbers") from None
+        raise InputError(f"{place}: 'theta' must be a list of numbers") from None
     crossed = values.get("cross_validation")
     if crossed is not None and not isinstance(crossed, dict):
-        raise InputError(f"{path}: 'cross_validation' must be a mapping, or null")
+        raise InputError(f"{place}: 'cross_validation' must be a mapping, or null")
     return FittedModel(
         model=str(values.get("model")),
         theta=theta,
-        points=int(number(values, "points", path)),
-        global_error=number(values, "global_error", path),
-        sum_of_squares=number(values, "sum_of_squares", path),
-        ranges=_ranges(values.get("ranges", {}), path),
-        trust=_trust(values, path),
-        cross_validation=crossed and {key: number(crossed, key, path) for key in crossed},
+        points=int(number(values, "points", place)),
+        global_error=number(values, "global_error", place),
+        sum_of_squares=number(values, "sum_of_squares", place),
+        ranges=_ranges(values.get("ranges", {}), place),
+        trust=_trust(values, place),
+        cross_validation=crossed and {key: number(crossed, key, place) for key in crossed},
         values=values,
-        place=str(path),
+        place=str(place),
     )
 
 

@@ -33,7 +33,7 @@ DECIDES_NOTHING = {
     "squeezefilm/runs/locks.py": "says who makes a study",
     "squeezefilm/runs/node_cache.py": "says where compiled kernels are kept",
     "squeezefilm/runs/provenance.py": "writes down what made a file",
-    "schemas/config.schema.yaml": "refuses a study, which the workflow does before any job",
+    "squeezefilm/studies/config.schema.yaml": "refuses a study, before any job",
 }
 """Files that jobs use and that change no result, each with the reason."""
 
@@ -67,7 +67,7 @@ class Code:
         left_out = {path for pattern in DECIDES_NOTHING for path in root.glob(pattern)}
         paths = [
             path
-            for folder in sorted({*self._packages, "schemas"})
+            for folder in sorted(self._packages)
             for path in sorted((root / folder).rglob("*"))
             if path.is_file() and path.suffix != ".pyc" and path not in left_out
         ]

@@ -14,7 +14,7 @@ import yaml
 
 from squeezefilm.io.errors import InputError
 
-SCHEMA_PATH = Path(__file__).parents[2] / "schemas" / "config.schema.yaml"
+SCHEMA_PATH = Path(__file__).with_name("config.schema.yaml")
 LARGEST_INTEGER = 2**53
 """Integers up to here are the same number when they are used as a float."""
 
@@ -127,12 +127,26 @@ def parse_config(text: str, *, path: Path) -> Config:
     return Config(path=path, sections=values)
 
 
-def _validate(values: dict[str, Any], *, path: Path) -> None:
+def parse_sections(values: dict[str, Any], *, place: Path) -> dict[str, Any]:
+    """Some sections of a study, checked each by itself as a file's are.
+
+    Raises InputError naming the place, the key, what is wrong with it and what is allowed.
+    """
+    _refuse_non_finite(values, path=place, place="")
+    _validate(values, path=place, sections=tuple(values))
+    return values
+
+
+def _validate(
+    values: dict[str, Any], *, path: Path, sections: tuple[str, ...] | None = None
+) -> None:
     from jsonschema import Draft202012Validator  # slow to import, and only needed here
 
     # By libyaml, where PyYAML has it: in Python alone it takes as long as all else here.
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     schema = yaml.load(SCHEMA_PATH.read_text(encoding="utf-8"), Loader=loader)
+    if sections is not None:
+        schema["required"] = list(sections)
     errors = sorted(Draft202012Validator(schema).iter_errors(values), key=lambda e: list(e.path))
     if errors:
         raise InputError("\n".join(f"{path}: {_message(error)}" for error in errors))

@@ -11,7 +11,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import SCHEMA_PATH
 
 Schema = Mapping[str, Any]
-BEGIN = "<!-- From workflow/schemas/config.schema.yaml, by `make keys`: edit there. -->\n"
+BEGIN = "<!-- From squeezefilm/studies/config.schema.yaml by `make keys`: edit there. -->\n"
 END = "<!-- End of the keys. -->\n"
 HEAD = "| key | unit | allowed | meaning |\n| --- | --- | --- | --- |\n"
 

@@ -35,18 +35,21 @@ def add_solver_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=METHODS, help="instead of the config's solver.method")
 
 
-def solver_settings(options: argparse.Namespace, config: Config) -> SolverSettings:
-    """The tolerance and the method that the options and the configuration ask for together.
+def solver_settings(
+    config: Config, *, tolerance: float | None = None, method: str | None = None
+) -> SolverSettings:
+    """The tolerance and the method: those given, or else the configuration's.
 
-    Raises InputError for a tolerance that no method is made for.
+    Raises InputError for a tolerance that no method is made for, or an unknown method.
     """
-    tolerance = config["solver"]["tolerance"] if options.tolerance is None else options.tolerance
+    tolerance = config["solver"]["tolerance"] if tolerance is None else tolerance
+    method = method or config["solver"]["method"]
     if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
         raise InputError(
             f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
         )
+    if method not in METHODS:
+        raise InputError(f"method {method!r} is none of {', '.join(METHODS)}")
     return SolverSettings(
-        tolerance=tolerance,
-        model_tolerance=config["solver"]["model_tolerance"],
-        method=options.method or config["solver"]["method"],
+        tolerance=tolerance, model_tolerance=config["solver"]["model_tolerance"], method=method
     )

@@ -1,1 +1,1 @@
-"""Commands that the rules call, one after another."""
+"""Steps of the workflow: plans, fits and designs."""

@@ -28,10 +28,9 @@ from squeezefilm import __version__
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
-from squeezefilm.models.description import describe
-from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fitting.fit import Fit, fits_from_seeds
-from squeezefilm.models.fitting.identifiability import check_identifiable
+from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.fitting.described import described_fit
+from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.library import model_named
 from squeezefilm.studies.config import load_config
@@ -65,23 +64,18 @@ def run(options: argparse.Namespace) -> None:
     scan_error = scan_error_of(config, options.scan)
     forces = read_ok_forces(options.forces)
     factors = factors_of(forces, limits=options.limits)
-    force_n = forces["force_n"].to_numpy()
     settings = config["fit"]
     if options.seeds is not None:
         settings = settings | {"seeds": dict.fromkeys(settings["seeds"], options.seeds)}
     try:
-        check_columns(model, factors)
-        if len(factors) >= len(model.parameter_names):
-            check_identifiable(model, factors)
-        runs = fits_from_seeds(model, factors, force_n, settings, processes=options.processes)
-        best = min(runs, key=lambda run: run.sum_of_squares)
-        about = describe(
+        about, runs = described_fit(
             model,
             factors,
-            force_n,
-            best,
+            forces["force_n"].to_numpy(),
             force_error_n=forces["force_error_n"].to_numpy(),
+            settings=settings,
             scan_error=scan_error,
+            processes=options.processes,
         )
     except InputError as error:
         if not options.keep_going:
@@ -99,7 +93,7 @@ def run(options: argparse.Namespace) -> None:
         table = read_json(options.limit_table)
         if "refused" not in table:
             about["limit_table"] = table
-    write_json({**best.to_dict(), **about, "source": source}, options.output)
+    write_json({**about, "source": source}, options.output)
 
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:

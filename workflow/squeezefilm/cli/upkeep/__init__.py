@@ -1,1 +1,1 @@
-"""Commands that look after an installation and its results."""
+"""Upkeep of an installation and its results."""

@@ -1,1 +1,1 @@
-"""Commands for one force, one model, one study of your own."""
+"""Use: one force, one field, one model."""

@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    settings = solver_settings(options, config)
+    settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
     points = scene_points(read_scenes(options.scenes))
     with naming(options.scenes):
         scenes = [scene_of(point, config) for point in points]

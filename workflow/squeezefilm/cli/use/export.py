@@ -11,10 +11,9 @@ whose error is stated; one that was fitted without --limit-table cannot be expor
 
 import argparse
 
+from squeezefilm.api.fit import Fit
 from squeezefilm.io.atomic import write_text
-from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitted import read_fit
-from squeezefilm.models.generated_code import LANGUAGES, source
+from squeezefilm.models.generated_code import LANGUAGES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,13 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    fit = read_fit(options.fit)
-    if fit.force_model.column_names and "limit_table" not in fit.values:
-        raise InputError(
-            f"{options.fit}: the model {fit.model} uses the physics limit, which code without "
-            "dependencies cannot solve for; fit it with --limit-table, and its table is exported"
-        )
-    text = source(fit, options.language)
+    text = Fit.read(options.fit).code(options.language)
     if options.output:
         write_text(text, options.output)
     else:

@@ -1,6 +1,6 @@
 """Forces by a fitted model, from its file alone.
 
-  squeezefilm predict FIT.json --h0 5um --hv 0.5um:2um:4 --x 1mm
+  squeezefilm predict FIT.json --h0 5um --hv 0.5:2:4um --x 1mm
   squeezefilm predict FIT.json --points POINTS.csv --output FORCES.csv
 
 A quantity is a number with its unit, several with commas, or evenly spaced ones as
@@ -15,19 +15,21 @@ Where the profile was measured, both contain what its scan leaves open, `scan_pe
 """
 
 import argparse
+from pathlib import Path
 
-import numpy as np
+import pandas as pd
 
+from squeezefilm.api.fit import Fit
+from squeezefilm.api.points import COLUMNS as FACTORS
 from squeezefilm.cli.points import (
     add_control_option,
     add_point_options,
-    factors_of_points,
-    points_of,
-    read_points,
+    points_in,
     write_points,
 )
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitted import expected_error, read_judged_fit
+from squeezefilm.io.sources import read_columns
+from squeezefilm.models.force_model import COLUMNS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,25 +42,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    fit = read_judged_fit(options.fit, control=options.control)
+    fit = Fit.read(options.fit, control=options.control, validation=options.validation)
     if options.points:
         points, place = read_points(options.points), options.points
     else:
-        points, place = points_of(options), "predict"
+        points, place = points_in(options), "predict"
         if not {"h0_m", "hv_m"} <= set(points):
             raise InputError("predict: give --h0 and --hv, or --points")
-    factors = fit.represented(factors_of_points(points, place=place))
-    force_n = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-    verdict = fit.judge(factors, force_n)
-    table = points.assign(
-        force_n=force_n,
-        force_error_n=np.where(
-            verdict.trusted,
-            expected_error(fit, options.validation) + fit.scan_error * np.abs(force_n),
-            np.nan,
-        ),
-        within_percent=verdict.within_percent(force_n),
-        **fit.scan_percent,
-        note=verdict.reasons,
-    )
-    write_points(table, options.output)
+    write_points(fit.predict_at(points, place=place), options.output)
+
+
+def read_points(path: Path | str) -> pd.DataFrame:
+    """A table of points: h0_m, hv_m, and a position in polar or Cartesian form, if any.
+
+    Raises InputError naming the file and the column that is missing or holds no numbers.
+    """
+    table = read_columns(path, columns=("h0_m", "hv_m"))
+    for name in (*FACTORS.values(), *COLUMNS.values()):
+        if name in table and not pd.api.types.is_numeric_dtype(table[name]):
+            raise InputError(f"{path}: {name}: a value is not a number")
+    return table

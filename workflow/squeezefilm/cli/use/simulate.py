@@ -1,12 +1,18 @@
 """Mean squeeze-film forces by solving the Reynolds equation, each with an error estimate.
 
   squeezefilm simulate SCENES.csv --config CONFIG.yaml --output FORCES.csv
-  squeezefilm simulate --h0 5um --hv 2.2um
+  squeezefilm simulate --h0 5um --hv 2.2um --x -2mm
+  squeezefilm simulate --h0 5um --hv 0.5:2.5:9um --output CURVE.csv
+
+The first takes a table of scenes. The others take quantities: a number with its unit, several with
+commas, or evenly spaced ones as first:last:count; every combination is a point. One point is shown
+with all that is known of its force; several make a table, in which `force_error_n` has the part of
+a scan too and `left_out_…_percent` is what the film equation leaves out, least and most.
 
 Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
 largest overpressure times the finger's area. The exit status is 1 when a scene has no force; all
-rows are written nevertheless, each with its status. In a table `force_error_n` is the solver's
-error; what the noise of a measured profile adds, `squeezefilm profile` says.
+rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is the
+solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
 """
 
 import argparse
@@ -15,31 +21,26 @@ import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from functools import partial
-from math import isfinite
 from pathlib import Path
 
 import pandas as pd
 
+from squeezefilm.api.forces import force_of, forces_of, forces_table
+from squeezefilm.api.points import scene_points_of
+from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
-    ScenePoint,
     all_rows,
     read_scenes,
     scene_points,
     table_writer,
 )
-from squeezefilm.io.typed_units import quantity, with_error
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.reynolds.effects.budget import budgets
-from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.solver_settings import (
@@ -52,6 +53,7 @@ from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
 PAPER_CONFIG = Path(__file__).parents[4] / "config" / "paper.yaml"
+"""Where the library lies in a checkout; an installed one has no study of its own."""
 # Scenes whose results are held before they are written.
 PIECE = 4096
 
@@ -59,7 +61,7 @@ PIECE = 4096
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", nargs="?", metavar="SCENES.csv", help="table of scenes")
     parser.add_argument(
-        "--config", default=PAPER_CONFIG, help="the study; the paper's if left out", type=Path
+        "--config", metavar="CONFIG.yaml", help="the study; a checkout's paper.yaml if left out"
     )
     parser.add_argument("--output", metavar="FORCES.csv", help="table of forces to write")
     parser.add_argument("--timings", metavar="TIMINGS.csv", help="table of run times to write")
@@ -71,85 +73,51 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--keep-going", action="store_true", help="exit with 0 although a scene has no force"
     )
-    one = parser.add_argument_group("one scene, without files")
-    one.add_argument("--h0", help="mean gap with its unit, e.g. 5um")
-    one.add_argument("--hv", help="amplitude at the profile's maximum, e.g. 2.2um")
-    one.add_argument("--phi-r", default="0 m", help="finger's distance from the centre, e.g. 2.9mm")
-    one.add_argument("--phi", default="0 deg", help="finger's direction, e.g. 45deg")
+    add_point_options(parser)
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
-    settings = solver_settings(options, config)
-    if options.h0 is not None or options.hv is not None:
-        _simulate_one(options, config, settings)
+    if options.config is None and not PAPER_CONFIG.exists():
+        raise InputError("give a study by --config CONFIG.yaml")
+    config = load_config(options.config or PAPER_CONFIG).only(SECTIONS)
+    settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
+    points = points_in(options)
+    if len(points.columns):
+        _simulate_points(points, options, config, settings)
     else:
         _simulate_table(options, config, settings)
 
 
-def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
+def _simulate_points(
+    points: pd.DataFrame, options: argparse.Namespace, config: Config, settings: SolverSettings
+) -> None:
+    """One force with all that is known of it, or a table of several."""
     if options.scenes is not None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
-    if options.h0 is None or options.hv is None:
-        raise InputError("one scene needs both --h0 and --hv")
-    point = ScenePoint(
-        point_id="1",
-        h0_m=quantity(options.h0, option="--h0", unit="m"),
-        hv_m=quantity(options.hv, option="--hv", unit="m"),
-        phi_r_m=quantity(options.phi_r, option="--phi-r", unit="m"),
-        phi_deg=quantity(options.phi, option="--phi", unit="deg"),
-    )
+    if not {"h0_m", "hv_m"} <= set(points):
+        raise InputError("give both --h0 and --hv")
+    scenes = [scene_of(point, config) for point in scene_points_of(points)]
     device = device_of(config, option=options.device)
-    (scene,) = decided(
-        [scene_of(point, config)],
-        model_tolerance=settings.model_tolerance,
-        method=settings.method,
-        device=device,
-    )
-    (solution,) = solve(
-        [scene], tolerance=settings.tolerance, method=settings.method, device=device
-    )
-    if not isfinite(solution.force_n):
-        raise RunError(solution.status)
-    print(_force_text(scene, solution, config=config, device=device))
-    print(
-        f"h0 {scene.h0_m:g} m, hv {scene.hv_m:g} m, phi_r {scene.phi_r_m:g} m, "
-        f"phi {scene.phi_deg:g}°; epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}"
-    )
-    print(
-        f"{solution.method} on {solution.nx} × {solution.ny} × {solution.nt} points, "
-        f"{solution.krylov_iterations} Krylov iterations; left out: {solution.left_out}; "
-        f"{device.name}"
-    )
-    (budget,) = budgets([scene], device=device)
-    print(f"beyond the equation: {budget_text(budget)}")
-    for note in notes_of(scene):
-        print(f"note: {note}")
-    if solution.status != "ok":
-        raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
-
-
-def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Device) -> str:
-    """The force with all that is known of its error; of a scan, its parts and what was dropped."""
     smoothed = smoothed_scan_of(config)
-    if smoothed is None:
-        return f"force {with_error(solution.force_n, solution.force_error_n)}"
-    from squeezefilm.studies.tasks.scan_errors import scan_errors
-
-    errors = scan_errors([scene], smoothed, device=device)
-    noise_n, dropped_n = float(errors.noise_n[0]), float(errors.out_of_phase_n[0])
-    parts = [f"scan's noise {noise_n:.2g} N at 95 %"]
-    if dropped_n > 0.01 * noise_n:
-        parts.append(f"motion out of phase, left out, about {dropped_n:.2g} N")
-    parts.append(f"solver {solution.force_error_n:.1g} N")
-    total_n = noise_n + dropped_n + solution.force_error_n
-    text = f"force {with_error(solution.force_n, total_n)} ({', '.join(parts)})"
-    return text + f"\nwarning: {FOLDED}" * smoothed.folded
+    if len(scenes) == 1 and not options.output:
+        force = force_of(scenes[0], settings=settings, device=device, smoothed=smoothed)
+        print(force)
+        forces = [force]
+    else:
+        forces = forces_of(scenes, settings=settings, device=device, smoothed=smoothed)
+        write_points(forces_table(points, forces), options.output)
+    failures = [
+        f"row {row}: {force.status}" if len(forces) > 1 else force.status
+        for row, force in enumerate(forces, start=1)
+        if force.status != "ok"
+    ]
+    if failures and not options.keep_going:
+        raise RunError("; ".join(failures))
 
 
 def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
     if options.scenes is None or options.output is None:
-        raise InputError("give a table of scenes and --output, or one scene by --h0 and --hv")
+        raise InputError("give a table of scenes and --output, or points by --h0 and --hv")
     rows = all_rows if options.chunk is None else partial(chunk_rows, options.chunk)
     table = read_scenes(options.scenes, rows=rows)
     pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]

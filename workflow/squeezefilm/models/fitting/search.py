@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from squeezefilm.io.errors import needing
+
 Array = NDArray[np.float64]
 Objective = Callable[[Array], Array]
 """Values (m,) of a population (m, d)."""
@@ -60,8 +62,9 @@ def _children(
 ) -> Array:
     """As many children as there are parents, shape (m, d), by pymoo's operators as it sets them."""
     # Imported here: loading them takes longer than most commands that never search.
-    from pymoo.operators.crossover.sbx import cross_sbx
-    from pymoo.operators.mutation.pm import mut_pm
+    with needing("fits", what="a search for parameters"):
+        from pymoo.operators.crossover.sbx import cross_sbx
+        from pymoo.operators.mutation.pm import mut_pm
 
     count, pairs = len(x), len(x) // 2
     rivals = np.concatenate([random.permutation(count) for _ in range(2)]).reshape(-1, 2)

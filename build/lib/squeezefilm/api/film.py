@@ -1,0 +1,228 @@
+"""A film of gas between a vibrating surface and a finger: forces, curves, pressure fields."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from squeezefilm.api.field import TOLERANCE, field_of
+from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
+from squeezefilm.api.points import Values, points_of, scene_points_of
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.scans import SmoothedScan
+from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds.device import Device
+from squeezefilm.studies.config import Config, parse_sections
+from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
+from squeezefilm.studies.study import scene_of, smoothed_scan_of
+
+if TYPE_CHECKING:
+    import xarray
+
+SECTIONS = ("gas", "actuator", "finger", "solver")
+AIR_AT_20_DEGREES = {
+    "viscosity_pa_s": 1.81e-5,
+    "ambient_pressure_pa": 101325,
+    "density_kg_per_m3": 1.204,
+    "mean_free_path_m": 67e-9,
+    "rarefaction": "none",
+    "polytropic_exponent": 1,
+    "inertia": "auto",
+    "prandtl": 0.71,
+    "heat_capacity_ratio": 1.4,
+    "viscosity_exponent": 0.7,
+}
+FLAT_AT_REST = {
+    "shape": "rectangle",
+    "rotation_deg": 0,
+    "speed_x_m_per_s": 0,
+    "gap": {"tilt_x_m": 0, "tilt_y_m": 0, "bulge_m": 0},
+}
+SOLVER = {"method": "auto", "tolerance": 1e-6, "model_tolerance": 1e-3, "device": "auto"}
+
+
+@dataclass(frozen=True, repr=False)
+class Film:
+    """A gas, an actuator and a finger; gap, amplitude and the finger's place are asked for.
+
+    A quantity is a number in SI units or a text with its unit, ``"5 um"``; the place is that of
+    the finger's centre from the actuator's, Cartesian (``x``, ``y``) or polar (``phi_r``,
+    ``phi`` in degrees), the centre if left out.
+
+    Attributes:
+        config: the sections ``gas``, ``actuator``, ``finger`` and ``solver`` of a study.
+    """
+
+    config: Config
+
+    @staticmethod
+    def of(
+        *,
+        actuator: Mapping[str, Any],
+        finger: Mapping[str, Any],
+        gas: Mapping[str, Any] | None = None,
+        solver: Mapping[str, Any] | None = None,
+    ) -> Film:
+        """A film without a file, from the keys of a study's sections (config/README.md).
+
+        The gas is air at 20 °C whose inertia counts where it matters, the finger a flat rectangle
+        at rest, the wanted relative error 1e-6, as far as the keys say nothing else. A measured
+        profile's file counts from the working directory.
+        Raises InputError naming the key, what is wrong with it and what is allowed.
+        """
+        sections = {
+            "gas": AIR_AT_20_DEGREES | dict(gas or {}),
+            "actuator": dict(actuator),
+            "finger": FLAT_AT_REST | dict(finger),
+            "solver": SOLVER | dict(solver or {}),
+        }
+        place = Path("film")
+        return Film(Config(place, parse_sections(sections, place=place)))
+
+    @property
+    def device(self) -> Device:
+        """The OpenCL device that the solver takes: SQUEEZEFILM_DEVICE, or ``solver.device``.
+
+        Raises InputError where there is none.
+        """
+        return device_of(self.config)
+
+    @property
+    def scan(self) -> SmoothedScan | None:
+        """The measured vibration shape with all that is known of it; None if it is not measured."""
+        return smoothed_scan_of(self.config)
+
+    def scene(
+        self,
+        h0: str | float,
+        hv: str | float,
+        *,
+        x: str | float | None = None,
+        y: str | float | None = None,
+        phi_r: str | float | None = None,
+        phi: str | float | None = None,
+    ) -> Scene:
+        """One operating point, with the dimensionless numbers that govern it.
+
+        Raises InputError for a value without meaning or unit, and for a finger off the actuator.
+        """
+        points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
+        if len(points) != 1:
+            raise InputError(f"one scene is asked for, not {len(points)}: `curve` takes several")
+        return self.scenes(points)[0]
+
+    def scenes(self, points: pd.DataFrame) -> list[Scene]:
+        """The operating points of a table: h0_m, hv_m and a position, if any.
+
+        Raises InputError as ``scene`` does.
+        """
+        return [scene_of(point, self.config) for point in scene_points_of(points)]
+
+    def force(
+        self,
+        h0: str | float,
+        hv: str | float,
+        *,
+        x: str | float | None = None,
+        y: str | float | None = None,
+        phi_r: str | float | None = None,
+        phi: str | float | None = None,
+        tolerance: float | None = None,
+        method: str | None = None,
+    ) -> Force:
+        """The mean force at one operating point, with its error and what its equation leaves out.
+
+        Args:
+            tolerance: wanted relative error, instead of the film's own.
+            method: of the solver, instead of the film's own (docs/solver.md).
+
+        Raises InputError as ``scene`` does, RunError saying why there is no force.
+        """
+        scene = self.scene(h0, hv, x=x, y=y, phi_r=phi_r, phi=phi)
+        settings = self._settings(tolerance, method)
+        return force_of(scene, settings=settings, device=self.device, smoothed=self.scan)
+
+    def curve(
+        self,
+        h0: Values,
+        hv: Values,
+        *,
+        x: Values | None = None,
+        y: Values | None = None,
+        phi_r: Values | None = None,
+        phi: Values | None = None,
+        tolerance: float | None = None,
+        method: str | None = None,
+    ) -> pd.DataFrame:
+        """The forces at every combination of some gaps, amplitudes and places, a row for each.
+
+        Several values are a sequence, or a text such as ``"0.5, 1, 2 um"`` or ``"0.5:2.5:9 um"``
+        (first:last:count). ``force_error_n`` is all that is known of the numbers' error,
+        ``left_out_least_percent`` and ``left_out_most_percent`` what the equation leaves out at
+        first order; ``status`` is ``ok``, or why there is no force.
+        Raises InputError as ``scene`` does.
+        """
+        points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
+        return self.forces(points, tolerance=tolerance, method=method)
+
+    def forces(
+        self, points: pd.DataFrame, *, tolerance: float | None = None, method: str | None = None
+    ) -> pd.DataFrame:
+        """The same for a table of points: h0_m, hv_m and a position, if any."""
+        found = forces_of(
+            self.scenes(points),
+            settings=self._settings(tolerance, method),
+            device=self.device,
+            smoothed=self.scan,
+        )
+        return forces_table(points, found)
+
+    def pressure(
+        self,
+        h0: str | float,
+        hv: str | float,
+        *,
+        x: str | float | None = None,
+        y: str | float | None = None,
+        phi_r: str | float | None = None,
+        phi: str | float | None = None,
+        places: int = 41,
+        instants: int = 32,
+        tolerance: float = TOLERANCE,
+    ) -> xarray.Dataset:
+        """Overpressure (Pa) and gap (m) under the finger over one period, with coordinates.
+
+        ``phase`` and ``time`` of the vibration, ``y`` and ``x`` from the finger's centre along its
+        own axes; NaN outside an elliptical pad.
+
+        Args:
+            places: along x and along y, evenly spaced, rim included.
+            instants: over the period; even.
+            tolerance: by which no value changes any more as grids are refined, of the largest.
+
+        Raises InputError as ``scene`` does and without xarray, RunError where there is no state.
+        """
+        return field_of(
+            self.scene(h0, hv, x=x, y=y, phi_r=phi_r, phi=phi),
+            settings=self._settings(None, None),
+            device=self.device,
+            places=places,
+            instants=instants,
+            tolerance=tolerance,
+        )
+
+    def __repr__(self) -> str:
+        actuator, finger = self.config["actuator"], self.config["finger"]
+        return (
+            f"{type(self).__name__}: {actuator['profile']['kind']} at "
+            f"{actuator['frequency_hz'] / 1e3:g} kHz under a pad of "
+            f"{1e3 * finger['length_x_m']:g} mm × {1e3 * finger['length_y_m']:g} mm "
+            f"({finger['shape']})"
+        )
+
+    def _settings(self, tolerance: float | None, method: str | None) -> SolverSettings:
+        return solver_settings(self.config, tolerance=tolerance, method=method)

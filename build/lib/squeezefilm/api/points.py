@@ -1,0 +1,87 @@
+"""The points that are asked for: every combination of some values of each factor."""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from math import isfinite
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import ScenePoint
+from squeezefilm.io.typed_units import quantities
+
+Values = str | float | Sequence[float] | np.ndarray
+"""Values of one factor: a number in SI units (degrees for angles), several of them, or a text with
+units such as ``"5 um"``, ``"5 um, 6 um"``, ``"0.5:2.5:9 um"`` (first:last:count)."""
+COLUMNS = {"h0": "h0_m", "hv": "hv_m", "x": "x_m", "y": "y_m", "phi_r": "phi_r_m", "phi": "phi_deg"}
+"""What the factors are called where they are asked for, and their columns."""
+POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
+MOST_POINTS = 1_000_000
+
+
+def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.DataFrame:
+    """Every combination of the values given for COLUMNS' names, a column for each factor given.
+
+    Args:
+        option: how a factor's name is written in messages.
+
+    Raises InputError for a value without its unit or no finite number, for a position in both
+    forms, for too many points.
+    """
+    levels = {
+        COLUMNS[name]: _levels(values, called=option.format(name.replace("_", "-")), name=name)
+        for name, values in given.items()
+        if values is not None
+    }
+    if any(name in levels for name in CARTESIAN) and any(name in levels for name in POLAR):
+        x, y, r, phi = (option.format(name) for name in ("x", "y", "phi-r", "phi"))
+        raise InputError(f"give the position as {x} and {y} or as {r} and {phi}, not both")
+    count = 1
+    for values in levels.values():
+        count *= len(values)
+    if count > MOST_POINTS:
+        raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
+    return pd.DataFrame(list(product(*levels.values())), columns=list(levels), dtype=float)
+
+
+def scene_points_of(points: pd.DataFrame) -> list[ScenePoint]:
+    """A table of points as points of scenes, numbered from 1: h0_m, hv_m and a position, if any.
+
+    Raises InputError where gap or amplitude is missing.
+    """
+    missing = [name for name in ("h0_m", "hv_m") if name not in points]
+    if missing:
+        raise InputError(f"points need the column {missing[0]!r}")
+    values = {
+        name: points[name].to_numpy(dtype=float) for name in COLUMNS.values() if name in points
+    }
+    zeros = np.zeros(len(points))
+    if any(name in values for name in CARTESIAN):
+        x, y = (values.get(name, zeros) for name in CARTESIAN)
+        radius, angle = np.hypot(x, y), np.degrees(np.arctan2(y, x))
+    else:
+        radius, angle = (values.get(name, zeros) for name in POLAR)
+    rows = zip(values["h0_m"], values["hv_m"], radius, angle, strict=True)
+    return [
+        ScenePoint(str(number), *(float(value) for value in row))
+        for number, row in enumerate(rows, start=1)
+    ]
+
+
+def _levels(values: Values, *, called: str, name: str) -> list[float]:
+    unit = "deg" if name == "phi" else "m"
+    if isinstance(values, str):
+        return quantities(values, option=called, unit=unit)
+    try:
+        numbers: ArrayLike = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+    except (TypeError, ValueError):
+        numbers = [np.nan]
+    found = [float(value) for value in np.asarray(numbers)]
+    if not found or not all(map(isfinite, found)):
+        raise InputError(
+            f"{called}: {values!r} is no finite number in {unit}, nor several of them, nor a text "
+            "with units"
+        )
+    return found

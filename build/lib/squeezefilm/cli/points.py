@@ -1,0 +1,63 @@
+"""The points that people ask for as options of a command, and what is answered."""
+
+import argparse
+from collections.abc import Sequence
+
+import pandas as pd
+
+from squeezefilm.api.points import Values, points_of
+from squeezefilm.io.tables import write_table
+from squeezefilm.io.typed_units import to_its_error
+
+OPTIONS = {
+    "h0": "mean gap, e.g. 5um; several 5um,6um; or a range 5:10:6um (first:last:count)",
+    "hv": "amplitude at the profile's maximum, likewise",
+    "x": "finger's centre, e.g. -2mm, likewise; 0 m if left out",
+    "y": "the same along y",
+    "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
+    "phi": "and direction, e.g. 45deg",
+}
+ERRORS = {"force_n": "force_error_n", "hv_m": "hv_error_m"}
+"""Columns that are shown to the digits that another column leaves them."""
+
+
+def add_point_options(parser: argparse.ArgumentParser, *, without: Sequence[str] = ()) -> None:
+    """Options for the factors, but for those in ``without``."""
+    group = parser.add_argument_group("points: every combination of")
+    for name, text in OPTIONS.items():
+        if name not in without:
+            group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)
+
+
+def add_control_option(parser: argparse.ArgumentParser) -> None:
+    """The option of the simulations that a fit is judged by."""
+    parser.add_argument(
+        "--control", nargs="+", metavar="FORCES.csv", help="simulations to judge the fit by"
+    )
+
+
+def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
+    """Every combination of the options' values, a column for each factor given or with a default.
+
+    Raises InputError for a value without its unit, both forms of a position, or too many points.
+    """
+    given = {name: getattr(options, name, None) for name in OPTIONS}
+    values = {name: defaults.get(name) if each is None else each for name, each in given.items()}
+    return points_of(values, option="--{}")
+
+
+def write_points(points: pd.DataFrame, path: str | None) -> None:
+    """Write a table of points, or print it for people where no path is given.
+
+    What is printed has no more digits than its error leaves.
+    """
+    if path:
+        write_table(points, path)
+        return
+    shown = points.copy()
+    for name, error in ERRORS.items():
+        if name in points and error in points:
+            pairs = zip(points[name], points[error], strict=True)
+            texts = [to_its_error(value, its_error) for value, its_error in pairs]
+            shown[name], shown[error] = ([text[k] for text in texts] for k in (0, 1))
+    print(shown.to_string(index=False, float_format=lambda value: f"{value:.4g}"))

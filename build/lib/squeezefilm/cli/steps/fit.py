@@ -1,0 +1,104 @@
+"""Fit an empirical force model to simulated forces, from many seeds.
+
+  squeezefilm fit FORCES.csv --model two-factor --config C.yaml --output FIT.json --runs RUNS.csv
+
+The model is one of the library's or of the study's own (its section `models`). A model that uses
+the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv; with
+what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone. Where the study's
+profile is measured, --scan is the summary that `squeezefilm profile` wrote: what the scan leaves
+open is part of the fit's error.
+
+A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows the
+finger's position with its `four_factor` seeds.
+
+Each of the study's bounds and seeds gives one run of the paper's method, a genetic algorithm
+followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. A model
+that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the run with
+the least sum of squares and all that is needed to use the model: formula, parameters and their
+units, ranges of the factors, errors on the points and on points left out, the evidence by which the
+model is trusted at a point or not (`squeezefilm predict`), and where it comes from.
+"""
+
+import argparse
+from pathlib import Path
+
+import pandas as pd
+
+from squeezefilm import __version__
+from squeezefilm.io.atomic import digest
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
+from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.fitting.described import described_fit
+from squeezefilm.models.fitting.fit import Fit
+from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.models.library import model_named
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import directions_of
+from squeezefilm.studies.tasks.scan_share import scan_error_of
+
+SECTIONS = ("fit", "models", "actuator", "finger")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("forces", metavar="FORCES.csv", help="simulated forces")
+    parser.add_argument("--model", required=True, metavar="NAME", help="such as two-factor")
+    parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
+    parser.add_argument("--limit-table", metavar="TABLE.json", help="to put into FIT.json")
+    parser.add_argument("--scan", metavar="SUMMARY.json", help="of a measured profile")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--output", required=True, metavar="FIT.json", help="the best run")
+    parser.add_argument("--processes", type=int, default=1, help="to spread the runs over")
+    parser.add_argument("--runs", metavar="RUNS.csv", help="all runs")
+    parser.add_argument("--seeds", type=int, help="instead of the study's number of seeds")
+    parser.add_argument(
+        "--keep-going",
+        action="store_true",
+        help="write into FIT.json why the model cannot be fitted, and exit with 0",
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    model = model_named(options.model, config["models"], place=options.config)
+    scan_error = scan_error_of(config, options.scan)
+    forces = read_ok_forces(options.forces)
+    factors = factors_of(forces, limits=options.limits)
+    settings = config["fit"]
+    if options.seeds is not None:
+        settings = settings | {"seeds": dict.fromkeys(settings["seeds"], options.seeds)}
+    try:
+        about, runs = described_fit(
+            model,
+            factors,
+            forces["force_n"].to_numpy(),
+            force_error_n=forces["force_error_n"].to_numpy(),
+            settings=settings,
+            scan_error=scan_error,
+            processes=options.processes,
+        )
+    except InputError as error:
+        if not options.keep_going:
+            raise InputError(f"{options.forces}: {error}") from None
+        write_json({"model": model.name, "refused": str(error)}, options.output)
+        print(error)
+        return
+    if options.runs:
+        write_table(pd.DataFrame([_row(run, model) for run in runs]), options.runs)
+    about["directions"] = directions_of(config).to_dict()
+    source = {"squeezefilm": __version__, "forces_sha256": digest(Path(options.forces))}
+    if options.limits:
+        source["limits_sha256"] = digest(Path(options.limits))
+    if options.limit_table and model.column_names:
+        table = read_json(options.limit_table)
+        if "refused" not in table:
+            about["limit_table"] = table
+    write_json({**about, "source": source}, options.output)
+
+
+def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
+    """A run as a table's row, a column for each parameter."""
+    plain = fit.to_dict()
+    theta = dict(zip(model.parameter_names, plain.pop("theta"), strict=True))
+    search = {f"search_{k}": v for k, v in zip(theta, plain.pop("search_theta"), strict=True)}
+    return {**plain, **theta, **search}

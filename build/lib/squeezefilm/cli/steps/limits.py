@@ -1,0 +1,31 @@
+"""Write the physics limit of each scene of a table: its force without solving in time or fitting.
+
+  squeezefilm limits SCENES.csv --config C.yaml --output LIMITS.csv
+
+`fast_limit_n` is the force at infinite squeeze number, `limit_n` the same with the boundary layer
+at the finger's rim, correct to 1/√σ (with inertia also to ε²), `limit_error_n` the estimate of what
+that leaves out, and `sigma` the squeeze number. Models may use these columns beside the factors.
+Where the limit does not hold, the numbers are left out and `status` says so.
+"""
+
+import argparse
+
+from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.tasks.physics_limits import with_limits
+
+SECTIONS = ("gas", "actuator", "finger")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--output", required=True, metavar="LIMITS.csv", help="table to write")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    table = read_scenes(options.scenes)
+    scenes = [scene_of(point, config) for point in scene_points(table)]
+    write_table(with_limits(table, scenes)[list(LIMIT_COLUMNS)], options.output)

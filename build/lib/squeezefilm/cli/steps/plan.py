@@ -1,0 +1,89 @@
+"""Write a plan: the scenes to simulate, as a table that `squeezefilm simulate` reads.
+
+  squeezefilm plan screen --config config/paper.yaml --output scenes.csv
+  squeezefilm plan four_factor --config config/paper.yaml --design DESIGN.csv --output scenes.csv
+
+Plans from the configuration alone: screen, error_map, four_factor_control, model_control,
+sweep (write it to a .parquet file when it is large). Plans from a design:
+four_factor (each of its points at each finger position), and two_factor_design,
+four_factor_design, four_factor_design_distinct (its points as they are).
+"""
+
+import argparse
+from collections.abc import Iterable
+
+import pandas as pd
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plans import (
+    box_of,
+    centred_grid,
+    finger_positions,
+    four_factor_plan,
+    level_values,
+    random_plan,
+    sweep_pieces,
+)
+
+SECTIONS = {
+    "screen": ("screen",),
+    "error_map": ("error_map",),
+    "four_factor_control": ("four_factor_control", "screen", "positions", "actuator", "finger"),
+    "sweep": ("sweep", "screen", "positions", "actuator", "finger"),
+    "model_control": ("model_control", "screen", "positions", "actuator", "finger"),
+    "four_factor": ("positions", "actuator", "finger"),
+    "two_factor_design": (),
+    "four_factor_design": (),
+    "four_factor_design_distinct": (),
+}
+OF_A_DESIGN = (
+    "four_factor",
+    "two_factor_design",
+    "four_factor_design",
+    "four_factor_design_distinct",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("kind", choices=SECTIONS, metavar="KIND", help=", ".join(SECTIONS))
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--design", metavar="DESIGN.csv", help="the design a plan is made from")
+    parser.add_argument("--output", required=True, metavar="SCENES.csv", help="table to write")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS[options.kind])
+    if (options.design is not None) != (options.kind in OF_A_DESIGN):
+        takes = "needs a --design" if options.kind in OF_A_DESIGN else "takes no --design"
+        raise InputError(f"the plan {options.kind} {takes}")
+    design = None if options.design is None else read_design(options.design)
+    with table_writer(options.output) as write:
+        for piece in make_plan(options.kind, config, design=design):
+            write(piece)
+
+
+def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> Iterable[pd.DataFrame]:
+    """The scenes of one kind of plan; those of a sweep in pieces."""
+    if kind == "sweep":
+        points, first, seed = (config[kind][key] for key in ("points", "first", "seed"))
+        return sweep_pieces(points=points, first=first, seed=seed, **box_of(config).ranges)
+    return [_small_plan(kind, config, design=design)]
+
+
+def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.DataFrame:
+    if kind in ("screen", "error_map"):
+        levels = config[kind]
+        return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
+    if kind in ("four_factor_control", "model_control"):
+        points, seed = config[kind]["points"], config[kind]["seed"]
+        return random_plan(points=points, seed=seed, **box_of(config).ranges)
+    assert design is not None
+    if kind == "four_factor":
+        return four_factor_plan(
+            positions=finger_positions(config),
+            h0_m=design["h0_m"].to_numpy(),
+            hv_m=design["hv_m"].to_numpy(),
+        )
+    return design[list(SCENE_COLUMNS)]

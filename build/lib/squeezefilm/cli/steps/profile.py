@@ -1,0 +1,55 @@
+"""Smooth a measured vibration profile, and say what its noise does to profile and forces.
+
+    squeezefilm profile --config config/mine.yaml --points points.csv --summary summary.json \\
+        --forces forces.csv --figure profile.csv
+
+The profile is the one that every simulation of the study uses. Its noise is drawn anew, from the
+residuals, and some of the study's scenes are simulated with each profile that comes out. FORCES.csv
+has their forces with the half of the interval that holds the noise's part in 95 % of all scans
+(`noise_n`), by what they are low without motion out of phase (`out_of_phase_n`), and the sum of
+both (`scan_error_n`), which the solver's own error adds to.
+"""
+
+import argparse
+
+from squeezefilm.film.vibration import residuals as figure
+from squeezefilm.film.vibration.scan_tables import points_table, summary_of
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import write_json, write_table
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import smoothed_scan_of
+from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
+
+SECTIONS = ("gas", "actuator", "finger", "solver", "screen", "positions")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml")
+    parser.add_argument("--points", required=True, metavar="POINTS.csv")
+    parser.add_argument("--summary", required=True, metavar="SUMMARY.json")
+    parser.add_argument("--forces", required=True, metavar="FORCES.csv")
+    parser.add_argument("--figure", required=True, metavar="FIGURE.csv")
+    parser.add_argument("--draws", type=int, default=DRAWS, help="profiles with other noise")
+    parser.add_argument("--seed", type=int, default=SEED, help="of the draws")
+
+
+def run(options: argparse.Namespace) -> None:
+    if not 2 <= options.draws <= 10_000:
+        raise InputError(f"--draws {options.draws}: a spread needs 2 to 10000 profiles")
+    config = load_config(options.config).only(SECTIONS)
+    smoothed = smoothed_scan_of(config)
+    if smoothed is None:
+        kind = config["actuator"]["profile"]["kind"]
+        raise InputError(f"{options.config}: actuator.profile: {kind} is not measured")
+    points = points_table(smoothed)
+    forces = errors_in_study(config, smoothed, draws=options.draws, seed=options.seed)
+    summary = summary_of(
+        smoothed,
+        noise=float(forces["noise_share"].max()),
+        error=float(forces["scan_error_share"].max()),
+    )
+    write_table(points, options.points)
+    write_table(forces, options.forces)
+    write_table(figure.build(smoothed, summary), options.figure)
+    write_json(summary, options.summary)
+    print(figure.note(summary, name=smoothed.scan.path.name))

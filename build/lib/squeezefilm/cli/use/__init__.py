@@ -1,0 +1,1 @@
+"""Use: one force, one field, one model."""

@@ -1,0 +1,53 @@
+"""What the film equation leaves out of each force: inertia, heat, slip, rim, sliding, in per cent.
+
+  squeezefilm budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
+
+A row for each scene. `inertia_percent`, `heat_percent`, `slip_percent`, `rim_percent` (for the
+entrance coefficient C = 1), `bearing_percent` and `passing_percent` (the profile that moves past a
+sliding finger) are changes of the mean force at first order, `…_missed_percent` the size of what
+higher orders add. `sum_…` adds all of them up, `left_out_…` those that the force does not have
+(`in_force` names the others), each with the rim at C = 1 and at C = 1.54. `above_range` names
+effects too large for a first order, `basis` what pad the numbers are of, `status` why there are
+none.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import pandas as pd
+
+from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.budget import budgets
+from squeezefilm.reynolds.effects.words import budget_row
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
+
+SECTIONS = ("gas", "actuator", "finger", "solver")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--output", required=True, metavar="BUDGET.csv", help="table to write")
+    parser.add_argument(
+        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    table = read_scenes(options.scenes)
+    scenes = [scene_of(point, config) for point in scene_points(table)]
+    device = choose_device(config["solver"]["device"], option=options.device)
+    solver = config["solver"]
+    scenes = decided(
+        scenes,
+        model_tolerance=solver["model_tolerance"],
+        method=solver["method"],
+        device=device,
+    )
+    rows = [budget_row(budget) for budget in budgets(scenes, device=device)]
+    write_table(pd.concat([table, pd.DataFrame(rows)], axis=1), options.output)

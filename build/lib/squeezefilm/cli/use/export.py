@@ -1,0 +1,30 @@
+"""Write a fitted model as code without dependencies, for firmware and for notebooks.
+
+  squeezefilm export FIT.json --language c --output force.h
+  squeezefilm export FIT.json --language python --output force.py
+
+The C header (C99, <math.h>) has NAME_force_n(h0_m, hv_m, …), the Python module force_n(h0_m, hv_m,
+…), both in newtons from SI units (phi_deg in degrees), with a function that says whether a point
+lies in the ranges of the fit. A model that uses the physics limit is written with its table of it,
+whose error is stated; one that was fitted without --limit-table cannot be exported.
+"""
+
+import argparse
+
+from squeezefilm.api.fit import Fit
+from squeezefilm.io.atomic import write_text
+from squeezefilm.models.generated_code import LANGUAGES
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
+    parser.add_argument("--language", required=True, choices=LANGUAGES)
+    parser.add_argument("--output", metavar="FILE", help="file to write, else it is shown")
+
+
+def run(options: argparse.Namespace) -> None:
+    text = Fit.read(options.fit).code(options.language)
+    if options.output:
+        write_text(text, options.output)
+    else:
+        print(text, end="")

@@ -1,0 +1,64 @@
+"""Forces by a fitted model, from its file alone.
+
+  squeezefilm predict FIT.json --h0 5um --hv 0.5:2:4um --x 1mm
+  squeezefilm predict FIT.json --points POINTS.csv --output FORCES.csv
+
+A quantity is a number with its unit, several with commas, or evenly spaced ones as
+first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
+finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
+was fitted in, any direction may be asked. `force_error_n` is what the model erred by at
+points that were left out of its fit (root mean square); --validation gives the summary of
+`squeezefilm validate` to take instead. `within_percent` is by how much the force may be off at that
+point, judged by simulations that the fit never saw: points left out in turn, or those that
+--control gives. Where both are empty the force is not to be trusted, and `note` says why.
+Where the profile was measured, both contain what its scan leaves open, `scan_percent` of the force.
+"""
+
+import argparse
+from pathlib import Path
+
+import pandas as pd
+
+from squeezefilm.api.fit import Fit
+from squeezefilm.api.points import COLUMNS as FACTORS
+from squeezefilm.cli.points import (
+    add_control_option,
+    add_point_options,
+    points_in,
+    write_points,
+)
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.sources import read_columns
+from squeezefilm.models.force_model import COLUMNS
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
+    parser.add_argument("--points", metavar="POINTS.csv", help="points as a table")
+    parser.add_argument("--validation", metavar="ERRORS.json", help="the error to expect")
+    parser.add_argument("--output", metavar="FORCES.csv", help="table to write, else it is shown")
+    add_control_option(parser)
+    add_point_options(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    fit = Fit.read(options.fit, control=options.control, validation=options.validation)
+    if options.points:
+        points, place = read_points(options.points), options.points
+    else:
+        points, place = points_in(options), "predict"
+        if not {"h0_m", "hv_m"} <= set(points):
+            raise InputError("predict: give --h0 and --hv, or --points")
+    write_points(fit.predict_at(points, place=place), options.output)
+
+
+def read_points(path: Path | str) -> pd.DataFrame:
+    """A table of points: h0_m, hv_m, and a position in polar or Cartesian form, if any.
+
+    Raises InputError naming the file and the column that is missing or holds no numbers.
+    """
+    table = read_columns(path, columns=("h0_m", "hv_m"))
+    for name in (*FACTORS.values(), *COLUMNS.values()):
+        if name in table and not pd.api.types.is_numeric_dtype(table[name]):
+            raise InputError(f"{path}: {name}: a value is not a number")
+    return table

@@ -1,0 +1,53 @@
+"""The pressure under a finger over one period, as a file.
+
+  squeezefilm pressure --h0 5um --hv 2.2um --output field.csv --config CONFIG.yaml
+  squeezefilm pressure --h0 5um --hv 2.2um --x 1mm --output field.nc --config CONFIG.yaml
+
+A CSV table has a row for each instant and place: phase_deg, time_s, x_m, y_m (from the finger's
+centre, along its own axes), overpressure_pa, gap_m. A name that ends in .nc makes a NetCDF file,
+with units and what was solved among its attributes. Both need xarray: the extra `fields`.
+"""
+
+import argparse
+
+from squeezefilm.api.field import LEAST_INSTANTS, LEAST_PLACES, MOST_INSTANTS, MOST_PLACES
+from squeezefilm.api.film import Film
+from squeezefilm.cli.points import OPTIONS, add_point_options
+from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import write_table
+from squeezefilm.studies.config import load_config
+
+SECTIONS = ("gas", "actuator", "finger", "solver")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--output", required=True, metavar="FIELD", help=".csv or .nc, to write")
+    parser.add_argument(
+        "--places", type=int, default=41, help=f"each way, {LEAST_PLACES} to {MOST_PLACES}"
+    )
+    parser.add_argument(
+        "--instants", type=int, default=32, help=f"even, {LEAST_INSTANTS} to {MOST_INSTANTS}"
+    )
+    add_point_options(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    if not options.output.endswith((".csv", ".nc")):
+        raise InputError(f"--output {options.output}: name a file that ends in .csv or .nc")
+    given = {name: getattr(options, name) for name in OPTIONS}
+    if not (given["h0"] and given["hv"]):
+        raise InputError("give --h0 and --hv")
+    film = Film(load_config(options.config).only(SECTIONS))
+    field = film.pressure(**given, places=options.places, instants=options.instants)
+    if options.output.endswith(".nc"):
+        with whole_file(options.output) as path:
+            field.to_netcdf(path, engine="scipy")
+        return
+    table = field.to_dataframe().reset_index().dropna()
+    table["phase_deg"] = table.pop("phase")
+    names = {"time": "time_s", "x": "x_m", "y": "y_m", "overpressure": "overpressure_pa"}
+    table = table.rename(columns={**names, "gap": "gap_m"})
+    columns = ["phase_deg", *names.values(), "gap_m"]
+    write_table(table[columns], options.output)

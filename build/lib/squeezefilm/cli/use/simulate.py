@@ -1,0 +1,209 @@
+"""Mean squeeze-film forces by solving the Reynolds equation, each with an error estimate.
+
+  squeezefilm simulate SCENES.csv --config CONFIG.yaml --output FORCES.csv
+  squeezefilm simulate --h0 5um --hv 2.2um --x -2mm
+  squeezefilm simulate --h0 5um --hv 0.5:2.5:9um --output CURVE.csv
+
+The first takes a table of scenes. The others take quantities: a number with its unit, several with
+commas, or evenly spaced ones as first:last:count; every combination is a point. One point is shown
+with all that is known of its force; several make a table, in which `force_error_n` has the part of
+a scan too and `left_out_…_percent` is what the film equation leaves out, least and most.
+
+Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
+largest overpressure times the finger's area. The exit status is 1 when a scene has no force; all
+rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is the
+solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import nullcontext
+from functools import partial
+from pathlib import Path
+
+import pandas as pd
+
+from squeezefilm.api.forces import force_of, forces_of, forces_table
+from squeezefilm.api.points import scene_points_of
+from squeezefilm.cli.points import add_point_options, points_in, write_points
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.folds import FOLDED
+from squeezefilm.io.errors import InputError, RunError, naming
+from squeezefilm.io.progress import progress_bar
+from squeezefilm.io.tables import (
+    FORCE_COLUMNS,
+    all_rows,
+    read_scenes,
+    scene_points,
+    table_writer,
+)
+from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds.periodic.launch import warm
+from squeezefilm.runs import node_cache
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.solver_settings import (
+    SolverSettings,
+    add_solver_arguments,
+    device_of,
+    solver_settings,
+)
+from squeezefilm.studies.study import scene_of, smoothed_scan_of
+
+SECTIONS = ("gas", "actuator", "finger", "solver")
+PAPER_CONFIG = Path(__file__).parents[4] / "config" / "paper.yaml"
+"""Where the library lies in a checkout; an installed one has no study of its own."""
+# Scenes whose results are held before they are written.
+PIECE = 4096
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenes", nargs="?", metavar="SCENES.csv", help="table of scenes")
+    parser.add_argument(
+        "--config", metavar="CONFIG.yaml", help="the study; a checkout's paper.yaml if left out"
+    )
+    parser.add_argument("--output", metavar="FORCES.csv", help="table of forces to write")
+    parser.add_argument("--timings", metavar="TIMINGS.csv", help="table of run times to write")
+    add_solver_arguments(parser)
+    parser.add_argument(
+        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
+    )
+    parser.add_argument("--chunk", metavar="I/N", help="only the I-th of N parts of the table")
+    parser.add_argument(
+        "--keep-going", action="store_true", help="exit with 0 although a scene has no force"
+    )
+    add_point_options(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    if options.config is None and not PAPER_CONFIG.exists():
+        raise InputError("give a study by --config CONFIG.yaml")
+    config = load_config(options.config or PAPER_CONFIG).only(SECTIONS)
+    settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
+    points = points_in(options)
+    if len(points.columns):
+        _simulate_points(points, options, config, settings)
+    else:
+        _simulate_table(options, config, settings)
+
+
+def _simulate_points(
+    points: pd.DataFrame, options: argparse.Namespace, config: Config, settings: SolverSettings
+) -> None:
+    """One force with all that is known of it, or a table of several."""
+    if options.scenes is not None:
+        raise InputError("give either a table of scenes or --h0 and --hv, not both")
+    if not {"h0_m", "hv_m"} <= set(points):
+        raise InputError("give both --h0 and --hv")
+    scenes = [scene_of(point, config) for point in scene_points_of(points)]
+    device = device_of(config, option=options.device)
+    smoothed = smoothed_scan_of(config)
+    if len(scenes) == 1 and not options.output:
+        force = force_of(scenes[0], settings=settings, device=device, smoothed=smoothed)
+        print(force)
+        forces = [force]
+    else:
+        forces = forces_of(scenes, settings=settings, device=device, smoothed=smoothed)
+        write_points(forces_table(points, forces), options.output)
+    failures = [
+        f"row {row}: {force.status}" if len(forces) > 1 else force.status
+        for row, force in enumerate(forces, start=1)
+        if force.status != "ok"
+    ]
+    if failures and not options.keep_going:
+        raise RunError("; ".join(failures))
+
+
+def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
+    if options.scenes is None or options.output is None:
+        raise InputError("give a table of scenes and --output, or points by --h0 and --hv")
+    rows = all_rows if options.chunk is None else partial(chunk_rows, options.chunk)
+    table = read_scenes(options.scenes, rows=rows)
+    pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]
+    for piece in pieces:
+        _scenes(piece, config, path=options.scenes)  # refused before anything is solved
+    with node_cache.one_build_at_a_time():
+        device = device_of(config, option=options.device)
+        warm(device, _scenes(pieces[0], config, path=options.scenes)[0])
+    failures: list[str] = []
+    seconds = 0.0
+    timings = table_writer(options.timings) if options.timings else nullcontext(lambda rows: None)
+    with (
+        progress_bar(len(table), unit="scene", name=str(options.scenes)) as bar,
+        table_writer(options.output) as write,
+        timings as write_timings,
+    ):
+        for piece in pieces:
+            scenes = _scenes(piece, config, path=options.scenes)
+            start = time.perf_counter()
+            solutions = solve(
+                scenes,
+                tolerance=settings.tolerance,
+                model_tolerance=settings.model_tolerance,
+                method=settings.method,
+                device=device,
+                report=bar.update,
+            )
+            wall = time.perf_counter() - start
+            seconds += wall
+            write(_forces(piece, solutions))
+            shares = [wall * share for share in _work_shares(solutions)]
+            write_timings(piece[["point_id"]].assign(solve_seconds=shares))
+            failures += [
+                f"point {scene.point_id}: {solution.status}"
+                for scene, solution in zip(scenes, solutions, strict=True)
+                if solution.status != "ok"
+            ]
+    smoothed = smoothed_scan_of(config)
+    if smoothed is not None:
+        print(
+            "force_error_n is the solver's error alone: what the scan's noise adds, "
+            "`squeezefilm profile` says" + f"; warning: {FOLDED}" * smoothed.folded,
+            file=sys.stderr,
+        )
+    print(
+        f"{len(table) - len(failures)} of {len(table)} scenes solved in {seconds:.3f} s",
+        file=sys.stderr,
+    )
+    if failures and options.keep_going:
+        print("\n".join(failures), file=sys.stderr)
+    elif failures:
+        raise RunError("no force for " + "; ".join(failures))
+
+
+def _scenes(rows: pd.DataFrame, config: Config, *, path: str) -> list[Scene]:
+    with naming(path):
+        return [scene_of(point, config) for point in scene_points(rows)]
+
+
+def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
+    """The rows of a plan with what was solved for them."""
+    columns = {
+        name: [getattr(solution, name) for solution in solutions]
+        for name in FORCE_COLUMNS
+        if name not in rows.columns
+    }
+    return rows.assign(**columns)[list(FORCE_COLUMNS)]
+
+
+def _work_shares(solutions: Sequence[Solution]) -> list[float]:
+    """Each scene's share of the run time, by its floating-point operations; sums to 1."""
+    total = sum(solution.work for solution in solutions)
+    if total == 0:
+        return [1 / len(solutions)] * len(solutions)
+    return [solution.work / total for solution in solutions]
+
+
+def chunk_rows(text: str, count: int) -> slice:
+    """The rows of part I of N for ``I/N``: contiguous parts that differ by at most one row.
+
+    Raises InputError when the text is not I/N with 1 ≤ I ≤ N ≤ count.
+    """
+    try:
+        part, parts = (int(word) for word in text.split("/"))
+    except ValueError:
+        raise InputError(f"--chunk {text!r} must be two whole numbers like 2/4") from None
+    if not 1 <= part <= parts <= count:
+        raise InputError(f"--chunk {text!r}: 1 <= I <= N <= {count} (the rows of the table)")
+    return slice(count * (part - 1) // parts, count * part // parts)

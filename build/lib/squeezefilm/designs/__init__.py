@@ -1,0 +1,1 @@
+"""Which simulations to make: optimal designs, and the loop that they close."""

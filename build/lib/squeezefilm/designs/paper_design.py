@@ -1,0 +1,238 @@
+"""D-optimal designs of nonlinear experiments: the points at which simulations teach most.
+
+A design of N points has the matrix F of derivatives of the response with respect to the
+parameters (paper eq. 5); |det(F'F)^-1| (eq. 11) is the squared volume of the parameters'
+uncertainty and is made small. The paper adds the inverse distances between the points (eq. 12),
+to keep them apart. Nothing here knows a particular model: a response enters through its gradient,
+a function from points, shape (n, k), to derivatives, shape (n, p).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import Bounds, minimize
+
+from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
+from squeezefilm.designs.exact_design import exchange
+from squeezefilm.io.errors import InputError
+from squeezefilm.models.fitting.search import genetic_search
+
+Gradient = Callable[[Array], Array]
+
+SINGULAR = 1e100
+"""Value of a criterion where parameters cannot be told apart or points coincide."""
+
+POPULATION, GENERATIONS = 100, 60
+EXCHANGES = 4
+"""Starts of the exchange that a search is checked by."""
+KICKS = 2
+KICK = 0.05
+"""Descents from a design kicked by so much, in unit factors, before a search is believed."""
+
+
+def information_determinant(derivatives: ArrayLike) -> Array:
+    """det(F'F) of designs with derivatives F of shape (..., N, p); zero where N < p.
+
+    From the triangular factor of F, whose condition is the root of that of F'F.
+    Derivatives that are undefined (NaN) count as no information.
+    """
+    derivatives = np.asarray(derivatives, dtype=float)
+    points, parameters = derivatives.shape[-2:]
+    if points < parameters:
+        return np.zeros(derivatives.shape[:-2])
+    usable = np.where(np.isfinite(derivatives), derivatives, 0.0)
+    triangle = np.linalg.qr(usable, mode="r")
+    return np.prod(np.diagonal(triangle, axis1=-2, axis2=-1), axis=-1) ** 2
+
+
+def inverse_determinant(derivatives: ArrayLike) -> Array:
+    """|det(F'F)^-1| (paper eq. 11), shape (...); SINGULAR where F'F is singular."""
+    determinant = np.asarray(information_determinant(derivatives))
+    return 1 / np.maximum(determinant, 1 / SINGULAR)
+
+
+def inverse_distances(points: ArrayLike) -> Array:
+    """Sum of 1/|xi_i - xi_j| over all pairs of points (in eq. 12), shape (..., N, k) -> (...).
+
+    SINGULAR where two points coincide.
+    """
+    return np.sum(1 / np.maximum(pair_distances(points), 1 / SINGULAR), axis=-1)
+
+
+def d_efficiency(derivatives: ArrayLike, optimal: ArrayLike) -> float:
+    """D-efficiency of a design, (det M / det M_opt)^(1/p) with M = F'F/N; one is the best.
+
+    Both arguments are derivatives F, shape (N, p), with numbers of points that may differ.
+    """
+    parameters = np.shape(derivatives)[-1]
+
+    def root(f: ArrayLike) -> float:
+        return float(information_determinant(f) ** (1 / parameters) / np.shape(f)[-2])
+
+    return root(derivatives) / root(optimal)
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """What a design is judged by: small is good.
+
+    The determinant (11) alone; plus the inverse distances of (12) where `distance` gives the
+    coordinates to take them in; and, where `separation` is set, only for designs whose points are
+    at least that far apart in the coordinates `apart` (SINGULAR for any other).
+    """
+
+    gradient: Gradient
+    box: Box
+    distance: Coordinates | None = None
+    apart: Coordinates | None = None
+    separation: float = 0.0
+
+    def derivatives(self, designs: Array) -> Array:
+        """F of designs of shape (..., N, k), shape (..., N, p)."""
+        rows = self.gradient(designs.reshape(-1, designs.shape[-1]))
+        return rows.reshape(*designs.shape[:-1], rows.shape[-1])
+
+    def value(self, designs: Array) -> Array:
+        """Value of designs of shape (..., N, k), shape (...)."""
+        value = inverse_determinant(self.derivatives(designs))
+        if self.distance is not None:
+            value = value + inverse_distances(self.distance(designs))
+        return np.where(self.spare(designs) >= -1e-9, np.minimum(value, SINGULAR), SINGULAR)
+
+    def spare(self, designs: Array) -> Array:
+        """By how much the closest pair of points exceeds the separation, shape (...)."""
+        if self.apart is None:
+            return np.zeros(designs.shape[:-2])
+        return np.min(pair_distances(self.apart(designs)), axis=-1) - self.separation
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A design found by a search: its points, shape (N, k), in the factors' own units.
+
+    value is the criterion's, inverse_determinant the part (11) of it.
+    """
+
+    points: Array
+    value: float
+    inverse_determinant: float
+
+
+def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
+    """One search for the best design of so many points: genetic algorithm, then a local descent.
+
+    The descent can end on a saddle, halfway along a line of equal hv/h0 on which the criterion
+    hardly changes. So it is repeated from points kicked off the design found, and the best is kept.
+    Equal arguments give an equal result. Raises InputError where no design with a finite
+    criterion was found.
+    """
+    factors = len(criterion.box.names)
+    found = genetic_search(
+        lambda flat: criterion.value(criterion.box.from_unit(flat.reshape(-1, points, factors))),
+        lower=np.zeros(points * factors),
+        upper=np.ones(points * factors),
+        seed=seed,
+        population=POPULATION,
+        first=10 * POPULATION,
+        generations=GENERATIONS,
+    )
+    box = criterion.box
+    best = descend(criterion, box.from_unit(found.x.reshape(points, factors)))
+    kicks = np.random.default_rng(seed).normal(scale=KICK, size=(KICKS, points, factors))
+    for kick in kicks:
+        start = box.from_unit(np.clip(box.to_unit(best.points) + kick, 0, 1))
+        if float(criterion.value(start)) < SINGULAR:
+            best = min(best, descend(criterion, start), key=lambda design: design.value)
+    return best
+
+
+def descend(criterion: Criterion, points: Array) -> Design:
+    """The local optimum near a design, shape (N, k).
+
+    Sequential quadratic programming in unit factors, on the logarithm of the criterion, repeated
+    until it no longer falls. Raises InputError for a design whose criterion is not finite.
+    """
+    box = criterion.box
+    start = float(criterion.value(points))
+    if start >= SINGULAR:
+        raise InputError(
+            "design: F'F is singular, or points are closer than allowed; give more points than "
+            "parameters, a wider box or a smaller separation"
+        )
+
+    def designs(unit: Array) -> Array:
+        return box.from_unit(unit.reshape(*unit.shape[:-1], *points.shape))
+
+    # The separation is left to the constraint: a wall in the objective would stop the descent.
+    smooth = replace(criterion, apart=None)
+
+    def objective(unit: Array) -> Array:
+        return np.log(smooth.value(designs(unit)) / start)
+
+    constraints: list[Any] = []
+    if criterion.apart is not None:
+        apart, separation = criterion.apart, criterion.separation
+
+        def spares(unit: Array) -> Array:
+            return pair_distances(apart(designs(unit))) - separation
+
+        constraints.append({"type": "ineq", "fun": spares, "jac": lambda u: _slopes(spares, u)})
+    best = np.clip(box.to_unit(points).ravel(), 0, 1)
+    value = 0.0
+    for _ in range(20):
+        step = minimize(
+            lambda u: float(objective(u)),
+            best,
+            jac=lambda u: _slopes(objective, u),
+            method="SLSQP",
+            bounds=Bounds(np.zeros(len(best)), np.ones(len(best))),
+            constraints=constraints,
+            options={"ftol": 1e-14, "maxiter": 500},
+        )
+        unit = np.clip(step.x, 0, 1)
+        reached = float(np.log(criterion.value(designs(unit)) / start))
+        fell = value - reached
+        if fell > 0:
+            best, value = unit, reached
+        if fell < 1e-11:
+            break
+    found = designs(best)
+    return Design(
+        points=_sorted(found, box),
+        value=float(criterion.value(found)),
+        inverse_determinant=float(inverse_determinant(criterion.derivatives(found))),
+    )
+
+
+def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design:
+    """The best design found on a fine grid, by exchange of points, then refined off the grid.
+
+    By the determinant alone, with the separation where one is set, from a grid of so many levels
+    per factor (see exact_design). It shares no step with search_design but the last refinement, and
+    so serves to check it. Raises InputError where every start ended in a singular design.
+    """
+    candidates = grid(criterion.box, levels)
+    found = exchange(
+        criterion.derivatives(candidates),
+        points,
+        coordinates=criterion.apart and criterion.apart(candidates),
+        separation=criterion.separation,
+        starts=EXCHANGES,
+    )
+    return descend(criterion, candidates[found.chosen])
+
+
+def _slopes(function: Callable[[Array], Array], unit: Array, step: float = 1e-6) -> Array:
+    """Derivative by differences that stay within [0, 1]; function takes a stack of arguments."""
+    shift = step * np.eye(len(unit))
+    above, below = np.minimum(unit + shift, 1), np.maximum(unit - shift, 0)
+    width = np.diagonal(above - below)
+    return ((function(above) - function(below)).T / width).squeeze()
+
+
+def _sorted(points: Array, box: Box) -> Array:
+    """Points in a fixed order: by the first factor, then the second, and so on."""
+    return points[np.lexsort(np.round(box.to_unit(points), 4).T[::-1])]

@@ -1,0 +1,294 @@
+"""One operating point of a squeeze film, and the dimensionless numbers that govern it."""
+
+from dataclasses import dataclass, replace
+from math import cos, hypot, isfinite, pi, radians, sin, sqrt
+from typing import TypeVar
+
+import numpy as np
+
+from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.io.errors import InputError
+
+GAPS_M = (1e-9, 1e-3)
+OUTLINE_POINTS = 144
+
+Number = TypeVar("Number", float, np.ndarray)
+
+
+@dataclass(frozen=True)
+class Gas:
+    """The film's gas.
+
+    ``rarefaction`` is ``none`` (viscous flow), ``slip`` (first order) or ``fukui-kaneko``.
+    The density follows the pressure as ρ ~ p^(1/n) with the ``polytropic_exponent`` n: 1 for an
+    isothermal film, the ratio of specific heats for an adiabatic one. The mean free path is given
+    at ambient density and goes like 1/ρ, as for molecules of a fixed size. ``inertia`` is ``none``
+    or ``included``; ``auto`` is decided before a scene is solved (effects/automatic.py). Heat goes
+    by the Prandtl number, the ratio of specific heats and the exponent κ of viscosity ~
+    temperature^κ. What the equation of a scene leaves out enters its budget alone
+    (reynolds/effects).
+    """
+
+    viscosity_pa_s: float
+    ambient_pressure_pa: float
+    density_kg_per_m3: float
+    mean_free_path_m: float
+    rarefaction: str
+    polytropic_exponent: float
+    inertia: str
+    prandtl: float
+    heat_capacity_ratio: float
+    viscosity_exponent: float
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """A disc that vibrates normal to itself with amplitude hv · s(x, y) at one frequency."""
+
+    frequency_hz: float
+    surface_radius_m: float
+    profile: Profile
+
+    @property
+    def angular_frequency_rad_per_s(self) -> float:
+        return 2 * pi * self.frequency_hz
+
+
+@dataclass(frozen=True)
+class GapShape:
+    """How the gap at rest differs from place to place under the finger; zero at its centre.
+
+    ``tilt_x_m`` is the gap at the middle of the side at +x less that at −x, ``tilt_y_m`` likewise;
+    ``bulge_m`` the gap at the middle of a side less that at the centre: positive for a pad that
+    bulges towards the surface.
+    """
+
+    tilt_x_m: float = 0.0
+    tilt_y_m: float = 0.0
+    bulge_m: float = 0.0
+
+    @property
+    def flat(self) -> bool:
+        return self == GapShape()
+
+    def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Gap at rest less h0 at positions in [0, 1] across the finger."""
+        x, y = x - 0.5, y - 0.5
+        tilt: np.ndarray = self.tilt_x_m * x + self.tilt_y_m * y
+        return tilt + 4 * self.bulge_m * (x**2 + y**2)
+
+
+@dataclass(frozen=True)
+class Finger:
+    """A pad of rectangular or elliptical outline, sliding along its own x axis at constant speed.
+
+    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, or the axes of the ellipse;
+    the finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
+    """
+
+    length_x_m: float
+    length_y_m: float
+    speed_x_m_per_s: float
+    shape: str = "rectangle"
+    rotation_deg: float = 0.0
+    gap: GapShape = GapShape()
+
+    @property
+    def area_m2(self) -> float:
+        share = pi / 4 if self.shape == "ellipse" else 1.0
+        return share * self.length_x_m * self.length_y_m
+
+    @property
+    def reach_m(self) -> float:
+        """Distance of the outline's farthest point from the finger's centre."""
+        if self.shape == "ellipse":
+            return max(self.length_x_m, self.length_y_m) / 2
+        return hypot(self.length_x_m, self.length_y_m) / 2
+
+    def outline(self) -> list[tuple[float, float]]:
+        """Points on the rim from the finger's centre, along the actuator's axes: (x_m, y_m).
+
+        A rectangle's four corners, or points all around an ellipse.
+        """
+        half_x, half_y = self.length_x_m / 2, self.length_y_m / 2
+        if self.shape == "ellipse":
+            angles = (2 * pi * step / OUTLINE_POINTS for step in range(OUTLINE_POINTS))
+            points = [(half_x * cos(angle), half_y * sin(angle)) for angle in angles]
+        else:
+            points = [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
+        return [self.turned(x, y) for x, y in points]
+
+    def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
+        """Finger's coordinates in those of the actuator's axes."""
+        if self.rotation_deg == 0:
+            return x, y
+        c, s = cos(radians(self.rotation_deg)), sin(radians(self.rotation_deg))
+        return c * x - s * y, s * x + c * y
+
+    def turned_back(self, x: Number, y: Number) -> tuple[Number, Number]:
+        """Coordinates along the actuator's axes in the finger's own."""
+        return replace(self, rotation_deg=-self.rotation_deg).turned(x, y)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One operating point: gap, amplitude and finger position on a given actuator.
+
+    ``h0_m`` is the mean gap, ``hv_m`` the amplitude at the profile's maximum; the finger's centre
+    lies at the polar position (``phi_r_m``, ``phi_deg``) and the pad keeps its orientation.
+    """
+
+    point_id: str
+    h0_m: float
+    hv_m: float
+    phi_r_m: float
+    phi_deg: float
+    gas: Gas
+    actuator: Actuator
+    finger: Finger
+
+    @property
+    def x_m(self) -> float:
+        return self.phi_r_m * cos(radians(self.phi_deg))
+
+    @property
+    def y_m(self) -> float:
+        return self.phi_r_m * sin(radians(self.phi_deg))
+
+    @property
+    def epsilon(self) -> float:
+        """Excursion ratio hv/h0."""
+        return self.hv_m / self.h0_m
+
+    @property
+    def sigma(self) -> float:
+        """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the finger's length along x (paper eq. 1)."""
+        return (
+            12
+            * self.gas.viscosity_pa_s
+            * self.actuator.angular_frequency_rad_per_s
+            * self.finger.length_x_m**2
+            / (self.gas.ambient_pressure_pa * self.h0_m**2)
+        )
+
+    @property
+    def bearing_number(self) -> float:
+        """Bearing number Λ = 6 μ U l0 / (p0 h0²) (paper eq. 1)."""
+        return (
+            6
+            * self.gas.viscosity_pa_s
+            * self.finger.speed_x_m_per_s
+            * self.finger.length_x_m
+            / (self.gas.ambient_pressure_pa * self.h0_m**2)
+        )
+
+    @property
+    def knudsen(self) -> float:
+        """Knudsen number: mean free path over mean gap, at ambient density."""
+        return self.gas.mean_free_path_m / self.h0_m
+
+    @property
+    def inverse_knudsen(self) -> float:
+        """D = √π / (2 Kn) at the mean gap and ambient density (Fukui and Kaneko)."""
+        return sqrt(pi) / (2 * self.knudsen)
+
+    @property
+    def modified_reynolds(self) -> float:
+        """Modified Reynolds number ρ ω h0² / μ: the inertia that eq. (1) leaves out."""
+        return (
+            self.gas.density_kg_per_m3
+            * self.actuator.angular_frequency_rad_per_s
+            * self.h0_m**2
+            / self.gas.viscosity_pa_s
+        )
+
+    @property
+    def aspect(self) -> float:
+        """Length of the finger along y over its length along x."""
+        return self.finger.length_y_m / self.finger.length_x_m
+
+    @property
+    def force_scale_n(self) -> float:
+        """p0 times the finger's area: the force of a mean overpressure of one atmosphere."""
+        return self.gas.ambient_pressure_pa * self.finger.area_m2
+
+    @property
+    def place(self) -> tuple[Profile, Finger, float, float]:
+        """All that the profile under the finger depends on: equal for scenes that share it."""
+        return self.actuator.profile, self.finger, self.x_m, self.y_m
+
+    def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Profile s at positions x, y in [0, 1] across the finger, any common shape."""
+        along_x, along_y = self.finger.turned(
+            (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
+        )
+        return self.actuator.profile.amplitude(x_m=self.x_m + along_x, y_m=self.y_m + along_y)
+
+    def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Gap over h0 without vibration at positions in [0, 1] across the finger."""
+        return 1 + self.finger.gap.rise_m(x, y) / self.h0_m
+
+    def closure(self) -> float:
+        """Largest excursion over gap, |ε s|/(gap at rest): 1 where surface and finger touch.
+
+        For a flat gap as if the profile's maximum lay under the finger: ε, or a little more where
+        noise has put something on the maximum of a measured profile.
+        """
+        if self.finger.gap.flat:
+            return self.epsilon * getattr(self.actuator.profile, "largest", 1.0)
+        x, y = self.inside()
+        gap, excursion = self.rest_gap(x, y), self.epsilon * np.abs(self.amplitude(x, y))
+        return float(np.max(np.where(gap > 0, excursion / gap, 1.0)))
+
+    def inside(self) -> tuple[np.ndarray, np.ndarray]:
+        """A net of points x, y over the finger, rim included, in [0, 1]."""
+        if self.finger.shape == "ellipse":
+            r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
+            return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
+        side = np.linspace(0, 1, 25)
+        x, y = np.meshgrid(side, side, indexing="ij")
+        return x, y
+
+
+def check_scene(scene: Scene) -> None:
+    """Refuse a scene that has no solution or lies off the actuator.
+
+    Raises InputError naming the point, the factor and what is allowed.
+    """
+    for name in ("h0_m", "hv_m", "phi_r_m", "phi_deg"):
+        if not isfinite(getattr(scene, name)):
+            raise InputError(f"point {scene.point_id}: {name} is not a finite number")
+    if not GAPS_M[0] <= scene.h0_m <= GAPS_M[1]:
+        raise InputError(
+            f"point {scene.point_id}: h0_m = {scene.h0_m:g} must lie between {GAPS_M[0]:g} and "
+            f"{GAPS_M[1]:g}: thinner, there is no film of gas, thicker, it is none"
+        )
+    if scene.hv_m < 0:
+        raise InputError(f"point {scene.point_id}: hv_m = {scene.hv_m:g} must not be negative")
+    if scene.hv_m >= scene.h0_m:
+        raise InputError(
+            f"point {scene.point_id}: hv_m = {scene.hv_m:g} reaches h0_m = {scene.h0_m:g}: "
+            "surface and finger touch; the amplitude must stay below the mean gap"
+        )
+    if scene.phi_r_m < 0:
+        raise InputError(
+            f"point {scene.point_id}: phi_r_m = {scene.phi_r_m:g} must not be negative"
+        )
+    farthest_m = max(hypot(scene.x_m + x, scene.y_m + y) for x, y in scene.finger.outline())
+    if farthest_m > scene.actuator.surface_radius_m:
+        part = "the rim" if scene.finger.shape == "ellipse" else "a corner"
+        raise InputError(
+            f"point {scene.point_id}: at phi_r_m = {scene.phi_r_m:g}, phi_deg = {scene.phi_deg:g} "
+            f"{part} of the finger lies {farthest_m * 1e3:.2f} mm from the centre, off the "
+            f"actuator's {scene.actuator.surface_radius_m * 1e3:.2f} mm disc"
+        )
+    if scene.finger.gap.flat and scene.closure() >= 1:
+        raise InputError(
+            f"point {scene.point_id}: hv_m = {scene.hv_m:g} is so near h0_m = {scene.h0_m:g} that "
+            "surface and finger touch within the noise of the measured profile"
+        )
+    if scene.closure() >= 1:
+        raise InputError(
+            f"point {scene.point_id}: at h0_m = {scene.h0_m:g}, hv_m = {scene.hv_m:g} the tilted "
+            "or bulging finger touches the surface; finger.gap leaves too little there"
+        )

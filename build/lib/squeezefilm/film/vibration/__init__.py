@@ -1,0 +1,1 @@
+"""Amplitude profiles: how a surface vibrates, by formula or as measured."""

@@ -1,0 +1,81 @@
+"""Where a formula may hide a spot too narrow for evenly spread samples to be sure to meet it.
+
+The other profiles are as fine at one place as at any other; a formula can be flat everywhere but at
+one point. It is scanned once, on a net of the whole disc, and the places where it differs most from
+its neighbourhood are looked at closer.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from squeezefilm.film.vibration.shapes import Formula, Profile
+
+# Lines of the net along each axis: a spot wider than about a thousandth of the disc is met.
+LINES = 1000
+# The net is searched in TILES × TILES parts, and the most remarkable of them are followed up.
+TILES = 20
+FOLLOWED = 16
+MOST_STEPS = 60
+
+
+def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
+    """Points x_m, y_m that a sampling of the profile should not leave out; none but for formulas.
+
+    A spot narrower than a five-hundredth of the disc's radius, with no trace beyond, can be missed.
+    """
+    if isinstance(profile, Formula):
+        return _landmarks(profile)
+    return np.zeros(0), np.zeros(0)
+
+
+@lru_cache(maxsize=16)
+def _landmarks(formula: Formula) -> tuple[np.ndarray, np.ndarray]:
+    radius_m = formula.surface_radius_m
+    # Uneven lines, so that nothing with a period hides between them.
+    uneven = np.arange(LINES) * 0.6180339887498949 % 1
+    lines_m = radius_m * (2 * (np.arange(LINES) + uneven) / LINES - 1)
+    spacing_m = 2 * radius_m / LINES
+    with np.errstate(all="ignore"):
+        s = formula.amplitude(x_m=lines_m[:, None], y_m=lines_m[None, :])
+        bends = np.maximum(_bends(s, lines_m), _bends(s.T, lines_m).T)
+    bends[np.hypot(lines_m[:, None], lines_m[None, :]) > radius_m] = 0.0
+    side = LINES // TILES
+    tiles = bends.reshape(TILES, side, TILES, side).transpose(0, 2, 1, 3).reshape(TILES**2, -1)
+    first = np.argsort(-tiles.max(axis=1), kind="stable")[:FOLLOWED]
+    row, column = np.divmod(tiles[first].argmax(axis=1), side)
+    x_m = lines_m[first // TILES * side + row]
+    y_m = lines_m[first % TILES * side + column]
+    return _climbed(formula, x_m, y_m, spacing_m)
+
+
+def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
+    """How far each value is off the line through its neighbours along the first axis."""
+    share = ((lines_m[1:-1] - lines_m[:-2]) / (lines_m[2:] - lines_m[:-2]))[:, None]
+    bends = np.zeros(s.shape)
+    bends[1:-1] = np.abs(s[1:-1] - (1 - share) * s[:-2] - share * s[2:])
+    return np.nan_to_num(bends, nan=0.0, posinf=0.0)
+
+
+def _climbed(
+    formula: Formula, x_m: np.ndarray, y_m: np.ndarray, spacing_m: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The points moved to where the profile stands out most from what is two lines away."""
+
+    def contrast(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        off = 2 * spacing_m * np.array([0, 1, -1, 0, 0]), 2 * spacing_m * np.array([0, 0, 0, 1, -1])
+        s = formula.amplitude(x_m=x_m[..., None] + off[0], y_m=y_m[..., None] + off[1])
+        return np.nan_to_num(np.abs(s[..., 0] - s[..., 1:].mean(axis=-1)), posinf=0.0)
+
+    angle = np.pi / 4 * np.arange(8)
+    around = np.append(0.0, np.cos(angle)), np.append(0.0, np.sin(angle))
+    step_m = np.full(len(x_m), spacing_m)
+    each = np.arange(len(x_m))
+    with np.errstate(all="ignore"):
+        for _ in range(MOST_STEPS):
+            tried_x = x_m[:, None] + step_m[:, None] * around[0]
+            tried_y = y_m[:, None] + step_m[:, None] * around[1]
+            best = contrast(tried_x, tried_y).argmax(axis=1)
+            x_m, y_m = tried_x[each, best], tried_y[each, best]
+            step_m = np.where(best == 0, step_m / 2, step_m)
+    return x_m, y_m

@@ -1,0 +1,91 @@
+"""Least squares on Zernike modes, the degree by cross-validation."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from squeezefilm.film.vibration.zernike import modes_at, orders_up_to
+from squeezefilm.io.errors import InputError
+
+LARGEST_DEGREE = 24
+POINTS_PER_MODE = 3
+LARGEST_CONDITION = 1e8
+# Degrees above the best by cross-validation, so that the misfit is small beside the noise.
+DEGREES_MORE = 2
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Least squares on the modes up to one degree.
+
+    ``left_out`` is the error at each point of the fit to the others, ``scores`` has its rms by
+    degree, and ``root`` (modes, modes) is the factor by which the points' noise enters the
+    coefficients: their covariance is noise² root rootᵀ.
+    """
+
+    degree: int
+    orders: tuple[tuple[int, int], ...]
+    coefficients: np.ndarray
+    left_out: np.ndarray
+    root: np.ndarray
+    scores: dict[int, float]
+
+
+def best_fit(
+    path: Path, x: np.ndarray, y: np.ndarray, measured: np.ndarray, axisymmetric: bool
+) -> Fit:
+    """Least squares, DEGREES_MORE above the degree of least leave-one-out error.
+
+    The error at a left-out point is e/(1 − h), h its leverage, without fitting again (Allen's
+    PRESS).
+
+    Args:
+        path: of the scan, for messages.
+        x, y: the points on the unit disc.
+
+    Raises InputError where the points determine no profile.
+    """
+    degrees, orthogonal, triangle = _decomposed(x.tobytes(), y.tobytes(), axisymmetric)
+    along = orthogonal.T @ measured
+    # More modes are never better determined: where the most are, one condition number will do.
+    sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
+    scores: dict[int, float] = {}
+    errors: dict[int, np.ndarray] = {}
+    for degree in degrees:
+        count = len(orders_up_to(degree, axisymmetric=axisymmetric))
+        leverage = np.sum(orthogonal[:, :count] ** 2, axis=1)
+        determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
+        if not determined or leverage.max() > 1 - 1e-6:
+            break
+        residual = measured - orthogonal[:, :count] @ along[:count]
+        errors[degree] = residual / (1 - leverage)
+        scores[degree] = float(np.sqrt(np.mean(errors[degree] ** 2)))
+    if not scores:
+        raise InputError(f"{path}: the points do not determine a profile")
+    best = min(scores, key=lambda degree: scores[degree])
+    degree = max(each for each in scores if each <= best + DEGREES_MORE)
+    orders = orders_up_to(degree, axisymmetric=axisymmetric)
+    root = np.linalg.inv(triangle[: len(orders), : len(orders)])
+    return Fit(degree, orders, root @ along[: len(orders)], errors[degree], root, scores)
+
+
+@lru_cache(maxsize=2)
+def _decomposed(
+    x: bytes, y: bytes, axisymmetric: bool
+) -> tuple[tuple[int, ...], np.ndarray, np.ndarray]:
+    """Degrees that so many points allow, and the QR decomposition of their modes there.
+
+    The modes of a degree come before those of the next: one decomposition serves all. It is kept,
+    as the same points are fitted again.
+    """
+    places = {"x": np.frombuffer(x), "y": np.frombuffer(y)}
+    degrees = tuple(
+        degree
+        for degree in range(0, LARGEST_DEGREE + 1, 2 if axisymmetric else 1)
+        if POINTS_PER_MODE * len(orders_up_to(degree, axisymmetric=axisymmetric))
+        <= len(places["x"])
+    )
+    orders = orders_up_to(degrees[-1], axisymmetric=axisymmetric)
+    return degrees, *np.linalg.qr(modes_at(orders, **places))

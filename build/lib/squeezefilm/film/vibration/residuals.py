@@ -1,0 +1,74 @@
+"""Data of the figure of a measured profile: the points, the profile through them, what is left."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.vibration.folds import FOLDED
+from squeezefilm.film.vibration.scan_tables import points_table
+from squeezefilm.film.vibration.scans import SmoothedScan
+
+RADII, ANGLES = 81, 72
+
+
+def build(smoothed: SmoothedScan, summary: dict[str, Any]) -> pd.DataFrame:
+    """Layers points (amplitude, residual) and profile (its range over angles, standard error)."""
+    points = points_table(smoothed)
+    measured = pd.DataFrame(
+        {
+            "layer": np.where(points["outlier"], "outliers", "points"),
+            "r_mm": np.hypot(points["x_mm"], points["y_mm"]),
+            "amplitude_um": points["measured_um"],
+            "residual_um": points["residual_um"],
+        }
+    )
+    text = note(summary, name=smoothed.scan.path.name)
+    parts = [measured, _profile(smoothed)]
+    return (
+        pd.concat(parts, ignore_index=True)
+        .round(9)
+        .assign(noise_um=round(summary["noise_um"], 9), note=text)
+    )
+
+
+def note(summary: dict[str, Any], *, name: str) -> str:
+    """The scan and its profile in words."""
+    outliers = summary["outlier_lines"]
+    lines = ", ".join(map(str, outliers[:6])) + (", …" if len(outliers) > 6 else "")
+    word = "line" if len(outliers) == 1 else "lines"
+    far = f", {len(outliers)} far from the rest, left out ({word} {lines})" if outliers else ""
+    sides = "" if summary["signed"] else " No phase or sign: all amplitudes taken to one side."
+    folded = f" WARNING: {FOLDED}." if summary["folded"] else ""
+    return (
+        f"{name}: {summary['points']} points, {summary['missing']} missing{far}. Zernike modes up "
+        f"to degree {summary['degree']}, by cross-validation. Noise "
+        f"{summary['noise_share']:.1%} of the maximum of {summary['peak_um']:.3g} µm, from which "
+        f"{summary['peak_bias_share']:.1%} were taken as the noise's; standard error of the "
+        f"profile {summary['mean_standard_error_share']:.1%} on average, at most "
+        f"{summary['largest_standard_error_share']:.1%}; of a force by the noise, at 95 %, at most "
+        f"{summary['largest_force_noise_share']:.1%}. Motion out of phase, left out: "
+        f"{summary['quadrature_share']:.1%} in rms with its noise; without it forces are about "
+        f"{summary['out_of_phase_effect']:.2%} low.{sides}{folded}"
+    )
+
+
+def _profile(smoothed: SmoothedScan) -> pd.DataFrame:
+    """Least and largest profile over all angles at each radius, and the largest standard error."""
+    r, phi = np.meshgrid(
+        np.linspace(0, smoothed.profile.surface_radius_m, RADII),
+        np.linspace(0, 2 * np.pi, ANGLES, endpoint=False),
+        indexing="ij",
+    )
+    places = {"x_m": r * np.cos(phi), "y_m": r * np.sin(phi)}
+    profile = smoothed.profile.amplitude(**places) * smoothed.peak_m * 1e6
+    error = smoothed.standard_error(**places) * smoothed.peak_m * 1e6
+    return pd.DataFrame(
+        {
+            "layer": "profile",
+            "r_mm": r[:, 0] * 1e3,
+            "lowest_um": profile.min(axis=1),
+            "highest_um": profile.max(axis=1),
+            "error_um": error.max(axis=1),
+        }
+    )

@@ -1,0 +1,342 @@
+"""Amplitudes measured by a scanning vibrometer, made into a smooth profile with known errors.
+
+The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
+which degree they describe the points best; two degrees more are taken, so that what is left out of
+the profile is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
+Statistics, 2006, 5.7). Points far from the rest are left out and the rest is fitted anew. The film
+equation needs the profile's curvature, so that a smooth global basis serves it better than splines
+with their knots. Least squares also say how sure the profile is at every place: the standard error
+that noise leaves, from the residuals.
+
+The largest of a noisy profile is too large on average, by what profiles with more noise of the same
+size tell; that much is taken off the maximum to which the profile is scaled.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from squeezefilm.film.vibration.folds import looks_folded
+from squeezefilm.film.vibration.least_squares import Fit, best_fit
+from squeezefilm.film.vibration.shapes import Modes, largest_magnitude
+from squeezefilm.film.vibration.vibrometer import Scan, read_scan
+from squeezefilm.film.vibration.zernike import modes_at
+from squeezefilm.io.errors import InputError
+
+# A profile that is less sure than this share of its maximum somewhere is not known there.
+LARGEST_ERROR = 0.25
+# Nor is one that has no measured point within this share of the disc's radius.
+LARGEST_HOLE = 0.35
+# Share of the motion, in rms, out of phase with the rest: more is a travelling wave.
+LARGEST_QUADRATURE = 0.3
+# What the smooth motion out of phase may do to forces, as a share: models err by about as much.
+LARGEST_OUT_OF_PHASE = 0.03
+# A point is far from the rest beyond this many standard deviations of the noise, and never if it is
+# nearer than this share of the largest amplitude: that may be the profile's own fine structure.
+OUTLIER, LEAST_OUTLIER = 4.5, 0.005
+# More such points, as a share, are no strays.
+LARGEST_STRAY = 0.05
+REFITS = 20
+PEAK_DRAWS, PEAK_SEED = 200, 1
+RADII, ANGLES = 41, 72
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothedScan:
+    """A scan and the profile through it.
+
+    Attributes:
+        profile: the smooth profile, in units of its maximum.
+        out_of_phase: the smooth motion a quarter of a period apart, in the same units: dropped.
+        peak_m: amplitude at the maximum, and ``peak_bias_m`` what was taken off it as the noise's.
+        noise_m: standard deviation of the noise, from the residuals.
+        quadrature: rms share of the motion that is out of phase, its noise included.
+        degree: of the polynomial; ``scores`` has the rms error of cross-validation by degree.
+        x_m, y_m, measured_m, residual_m: the points and what the profile leaves of them.
+        outliers: which of them lie further from the rest than noise does; they are not fitted.
+        root: (modes, modes) factor by which noise enters the coefficients.
+        folded: all amplitudes were taken to one side although they look folded at a node line.
+    """
+
+    scan: Scan
+    profile: Modes
+    out_of_phase: Modes
+    peak_m: float
+    peak_bias_m: float
+    noise_m: float
+    quadrature: float
+    degree: int
+    scores: dict[int, float]
+    x_m: np.ndarray
+    y_m: np.ndarray
+    measured_m: np.ndarray
+    residual_m: np.ndarray
+    outliers: np.ndarray
+    root: np.ndarray
+    folded: bool
+
+    def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """Standard error of the profile by noise, in units of its maximum."""
+        radius = self.profile.surface_radius_m
+        modes = modes_at(self.profile.orders, x=x_m / radius, y=y_m / radius)
+        return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.root, axis=-1)
+
+    @property
+    def out_of_phase_effect(self) -> float:
+        """By which share forces are low without the motion out of phase, on average over the disc.
+
+        ∫ s₂² / ∫ s₁²: small forces go as the square of the amplitude, and both motions add
+        (scan_errors.py has the effect on one scene).
+        """
+        r, _, x_m, y_m = polar_net(self.profile.surface_radius_m)
+        first, second = (
+            np.sum(r * modes.amplitude(x_m=x_m, y_m=y_m) ** 2)
+            for modes in (self.profile, self.out_of_phase)
+        )
+        return float(second / first)
+
+    def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
+        """Profiles that scans with other noise would have given: residuals drawn anew.
+
+        The residuals are widened by √(points/(points − modes)) to the noise's size, which their
+        fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2).
+        """
+        radius, orders, fitted = self.profile.surface_radius_m, self.profile.orders, ~self.outliers
+        basis = modes_at(orders, x=self.x_m[fitted] / radius, y=self.y_m[fitted] / radius)
+        points, modes = basis.shape
+        residual = self.residual_m[fitted]
+        centred = (residual - residual.mean()) * math.sqrt(points / (points - modes))
+        noise = np.random.default_rng(seed).choice(centred, size=(count, points))
+        raw_m = self.peak_m * np.array(self.profile.coefficients)
+        drawn = raw_m + (noise @ basis) @ self.root @ self.root.T
+        # The finer search for the maximum moves it by as little for each.
+        finer = (self.peak_m + self.peak_bias_m) / _largest(raw_m[None], orders)[0]
+        peaks = _largest(drawn, orders) * finer - self.peak_bias_m
+        return [
+            Modes(orders, tuple(map(float, each / peak)), radius, largest=self.profile.largest)
+            for each, peak in zip(drawn, peaks, strict=True)
+        ]
+
+
+@lru_cache(maxsize=16)
+def smoothed_scan(
+    path: Path, *, surface_radius_m: float, axisymmetric: bool, sign: str = "measured"
+) -> SmoothedScan:
+    """The smooth profile of a scan's file on a disc; read and fitted once a process.
+
+    Raises InputError naming the file and the row or column that is wrong, or what the points do not
+    determine.
+    """
+    return smoothed(
+        read_scan(path), surface_radius_m=surface_radius_m, axisymmetric=axisymmetric, sign=sign
+    )
+
+
+def smoothed(
+    scan: Scan, *, surface_radius_m: float, axisymmetric: bool, sign: str = "measured"
+) -> SmoothedScan:
+    """The smooth profile of a scan on a disc.
+
+    Args:
+        sign: ``unknown`` takes amplitudes without phase or sign as they are although they look
+            folded up at a node line; ``measured`` refuses them.
+
+    Raises InputError naming the file, and what its points do not determine.
+    """
+    x_m, y_m = _places(scan, surface_radius_m, axisymmetric=axisymmetric)
+    in_phase, across, quadrature = _in_one_phase(scan)
+    x, y = x_m / surface_radius_m, y_m / surface_radius_m
+    folded = not scan.signed and looks_folded(
+        scan.path, x=x, y=y, amplitude=np.abs(in_phase), axisymmetric=axisymmetric
+    )
+    if folded and sign != "unknown":
+        raise InputError(
+            f"{scan.path}: the amplitudes have no phase and no sign, and look like those of a mode "
+            "with a node line, folded up at it: forces would be those of another surface. Give a "
+            "column phase_deg or sign, or say actuator.profile.sign: unknown to take them as they "
+            "are"
+        )
+    fit, kept = _without_strays(scan, x, y, in_phase, axisymmetric)
+    residual = in_phase - modes_at(fit.orders, x=x, y=y) @ fit.coefficients
+    # Half a period later every amplitude has the other sign: positive at its largest by choice.
+    fitted = in_phase - residual
+    turn = 1.0 if fitted[np.argmax(np.abs(fitted))] > 0 else -1.0
+    noise_m = float(np.linalg.norm(residual[kept]) / math.sqrt(kept.sum() - len(fit.orders)))
+    raw = Modes(fit.orders, tuple(map(float, turn * fit.coefficients)), surface_radius_m)
+    largest_m = largest_magnitude(
+        lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), radius_m=surface_radius_m
+    )
+    bias_m = min(_bias_of_largest(fit, noise_m), LARGEST_ERROR * largest_m)
+    peak_m = largest_m - bias_m
+    other = best_fit(scan.path, x[kept], y[kept], across[kept], axisymmetric)
+    result = SmoothedScan(
+        scan=scan,
+        profile=_in_units(turn * fit.coefficients, fit, peak_m, surface_radius_m, largest_m),
+        out_of_phase=_in_units(other.coefficients, other, peak_m, surface_radius_m, largest_m),
+        peak_m=peak_m,
+        peak_bias_m=bias_m,
+        noise_m=noise_m,
+        quadrature=quadrature,
+        degree=fit.degree,
+        scores=fit.scores,
+        x_m=x_m,
+        y_m=y_m,
+        measured_m=turn * in_phase,
+        residual_m=turn * residual,
+        outliers=~kept,
+        root=fit.root,
+        folded=folded,
+    )
+    _refuse_unknown(result, axisymmetric=axisymmetric)
+    if result.out_of_phase_effect > LARGEST_OUT_OF_PHASE:
+        raise InputError(
+            f"{scan.path}: motion out of phase with the rest ({quadrature:.0%} of all) would be "
+            f"left out, and forces be about {result.out_of_phase_effect:.0%} low; at most "
+            f"{LARGEST_OUT_OF_PHASE:.0%} is accepted: the film equation here takes vibrations in "
+            "one phase"
+        )
+    return result
+
+
+def polar_net(radius_m: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """r_m, phi, x_m and y_m of a net of points over the disc, each of shape (RADII, ANGLES)."""
+    r_m, phi = np.meshgrid(
+        np.linspace(0, radius_m, RADII),
+        np.linspace(0, 2 * np.pi, ANGLES, endpoint=False),
+        indexing="ij",
+    )
+    return r_m, phi, r_m * np.cos(phi), r_m * np.sin(phi)
+
+
+def _places(
+    scan: Scan, surface_radius_m: float, *, axisymmetric: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """The points' x_m and y_m, all of them on the disc."""
+    if scan.y_m is None and not axisymmetric:
+        raise InputError(
+            f"{scan.path}: points along a radius, without angles, can only give an axisymmetric "
+            "profile; say so by actuator.profile.axisymmetric: true"
+        )
+    x_m, y_m = scan.x_m, np.zeros_like(scan.x_m) if scan.y_m is None else scan.y_m
+    off = np.flatnonzero(np.hypot(x_m, y_m) > surface_radius_m * (1 + 1e-6))
+    if len(off):
+        raise InputError(
+            f"{scan.path}: line {scan.lines[off[0]]}: the point lies "
+            f"{np.hypot(x_m, y_m)[off[0]] * 1e3:.2f} mm from the centre, off the actuator's "
+            f"{surface_radius_m * 1e3:.2f} mm disc (actuator.surface_radius_m)"
+        )
+    return x_m, y_m
+
+
+def _in_one_phase(scan: Scan) -> tuple[np.ndarray, np.ndarray, float]:
+    """The amplitude along the phase of most of the motion, that across, and its rms share.
+
+    The phase that holds most is half that of Σ u² (the ellipse's major axis).
+    """
+    phase = np.angle(np.sum(scan.amplitude_m**2)) / 2
+    turned = scan.amplitude_m * np.exp(-1j * phase)
+    share = math.sqrt(float(np.mean(turned.imag**2) / np.mean(np.abs(turned) ** 2)))
+    if share > LARGEST_QUADRATURE:
+        raise InputError(
+            f"{scan.path}: {share:.0%} of the motion is out of phase with the rest: a travelling "
+            "wave, or phases that are noise; the film equation here takes standing vibrations"
+        )
+    return turned.real, turned.imag, share
+
+
+def _without_strays(
+    scan: Scan, x: np.ndarray, y: np.ndarray, measured: np.ndarray, axisymmetric: bool
+) -> tuple[Fit, np.ndarray]:
+    """Least squares on the points that are not far from the rest, and which those are.
+
+    Points are left out and taken back in until they stay the same (iterated trimming; Rousseeuw
+    and Leroy, Robust Regression and Outlier Detection, 1987).
+    """
+    kept = np.ones(len(measured), dtype=bool)
+    floor = LEAST_OUTLIER * float(np.median(np.sort(np.abs(measured))[-max(5, len(x) // 20) :]))
+    for _ in range(REFITS):
+        fit = best_fit(scan.path, x[kept], y[kept], measured[kept], axisymmetric)
+        residual = np.abs(measured - modes_at(fit.orders, x=x, y=y) @ fit.coefficients)
+        near = residual <= max(OUTLIER * 1.4826 * float(np.median(residual)), floor)
+        if np.array_equal(near, kept):
+            break
+        kept = near
+    strays = np.flatnonzero(~kept)
+    if len(strays) > max(1, LARGEST_STRAY * len(kept)):
+        lines = ", ".join(str(line) for line in scan.lines[strays[:6]])
+        raise InputError(
+            f"{scan.path}: {len(strays)} of {len(kept)} points (lines {lines}, …) lie far from "
+            "every smooth profile through the rest: more than stray points; look at them"
+        )
+    fit = best_fit(scan.path, x[kept], y[kept], measured[kept], axisymmetric)
+    return fit, kept
+
+
+@lru_cache(maxsize=32)
+def _net_of_modes(orders: tuple[tuple[int, int], ...]) -> np.ndarray:
+    """The modes on the unit disc's net, shape (points, modes)."""
+    _, _, x, y = polar_net(1.0)
+    return modes_at(orders, x=x.ravel(), y=y.ravel())
+
+
+def _largest(coefficients: np.ndarray, orders: tuple[tuple[int, int], ...]) -> np.ndarray:
+    """Largest magnitude on the net of sums of modes; coefficients of shape (sums, modes)."""
+    largest: np.ndarray = np.abs(coefficients @ _net_of_modes(orders).T).max(axis=1)
+    return largest
+
+
+def _bias_of_largest(fit: Fit, noise_m: float) -> float:
+    """By how much noise raises the largest magnitude, by what more of it would do."""
+    random = np.random.default_rng(PEAK_SEED)
+    change = noise_m * random.standard_normal((PEAK_DRAWS, len(fit.orders))) @ fit.root.T
+    # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
+    drawn = _largest(fit.coefficients + np.concatenate([change, -change]), fit.orders)
+    return max(float(drawn.mean() - _largest(fit.coefficients[None], fit.orders)[0]), 0.0)
+
+
+def _in_units(
+    coefficients: np.ndarray, fit: Fit, peak_m: float, radius_m: float, largest_m: float
+) -> Modes:
+    return Modes(
+        fit.orders, tuple(float(c) for c in coefficients / peak_m), radius_m, largest_m / peak_m
+    )
+
+
+def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
+    """Refuse a profile that the scan leaves open somewhere on the disc."""
+    from scipy.spatial import cKDTree
+
+    path, disc_m = smoothed.scan.path, smoothed.profile.surface_radius_m
+    radius_m, _, x_m, y_m = polar_net(disc_m)
+    seen = ~smoothed.outliers
+    if axisymmetric:  # a point stands for the circle through it
+        measured, places = np.hypot(smoothed.x_m, smoothed.y_m)[seen, None], radius_m[..., None]
+    else:
+        measured = np.column_stack([smoothed.x_m, smoothed.y_m])[seen]
+        places = np.stack([x_m, y_m], axis=-1)
+    distance, _ = cKDTree(measured).query(places)
+    error = smoothed.standard_error(x_m=x_m, y_m=y_m)
+    hole = np.unravel_index(np.argmax(distance), distance.shape)
+    worst = np.unravel_index(np.argmax(error), error.shape)
+    if distance[hole] > LARGEST_HOLE * disc_m:
+        where = f"r = {radius_m[hole] * 1e3:.2f} mm"
+        if not axisymmetric:
+            where = f"x = {x_m[hole] * 1e3:.2f} mm, y = {y_m[hole] * 1e3:.2f} mm"
+        raise InputError(
+            f"{path}: no point was measured within {distance[hole] * 1e3:.1f} mm of {where}; the "
+            "scan needs points there, or actuator.surface_radius_m is too large"
+        )
+    if error[worst] > LARGEST_ERROR:
+        raise InputError(
+            f"{path}: the profile is known to ±{error[worst]:.0%} of its maximum only at "
+            f"x = {x_m[worst] * 1e3:.2f} mm, y = {y_m[worst] * 1e3:.2f} mm; the scan needs more "
+            "points there, or less noise"
+        )
+    if smoothed.peak_bias_m >= LARGEST_ERROR * smoothed.peak_m:
+        raise InputError(
+            f"{path}: the profile's maximum cannot be told from the noise; the scan needs more "
+            "points, or less noise"
+        )

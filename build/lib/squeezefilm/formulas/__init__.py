@@ -1,0 +1,1 @@
+"""Arithmetic that people write: parsed, differentiated, its units inferred."""

@@ -1,0 +1,1 @@
+"""Files, tables, units and what a job leaves: the bottom, which knows nothing above."""

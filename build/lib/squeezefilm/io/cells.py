@@ -1,0 +1,57 @@
+"""The cells of a CSV file as text, each row with its line in the file; and numbers in them."""
+
+import csv
+import math
+from pathlib import Path
+
+from squeezefilm.io.errors import InputError
+
+
+def read_cells(
+    path: Path, *, what: str, needs: str, comments: bool = False
+) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """The header, and each row's line in the file with its cells; blank lines are left out.
+
+    With ``comments`` so are rows that begin with # and rows of empty cells. ``what`` the file is
+    and what it ``needs`` are for messages.
+    Raises InputError naming the file, and the line where a row is longer or shorter than the
+    header.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as handle:
+            reader = csv.reader(handle, strict=True)
+            rows = [
+                (reader.line_num, [cell.strip() for cell in cells]) for cells in reader if cells
+            ]
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such {what}") from None
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: the {what} cannot be read: {error}") from None
+    if comments:
+        rows = [row for row in rows if any(row[1]) and not row[1][0].startswith("#")]
+    if not rows:
+        raise InputError(f"{path}: the {what} is empty; it needs {needs}")
+    (_, header), *rows = rows
+    for line, cells in rows:
+        if len(cells) != len(header):
+            raise InputError(
+                f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
+            )
+    return header, rows
+
+
+def finite_number(
+    text: str, *, path: Path, line: int, name: str, largest: float = math.inf
+) -> float:
+    """The number in a cell.
+
+    Raises InputError naming file, line and column, for anything else or one above the largest.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    # Python would read 1_000.
+    if "_" in text or not math.isfinite(value) or abs(value) > largest:
+        raise InputError(f"{path}: line {line}: {name} is {text!r}, not a finite number")
+    return value

@@ -1,0 +1,51 @@
+"""Tables handed to a command as NAME=PATH, so that no command guesses which file is which."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from squeezefilm.io.errors import InputError
+
+
+def parse_sources(words: Sequence[str], *, names: Sequence[str], user: str) -> dict[str, Path]:
+    """The path of every name that ``user`` (a figure, a table, …) needs.
+
+    Raises InputError for a word without ``=``, a name that is unknown, given twice or missing.
+    """
+    needed = " ".join(f"{name}=PATH" for name in names) or "no table"
+    sources: dict[str, Path] = {}
+    for word in words:
+        name, equals, path = word.partition("=")
+        if not (equals and path):
+            raise InputError(f"{user}: {word!r} is not NAME=PATH; give {needed}")
+        if name not in names:
+            raise InputError(f"{user}: there is no input {name!r}; give {needed}")
+        if name in sources:
+            raise InputError(f"{user}: {name!r} is given twice")
+        sources[name] = Path(path)
+    missing = [name for name in names if name not in sources]
+    if missing:
+        raise InputError(f"{user}: {', '.join(missing)} is missing; give {needed}")
+    return sources
+
+
+def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
+    """Read a table that one of our commands wrote and that has at least these columns.
+
+    Raises InputError naming the file and the column that is missing, or a file without rows.
+    """
+    try:
+        data = pd.read_csv(path)
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such table") from None
+    except (OSError, UnicodeDecodeError, pd.errors.EmptyDataError, pd.errors.ParserError) as error:
+        raise InputError(f"{path}: the table cannot be read: {error}") from None
+    for name in columns:
+        if name not in data.columns:
+            raise InputError(
+                f"{path}: column {name!r} is missing; it must have {', '.join(columns)}"
+            )
+    if data.empty:
+        raise InputError(f"{path}: the table has a header and no rows")
+    return data

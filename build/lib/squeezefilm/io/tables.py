@@ -1,0 +1,306 @@
+"""The tables that pass between the stages: their columns, reading with checks, writing.
+
+A table is CSV, or Parquet where its file name ends in ``.parquet``: for plans so large that text
+would take longer to read than scenes to solve.
+"""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.io.atomic import whole_file, write_text
+from squeezefilm.io.cells import finite_number, read_cells
+from squeezefilm.io.errors import InputError, needing
+from squeezefilm.io.solution import SOLUTION_COLUMNS
+
+FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
+SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
+DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
+TIMING_COLUMNS = ("point_id", "solve_seconds")
+LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_error_n", "status")
+ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
+"""What a reader of a refinement's rounds may count on; the table has more."""
+WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
+TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out"}
+PARQUET = ".parquet"
+# What a budget is of, where it is of the scene itself.
+THIS_SCENE = "this scene"
+FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
+
+
+Rows = Callable[[int], slice]
+
+
+def all_rows(count: int) -> slice:
+    """Every row of a table."""
+    return slice(count)
+
+
+@dataclass(frozen=True)
+class ScenePoint:
+    """One row of a plan: gap, amplitude and finger position."""
+
+    point_id: str
+    h0_m: float
+    hv_m: float
+    phi_r_m: float
+    phi_deg: float
+
+
+def read_scenes(path: Path | str, *, rows: Rows = all_rows) -> pd.DataFrame:
+    """Read a plan: ``point_id`` as text, the four factors as finite numbers, order kept.
+
+    Args:
+        rows: which of them, given how many there are; of Parquet no others are held.
+
+    Raises InputError naming the file, the row or the column that is wrong.
+    """
+    return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, rows=rows)
+
+
+def read_design(path: Path | str) -> pd.DataFrame:
+    """Read a design: the columns of a plan and ``origin``, which says how a point was chosen.
+
+    Raises InputError naming the file, the row or the column that is wrong.
+    """
+    return _read(path, columns=DESIGN_COLUMNS, numbers=FACTOR_COLUMNS)
+
+
+def read_timings(path: Path | str) -> pd.DataFrame:
+    """Read the solver's share of wall time per point.
+
+    Raises InputError naming the file, the row or the column that is wrong.
+    """
+    return _read(path, columns=TIMING_COLUMNS, numbers=("solve_seconds",))
+
+
+def read_forces(path: Path | str) -> pd.DataFrame:
+    """Read simulated forces; a row whose status is not ``ok`` may lack its force.
+
+    Raises InputError naming the file, the row or the column that is wrong.
+    """
+    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS)
+    for name in ("force_n", "force_error_n"):
+        values = pd.to_numeric(table[name], errors="coerce")
+        bad = table[(table["status"] == "ok") & ~np.isfinite(values)]
+        if len(bad):
+            raise InputError(
+                f"{path}: point {bad['point_id'].iloc[0]}: {name} is not a finite number"
+            )
+        table[name] = values
+    return table
+
+
+def read_ok_forces(path: Path | str) -> pd.DataFrame:
+    """Read simulated forces of which every one is needed.
+
+    Raises InputError naming the points that were not solved.
+    """
+    table = read_forces(path)
+    failed = table[table["status"] != "ok"]
+    if len(failed):
+        names = "; ".join(f"point {row.point_id}: {row.status}" for row in failed.itertuples())
+        raise InputError(f"{path}: no force for {names}")
+    return table
+
+
+def scene_points(table: pd.DataFrame) -> list[ScenePoint]:
+    """The rows of a plan as points."""
+    return [
+        ScenePoint(str(point_id), *(float(value) for value in factors))
+        for point_id, *factors in table[list(SCENE_COLUMNS)].itertuples(index=False)
+    ]
+
+
+def _read(
+    path: Path | str,
+    *,
+    columns: Sequence[str],
+    numbers: Sequence[str],
+    rows: Rows = all_rows,
+) -> pd.DataFrame:
+    path = Path(path)
+    if path.suffix == PARQUET:
+        return _read_parquet(path, columns=columns, numbers=numbers, rows=rows)
+    header, found = read_cells(path, what="table", needs=", ".join(columns))
+    _check_header(header, columns=columns, path=path)
+    if not found:
+        raise InputError(f"{path}: the table has a header and no rows")
+    lines = [line for line, _ in found]
+    table = pd.DataFrame([cells for _, cells in found], columns=header, dtype="str")
+    for name in numbers:
+        table[name] = _finite(table[name], lines=lines, path=path)
+    _check_ids(table["point_id"], lines=lines, path=path)
+    return table[list(columns)].iloc[rows(len(table))]
+
+
+def _read_parquet(
+    path: Path, *, columns: Sequence[str], numbers: Sequence[str], rows: Rows
+) -> pd.DataFrame:
+    with needing("workflow", what="a table in Parquet"):
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+    try:
+        with pq.ParquetFile(path) as file:
+            _check_header(file.schema_arrow.names, columns=columns, path=path)
+            metadata = file.metadata
+            sizes = [metadata.row_group(group).num_rows for group in range(metadata.num_row_groups)]
+            start, stop, _ = rows(metadata.num_rows).indices(metadata.num_rows)
+            ends = np.cumsum(sizes, dtype=int)
+            groups = np.flatnonzero((ends > start) & (ends - sizes < stop))
+            first = int(ends[groups[0]] - sizes[groups[0]]) if len(groups) else 0
+            found = file.read_row_groups(groups.tolist(), columns=list(columns))
+            found = found.slice(start - first, stop - start)
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such table") from None
+    except (OSError, pa.ArrowException) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: the table cannot be read: {reason}") from None
+    for field in found.schema:
+        text = pa.types.is_string(field.type) or pa.types.is_large_string(field.type)
+        number = pa.types.is_floating(field.type) or pa.types.is_integer(field.type)
+        if not (text if field.name in TEXT_COLUMNS else number):
+            wanted = "text" if field.name in TEXT_COLUMNS else "numbers"
+            raise InputError(f"{path}: column {field.name!r} holds {field.type}, not {wanted}")
+    if not found.num_rows:
+        raise InputError(f"{path}: the table has no rows")
+    table = found.to_pandas()
+    for name in numbers:
+        table[name] = table[name].astype(float)
+        bad = np.flatnonzero(~np.isfinite(table[name]))
+        if len(bad):
+            value = table[name].iloc[bad[0]]
+            raise InputError(f"{path}: row {bad[0] + 1}: {name} is {value}, not a finite number")
+    ids = table["point_id"]
+    empty = np.flatnonzero(ids.isna() | (ids == ""))
+    if len(empty):
+        raise InputError(f"{path}: row {empty[0] + 1}: point_id is empty")
+    twice = ids[ids.duplicated()]
+    if len(twice):
+        raise InputError(f"{path}: point_id {twice.iloc[0]!r} stands twice")
+    return table[list(columns)]
+
+
+def _check_header(header: Sequence[str], *, columns: Sequence[str], path: Path) -> None:
+    for name in columns:
+        if header.count(name) == 0:
+            raise InputError(f"{path}: column {name!r} is missing; it has {', '.join(header)}")
+        if header.count(name) > 1:
+            raise InputError(f"{path}: column {name!r} stands twice")
+    unknown = [name for name in header if name not in columns]
+    if unknown:
+        raise InputError(
+            f"{path}: unknown column {unknown[0]!r}; the columns are {', '.join(columns)}"
+        )
+
+
+def _check_ids(ids: pd.Series, *, lines: Sequence[int], path: Path) -> None:
+    first_line: dict[str, int] = {}
+    for point_id, line in zip(ids, lines, strict=True):
+        if not point_id:
+            raise InputError(f"{path}: line {line}: point_id is empty")
+        if point_id in first_line:
+            raise InputError(
+                f"{path}: line {line}: point_id {point_id!r} stands in line "
+                f"{first_line[point_id]} already"
+            )
+        first_line[point_id] = line
+
+
+def _finite(column: pd.Series, *, lines: Sequence[int], path: Path) -> list[float]:
+    return [
+        finite_number(text, path=path, line=line, name=str(column.name))
+        for text, line in zip(column, lines, strict=True)
+    ]
+
+
+def write_table(table: pd.DataFrame, path: Path | str) -> None:
+    """Write a table with full double precision, whole or not at all."""
+    with table_writer(path) as write:
+        write(table)
+
+
+@contextmanager
+def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
+    """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
+
+    All pieces have the columns of the first one. CSV comes with full double precision.
+    """
+    path = Path(path)
+    pieces = _parquet_pieces if path.suffix == PARQUET else _csv_pieces
+    with whole_file(path) as name, pieces(name) as write:
+        yield write
+
+
+@contextmanager
+def _csv_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
+    with name.open("w", encoding="utf-8", newline="") as handle:
+
+        def write(piece: pd.DataFrame) -> None:
+            first = handle.tell() == 0
+            piece.to_csv(handle, index=False, header=first, lineterminator="\n")
+
+        yield write
+
+
+@contextmanager
+def _parquet_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
+    with needing("workflow", what="a table in Parquet"):
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+    writer: pq.ParquetWriter | None = None
+
+    def write(piece: pd.DataFrame) -> None:
+        nonlocal writer
+        types = [
+            (column, pa.string() if column in TEXT_COLUMNS else _number_type(piece[column]))
+            for column in piece.columns
+        ]
+        piece = piece.astype({name: "str" for name in piece.columns if name in TEXT_COLUMNS})
+        rows = pa.Table.from_pandas(piece, schema=pa.schema(types), preserve_index=False)
+        # Without the notes of pandas and its version, equal tables are equal files.
+        rows = rows.replace_schema_metadata(None)
+        writer = writer or pq.ParquetWriter(name, rows.schema, compression="zstd")
+        writer.write_table(rows)
+
+    try:
+        yield write
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _number_type(column: pd.Series) -> Any:
+    import pyarrow as pa
+
+    return pa.int32() if pd.api.types.is_integer_dtype(column) else pa.float64()
+
+
+def write_json(values: dict[str, Any], path: Path | str) -> None:
+    """Write a JSON file with sorted keys, whole or not at all."""
+    text = json.dumps(values, indent=2, sort_keys=True, allow_nan=False) + "\n"
+    write_text(text, path)
+
+
+def read_json(path: Path | str) -> dict[str, Any]:
+    """Read a JSON object.
+
+    Raises InputError when the file is missing or not a JSON object.
+    """
+    try:
+        values = json.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file") from None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{path}: not readable as JSON: {error}") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: expected a JSON object")
+    return values

@@ -1,0 +1,114 @@
+"""Units as they are typed: on a command line, in a column's name, for a formula's parameters."""
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from squeezefilm.io.errors import InputError
+
+BASES = ("N", "m", "s", "deg")
+"""A degree counts as a base: a formula that takes degrees for radians is wrong."""
+EXAMPLES = {"deg": "45deg", "N": "0.5N"}
+MOST_LEVELS = 10_000
+MOST_PLACES, LEAST_PLAIN = 15, 1e-4
+"""Decimals of a value that is shown, and the least that is shown without an exponent."""
+SHARED_UNIT = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
+"""Numbers without units, and the unit at the end that is that of all."""
+QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s]+)\s*", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Its size in BASES, and the exponents of these."""
+
+    size: float
+    exponents: tuple[int, int, int, int]
+
+
+UNITS = {
+    "N": Unit(1.0, (1, 0, 0, 0)),
+    "mN": Unit(1e-3, (1, 0, 0, 0)),
+    "m": Unit(1.0, (0, 1, 0, 0)),
+    "mm": Unit(1e-3, (0, 1, 0, 0)),
+    "um": Unit(1e-6, (0, 1, 0, 0)),
+    "µm": Unit(1e-6, (0, 1, 0, 0)),
+    "μm": Unit(1e-6, (0, 1, 0, 0)),
+    "nm": Unit(1e-9, (0, 1, 0, 0)),
+    "s": Unit(1.0, (0, 0, 1, 0)),
+    "deg": Unit(1.0, (0, 0, 0, 1)),
+    "°": Unit(1.0, (0, 0, 0, 1)),
+    "rad": Unit(180 / math.pi, (0, 0, 0, 1)),
+    "Pa": Unit(1.0, (1, -2, 0, 0)),
+    "Hz": Unit(1.0, (0, 0, -1, 0)),
+    "kg": Unit(1.0, (1, -1, 2, 0)),
+}
+
+
+def sizes(base: str) -> dict[str, float]:
+    """The units that measure what one of BASES does, each with its size in it."""
+    exponents = UNITS[base].exponents
+    return {name: unit.size for name, unit in UNITS.items() if unit.exponents == exponents}
+
+
+def quantity(text: str, *, option: str, unit: str) -> float:
+    """A number with its unit, in the given one of BASES.
+
+    Raises InputError naming the option, for a text that is no number with such a unit.
+    """
+    known, match = sizes(unit), QUANTITY.fullmatch(text)
+    if match and match[2] in known and math.isfinite(value := float(match[1]) * known[match[2]]):
+        return float(f"{value:.15g}")  # 5um is 5e-06, not 4.9999999999999996e-06
+    raise InputError(
+        f"{option} {text!r} must be a number with a unit of {unit} ({', '.join(known)}), such as "
+        f"{EXAMPLES.get(unit, '5um')}"
+    )
+
+
+def quantities(text: str, *, option: str, unit: str) -> list[float]:
+    """One number with its unit, several with commas, or evenly spaced ones as first:last:count.
+
+    Each number has its unit, or one stands at the end for all: ``0.5,1,2um``, ``0.5:2.5:9um``.
+    Raises InputError naming the option, as quantity does.
+    """
+    *numbers, end = text.split(":")
+    if not numbers and "," not in text:
+        return [quantity(text, option=option, unit=unit)]
+    shared = SHARED_UNIT.fullmatch(text)
+    unit_of_all = shared[2] if shared else ""
+    if not numbers:
+        parts = (shared[1] if shared else text).split(",")
+        return [quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in parts]
+    count = end.strip().removesuffix(unit_of_all).strip()
+    if len(numbers) != 2 or not count.isdecimal() or len(count) > 12:
+        raise InputError(f"{option} {text!r}: a range is first:last:count, such as 5:10:6um")
+    if not 2 <= int(count) <= MOST_LEVELS:
+        raise InputError(f"{option} {text!r}: the count must lie within 2 … {MOST_LEVELS}")
+    first, last = (quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in numbers)
+    return [float(f"{value:.12g}") for value in np.linspace(first, last, int(count))]
+
+
+def with_error(force_n: float, error_n: float) -> str:
+    """A force and its error, both to the first digit of the error."""
+    force, error = to_its_error(force_n, error_n)
+    return f"{force} N ± {error} N"
+
+
+def to_its_error(value: float, error: float) -> tuple[str, str]:
+    """A value with the digits that its error leaves it, and the error.
+
+    Three digits where the error is not known.
+    """
+    if error == 0:
+        return f"{value:g}", "0"
+    if not math.isfinite(error):
+        return f"{value:.3g}", "unknown"
+    error = abs(error)
+    shown = f"{error:.1g}"
+    places = -math.floor(math.log10(float(shown)))
+    if 0 <= places <= MOST_PLACES and abs(value) >= LEAST_PLAIN:
+        return f"{value:.{places}f}", shown
+    # A film that bears next to nothing, or an error above 10: as many digits as that makes.
+    digits = math.floor(math.log10(abs(value))) + places if value else 0
+    return f"{value:.{max(digits, 0)}e}", shown

@@ -1,0 +1,1 @@
+"""The empirical force models: formulas, their fits, their errors and their use."""

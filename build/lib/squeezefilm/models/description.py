@@ -1,0 +1,72 @@
+"""What a fit's file tells of a fit, so that the model can be used from the file alone."""
+
+from typing import Any
+
+import numpy as np
+
+from squeezefilm.models.cross_validation import left_out_predictions
+from squeezefilm.models.fitting.fit import Fit
+from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
+from squeezefilm.models.trust import Trust, Unseen
+from squeezefilm.models.validation import error_sizes
+
+FOLDS, FOLD_SEED = 5, 1
+"""Of the cross-validation that tells a fit's error at points it was not fitted to."""
+
+
+def describe(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: np.ndarray,
+    fit: Fit,
+    *,
+    force_error_n: np.ndarray,
+    scan_error: float,
+    control: Unseen | None = None,
+) -> dict[str, Any]:
+    """Formula, units, ranges and errors of a fit, and the evidence by which it is trusted.
+
+    scan_error: share of a force that the scan of a measured profile leaves open.
+    control: simulations that were not fitted, to judge the fit by, besides points left out.
+    """
+    # A model that knows no position was fitted at some all the same.
+    position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
+    left_out = _left_out(model, factors, force_n, fit)
+    unseen = None
+    if left_out is not None:
+        unseen = Unseen.of(factors, model_n=left_out, force_n=force_n, force_error_n=force_error_n)
+    trust = Trust.of(factors, unseen, scan_error=scan_error)
+    return {
+        "about": model.about,
+        "expression": model.expression,
+        "parameters": list(model.parameter_names),
+        "parameter_units": list(model.parameter_units),
+        "force_unit": "N",
+        "ranges": {
+            name: [float(np.min(values)), float(np.max(values))]
+            for name in (*model.factor_names, *position, *model.column_names)
+            for values in [factors.column(name)]
+        },
+        "residual": error_sizes(model_n=model.evaluate(fit.theta, factors), simulation_n=force_n),
+        "cross_validation": None
+        if left_out is None
+        else {
+            "folds": min(FOLDS, len(force_n)),
+            **error_sizes(model_n=left_out, simulation_n=force_n),
+        },
+        "trust": (trust if control is None else trust.with_control(control)).to_dict(),
+    }
+
+
+def _left_out(
+    model: ExpressionModel, factors: Factors, force_n: np.ndarray, fit: Fit
+) -> np.ndarray | None:
+    """Forces at points left out of the fit; none where they are too few to leave any out."""
+    count = len(force_n)
+    folds = min(FOLDS, count)
+    if folds < 2 or count - -(-count // folds) < len(model.parameter_names):
+        return None
+    predicted = left_out_predictions(
+        model, factors, force_n, theta=fit.theta, folds=folds, seed=FOLD_SEED
+    )
+    return predicted if np.all(np.isfinite(predicted)) else None

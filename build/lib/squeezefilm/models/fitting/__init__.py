@@ -1,0 +1,1 @@
+"""Parameters from forces: searches, and what the forces say of them."""

@@ -1,0 +1,362 @@
+"""The empirical force models: formulas for the mean force, fitted to simulations.
+
+A model is an expression in the factors of an experiment and in parameters theta. Those of the
+library (models.yaml) and those that a study adds are alike; the paper's (7) and (14) are two of
+the library's.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import ArrayLike, NDArray
+
+from squeezefilm.formulas.derivatives import derivative
+from squeezefilm.formulas.expressions import Expression, Name, Program, parse, walk
+from squeezefilm.formulas.units import parameter_units
+from squeezefilm.io.errors import InputError
+
+Array = NDArray[np.float64]
+
+LIBRARY = Path(__file__).with_name("models.yaml")
+FACTORS = {
+    "h0": "h0_m",
+    "hv": "hv_m",
+    "r": "phi_r_m",
+    "phi": "phi_deg",
+    "angle": "phi_rad",
+    "x": "x_m",
+    "y": "y_m",
+}
+"""What an expression calls the factors, and their columns."""
+COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
+"""What an expression calls the results of physics that stand in a table, and their columns."""
+UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
+POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
+POSITION = (*POLAR, *CARTESIAN)
+MOST_PARAMETERS = 30
+
+
+@dataclass(frozen=True)
+class Factors:
+    """The factors of n experiments, each an array of shape (n,).
+
+    h0_m: mean gap; hv_m: vibration amplitude at the centre; phi_r_m, phi_deg: polar position
+    of the finger's centre (both zero where the finger is centred), x_m, y_m the same in Cartesian
+    form; columns: results of physics at these points, by the names of their columns.
+    """
+
+    h0_m: Array
+    hv_m: Array
+    phi_r_m: Array
+    phi_deg: Array
+    x_m: Array
+    y_m: Array
+    columns: Mapping[str, Array] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        h0_m: ArrayLike,
+        hv_m: ArrayLike,
+        phi_r_m: ArrayLike | None = None,
+        phi_deg: ArrayLike | None = None,
+        x_m: ArrayLike | None = None,
+        y_m: ArrayLike | None = None,
+        **columns: ArrayLike,
+    ) -> Factors:
+        """Factors from numbers or sequences, brought to one length.
+
+        The position is given in polar or in Cartesian form, or left out for a centred finger.
+        Raises InputError where a value is not finite, a gap is not positive, the lengths differ or
+        both forms are given.
+        """
+        polar, cartesian = (phi_r_m, phi_deg), (x_m, y_m)
+        if any(v is not None for v in polar) and any(v is not None for v in cartesian):
+            raise InputError("x_m: give the position as phi_r_m, phi_deg or as x_m, y_m, not both")
+        given = {"h0_m": h0_m, "hv_m": hv_m}
+        if any(value is not None for value in cartesian):
+            given |= {"x_m": 0.0 if x_m is None else x_m, "y_m": 0.0 if y_m is None else y_m}
+        else:
+            given |= {
+                "phi_r_m": 0.0 if phi_r_m is None else phi_r_m,
+                "phi_deg": 0.0 if phi_deg is None else phi_deg,
+            }
+        named = {k: np.atleast_1d(np.asarray(v, float)) for k, v in (given | columns).items()}
+        for name, column in named.items():
+            if name in given and not np.all(np.isfinite(column)):
+                raise InputError(f"{name}: a factor is not a finite number; all must be")
+        if np.any(named["h0_m"] <= 0):
+            raise InputError("h0_m: a gap is zero or negative; gaps must be positive")
+        try:
+            shape = np.broadcast_shapes(*{column.shape for column in named.values()})
+        except ValueError:
+            lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
+            raise InputError(f"factors of different lengths ({lengths}); give one length") from None
+        named = {
+            name: column if column.shape == shape else np.broadcast_to(column, shape)
+            for name, column in named.items()
+        }
+        if "x_m" in named:
+            named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
+            named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
+        else:
+            angle = np.radians(named["phi_deg"])
+            named["x_m"] = named["phi_r_m"] * np.cos(angle)
+            named["y_m"] = named["phi_r_m"] * np.sin(angle)
+        rest = {name: named.pop(name) for name in columns}
+        return cls(**named, columns=rest)
+
+    @property
+    def epsilon(self) -> Array:
+        """Excursion ratio hv/h0, shape (n,)."""
+        return self.hv_m / self.h0_m
+
+    @property
+    def phi_rad(self) -> Array:
+        """Direction of the finger's centre in radians, shape (n,)."""
+        return np.radians(self.phi_deg)
+
+    def column(self, name: str) -> Array:
+        """A factor, or a result of physics, by the name of its column, shape (n,).
+
+        Raises InputError where the points do not have it.
+        """
+        if name in self.columns:
+            return self.columns[name]
+        if name in FACTORS.values():
+            return np.asarray(getattr(self, name))
+        raise InputError(
+            f"{name}: the points lack this column; `squeezefilm limits` writes a table that has it"
+        )
+
+    def take(self, which: ArrayLike) -> Factors:
+        """Some of the points, by a mask or by indices."""
+        index = np.asarray(which)
+        own = {name: getattr(self, name)[index] for name in ("h0_m", "hv_m", *POSITION)}
+        return Factors(**own, columns={name: v[index] for name, v in self.columns.items()})
+
+    def __len__(self) -> int:
+        return len(self.h0_m)
+
+
+@dataclass(frozen=True)
+class ExpressionModel:
+    """One empirical model: its formula, its value and its gradient.
+
+    parameter_names are in the order of theta, parameter_units theirs; about says in words what the
+    model is.
+    """
+
+    name: str
+    expression: str
+    parameter_names: tuple[str, ...]
+    parameter_units: tuple[str, ...]
+    about: str = ""
+    place: str = "model"
+    """Where the expression was written, for messages."""
+
+    @cached_property
+    def parsed(self) -> Expression:
+        """The expression, read. Raises InputError where it is refused."""
+        names = (*FACTORS, *COLUMNS, *self.parameter_names)
+        return parse(self.expression, names=names, place=self.place)
+
+    @property
+    def column_names(self) -> tuple[str, ...]:
+        """The columns with results of physics that the model needs, besides the factors."""
+        return tuple(COLUMNS[name] for name in COLUMNS if name in self.parsed.names)
+
+    @property
+    def factor_names(self) -> tuple[str, ...]:
+        """The factors the model depends on, in the order of a design's columns.
+
+        A position is always two of them; Cartesian unless the expression is in polar form. Results
+        of physics depend on all factors.
+        """
+        used = {FACTORS[name] for name in FACTORS if name in self.parsed.names}
+        if used.intersection((*POLAR, "phi_rad")):
+            return ("h0_m", "hv_m", *POLAR)
+        if used.intersection(CARTESIAN) or self.column_names:
+            return ("h0_m", "hv_m", *CARTESIAN)
+        return ("h0_m", "hv_m")
+
+    @property
+    def is_centred(self) -> bool:
+        """Whether gap and amplitude are its only factors: a model of the centred finger."""
+        return self.factor_names == ("h0_m", "hv_m")
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the force is a linear function of the parameters, so that no search is needed."""
+        slopes = (derivative(self.parsed.root, name) for name in self.parameter_names)
+        return not any(
+            isinstance(part, Name) and part.name in self.parameter_names
+            for slope in slopes
+            for part in walk(slope)
+        )
+
+    @cached_property
+    def _value(self) -> Program:
+        return Program([self.parsed.root])
+
+    @cached_property
+    def _slopes(self) -> Program:
+        root = self.parsed.root
+        return Program([root, *(derivative(root, name) for name in self.parameter_names)])
+
+    def factors(self, points: ArrayLike) -> Factors:
+        """Factors from the rows of a design, shape (n, number of factors), in SI units."""
+        points = np.asarray(points, dtype=float)
+        if points.ndim != 2 or points.shape[1] != len(self.factor_names):
+            raise InputError(
+                f"a design for the {self.name} model has the columns "
+                f"{', '.join(self.factor_names)}; got an array of shape {points.shape}"
+            )
+        return Factors.of(**dict(zip(self.factor_names, points.T, strict=True)))
+
+    def evaluate(self, theta: ArrayLike, factors: Factors) -> Array:
+        """Force eta in newtons, from the model's expression.
+
+        theta has shape (p,) or, for a whole population, (m, p); the result has shape (n,) or
+        (m, n). Where the expression is undefined the result is NaN.
+        """
+        theta = self._checked(theta)
+        (value,) = self._value.run(self._inputs(theta, factors))
+        force_n = np.empty((*theta.shape[:-1], len(factors)))
+        force_n[...] = value
+        force_n[~np.isfinite(force_n)] = np.nan
+        return force_n
+
+    def gradient(self, theta: ArrayLike, factors: Factors) -> Array:
+        """Derivatives of eta with respect to theta, shape (n, p).
+
+        theta has shape (p,). Where the expression is undefined the row is NaN.
+        Raises InputError where the expression has a value and no finite derivative.
+        """
+        theta = self._checked(theta)
+        if theta.ndim != 1:
+            raise InputError(f"gradient takes one theta, not a population of {len(theta)}")
+        values = self._slopes.run(self._inputs(theta, factors))
+        rows = np.array([np.broadcast_to(value, len(factors)) for value in values]).T
+        known = np.isfinite(rows)
+        if known.all():
+            return rows[:, 1:]
+        defined = known[:, 0]
+        wrong = np.argwhere(defined[:, None] & ~known[:, 1:])
+        if len(wrong):
+            row, column = wrong[0]
+            raise InputError(
+                f"{self.place}: {self.expression!r} has no finite derivative with respect to "
+                f"{self.parameter_names[column]} {self.described(theta, factors, row)}"
+            )
+        return np.where(defined[:, None], rows[:, 1:], np.nan)
+
+    def described(self, theta: ArrayLike, factors: Factors, row: int) -> str:
+        """A point and the parameters there in words, for messages."""
+        names = (*self.factor_names, *self.column_names)
+        point = ", ".join(f"{name} {factors.column(name)[row]:g}" for name in names)
+        given = zip(self.parameter_names, np.asarray(theta, dtype=float), strict=True)
+        parameters = ", ".join(f"{name} = {value:g}" for name, value in given)
+        return f"at {point}" + (f", with {parameters}" if parameters else "")
+
+    def _checked(self, theta: ArrayLike) -> Array:
+        theta = np.asarray(theta, dtype=float)
+        count = len(self.parameter_names)
+        if theta.ndim not in (1, 2) or theta.shape[-1] != count:
+            raise InputError(
+                f"theta: the {self.name} model has {count} parameters; got shape {theta.shape}"
+            )
+        return theta
+
+    def _inputs(self, theta: Array, factors: Factors) -> dict[str, Array]:
+        parameters = {
+            name: theta[..., index, None] for index, name in enumerate(self.parameter_names)
+        }
+        used = {
+            name: factors.column(column)
+            for name, column in (FACTORS | COLUMNS).items()
+            if name in self.parsed.names
+        }
+        return parameters | used
+
+
+def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> ExpressionModel:
+    """A model from its entry in a library.
+
+    ``expression`` is its formula and ``parameters`` lists parameters that are not called t0, t1,
+    …, or maps parameters to their units; units that are not given are inferred. ``place`` is where
+    the entry stands, for messages.
+    Raises InputError naming the place, for an expression that is refused or whose units do not fit.
+    """
+    declared = settings.get("parameters", {})
+    known = (*FACTORS, *COLUMNS)
+    for parameter in declared:
+        if parameter in known or not re.fullmatch(r"[a-z][a-z0-9_]*", parameter):
+            raise InputError(
+                f"{place}.parameters: {parameter!r} cannot name a parameter; take letters, digits "
+                f"and _, and none of {', '.join(known)}"
+            )
+    usual = tuple(f"t{index}" for index in range(MOST_PARAMETERS))
+    where = f"{place}.expression"
+    expression = parse(
+        settings["expression"],
+        names=(*known, *declared, *usual),
+        known=", ".join((*known, *declared, "pi", "and the parameters t0, t1, …")),
+        place=where,
+    )
+    for parameter in declared:
+        if parameter not in expression.names:
+            raise InputError(f"{place}.parameters: {parameter!r} does not occur in the expression")
+    parameters = (
+        *declared,
+        *(each for each in usual if each in expression.names and each not in declared),
+    )
+    if len(parameters) > MOST_PARAMETERS:
+        raise InputError(
+            f"{where}: {len(parameters)} parameters; at most {MOST_PARAMETERS} are allowed"
+        )
+    units = {key: _unit_of(column) for key, column in (FACTORS | COLUMNS).items()}
+    if isinstance(declared, Mapping):
+        units |= {key: str(unit) for key, unit in declared.items() if unit is not None}
+    inferred = parameter_units(expression, units=units, parameters=parameters, place=where)
+    return ExpressionModel(
+        name=name,
+        expression=expression.text,
+        parameter_names=parameters,
+        parameter_units=tuple(inferred.values()),
+        about=settings.get("about", ""),
+        place=where,
+    )
+
+
+def _unit_of(column: str) -> str:
+    """A column's unit, which the end of its name tells; 1 for none."""
+    return UNITS_OF_SUFFIX.get(column.rsplit("_", 1)[-1], "1")
+
+
+@cache
+def library() -> Mapping[str, ExpressionModel]:
+    """The models of models.yaml, by name."""
+    entries = yaml.safe_load(LIBRARY.read_text(encoding="utf-8"))
+    return {name: make_model(name, entry, place=name) for name, entry in entries.items()}
+
+
+def get_model(name: str) -> ExpressionModel:
+    """The library's model of that name; raises InputError for an unknown one."""
+    models = library()
+    if name not in models:
+        raise InputError(f"model {name!r} is unknown; known are {', '.join(models)}")
+    return models[name]
+
+
+TWO_FACTOR = get_model("two_factor")
+FOUR_FACTOR = get_model("four_factor")

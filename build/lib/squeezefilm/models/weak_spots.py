@@ -1,0 +1,67 @@
+"""Where in the space of the experiment a model fails: the share of its squared error by thirds."""
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.models.force_model import Factors
+
+Array = NDArray[np.float64]
+
+THIRDS = ("low", "middle", "high")
+QUANTITIES = {
+    "h0_m": "gap h0",
+    "hv_m": "amplitude hv",
+    "epsilon": "ratio hv/h0",
+    "phi_r_m": "distance of the finger from the centre",
+    "phi_deg": "direction of the finger",
+}
+COLUMNS = ("quantity", "third", "least", "largest", "share_of_points", "share_of_squares", "bias_n")
+
+
+def weak_spots(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
+    """Shares of the squared error in each third of each quantity.
+
+    factors hold n points that fill the space evenly, error_n the errors there in newtons. Each
+    quantity's range is cut at its terciles over the points; one that does not vary is left out.
+    bias_n is the mean error. Raises InputError where no error is known.
+    """
+    error = np.asarray(error_n, dtype=float)
+    known = np.isfinite(error)
+    squares = np.where(known, error, 0.0) ** 2
+    if not squares.sum() > 0:
+        raise InputError("weak spots: no error is known, or all are zero")
+    rows = []
+    for name in QUANTITIES:
+        values = np.asarray(getattr(factors, name), dtype=float)
+        if np.ptp(values) == 0:
+            continue
+        cuts = np.quantile(values, [1 / 3, 2 / 3])
+        part = np.digitize(values, cuts)
+        for index, third in enumerate(THIRDS):
+            inside = (part == index) & known
+            if not inside.any():
+                continue
+            rows.append(
+                {
+                    "quantity": name,
+                    "third": third,
+                    "least": values[inside].min(),
+                    "largest": values[inside].max(),
+                    "share_of_points": inside.sum() / known.sum(),
+                    "share_of_squares": squares[inside].sum() / squares.sum(),
+                    "bias_n": error[inside].mean(),
+                }
+            )
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def in_words(spots: pd.DataFrame) -> str:
+    """The two quantities whose thirds hold the largest shares of the squared error."""
+    ordered = spots.sort_values("share_of_squares", ascending=False, kind="stable")
+    return "; ".join(
+        f"{worst['share_of_squares']:.0%} of the squared error lies in the {worst['third']} "
+        f"third of the {QUANTITIES[worst['quantity']]}"
+        for worst in ordered.drop_duplicates("quantity").head(2).to_dict("records")
+    )

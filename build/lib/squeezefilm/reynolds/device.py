@@ -1,0 +1,238 @@
+"""The OpenCL device that solves, and the programs built for it."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds import unknown_processor
+
+DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
+ALIGNMENT_BYTES = 64
+BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable", "-cl-kernel-arg-info")
+# Kernels' arguments that are numbers: told of their types, pyopencl need not try them out.
+NUMBER_TYPES: dict[str, Any] = {"int": np.int32, "ulong": np.uint64, "double": np.float64}
+
+
+@dataclass(frozen=True)
+class Device:
+    """An OpenCL device with a queue, and how the solver spreads over it.
+
+    Attributes:
+        context, queue: pyopencl objects; the queue runs kernels one after the other.
+        transfers: a queue for what comes back, which need not wait for kernels behind its own.
+        name: platform and device name, as reported by ``doctor`` and kept with results.
+        groups: work-groups to launch, each with a workspace of its own.
+        work_items: work-items per group; 1 on a processor, whose groups are cores.
+        memory_bytes: the device's own memory.
+        processor: whether it is one, and not an accelerator.
+        rooms: the buffer that kernels work in, kept from launch to launch.
+    """
+
+    context: Any
+    queue: Any
+    transfers: Any
+    name: str
+    groups: int
+    work_items: int
+    memory_bytes: int
+    processor: bool = True
+    rooms: list[Any] = field(default_factory=list, compare=False)
+
+    def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
+        """Groups to launch: no more than scenes, nor than half the memory has room for."""
+        room = self.memory_bytes // 2 // workspace_bytes
+        return max(1, min(self.groups, scenes, room))
+
+    def sent(self, values: np.ndarray) -> Any:
+        """A buffer that holds a copy of ``values``."""
+        import pyopencl as cl
+
+        flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
+        return cl.Buffer(self.context, flags, hostbuf=values)
+
+    def shared(self, values: np.ndarray) -> Any:
+        """A buffer that starts as ``values``; ``fetch`` brings back what kernels make of it.
+
+        A device that works in the host's memory, like a processor, gets the array itself, which
+        must then come from ``aligned`` if kernels read it in vectors.
+        """
+        import pyopencl as cl
+
+        kind = cl.mem_flags.USE_HOST_PTR if self._in_host_memory else cl.mem_flags.COPY_HOST_PTR
+        return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | kind, hostbuf=values)
+
+    def fetch(self, values: np.ndarray, buffer: Any, *, after: Any) -> None:
+        """Wait for the event of a kernel and bring a shared buffer's contents into its array."""
+        import pyopencl as cl
+
+        if not self._in_host_memory:
+            cl.enqueue_copy(self.transfers, values, buffer, wait_for=[after])
+            return
+        mapped, _ = cl.enqueue_map_buffer(
+            self.transfers,
+            buffer,
+            cl.map_flags.READ,
+            0,
+            values.shape,
+            values.dtype,
+            wait_for=[after],
+            is_blocking=True,
+        )
+        mapped.base.release(self.transfers)
+
+    def room(self, numbers: int) -> Any:
+        """A buffer of so many doubles, or more, for a kernel to work in.
+
+        All kernels get the same one, for the queue runs them one after the other, and it is kept:
+        new room is dear, the system clears its pages first.
+        """
+        import pyopencl as cl
+
+        if not self.rooms or self.rooms[0].size < 8 * numbers:
+            self.rooms.clear()
+            self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 8 * numbers))
+        return self.rooms[0]
+
+    @property
+    def _in_host_memory(self) -> bool:
+        return bool(self.context.devices[0].host_unified_memory)
+
+
+def aligned(count: int) -> np.ndarray:
+    """Room for doubles that kernels can read as vectors, shape (count,)."""
+    room = np.empty(count + ALIGNMENT_BYTES // 8)
+    start = -room.ctypes.data % ALIGNMENT_BYTES // 8
+    return room[start : start + count]
+
+
+def choose_device(
+    configured: str = "auto", *, option: str | None = None, work_items: int | None = None
+) -> Device:
+    """The device whose platform or name contains what is asked for (any case).
+
+    The command line's ``option`` goes before the environment variable SQUEEZEFILM_DEVICE, and that
+    before what is ``configured``. ``auto`` takes a processor: another device is taken when it is
+    named, and has to prove itself (self_test.py). Among those that match, GPUs go first.
+
+    Raises:
+        InputError: when no matching device computes in double precision.
+    """
+    return _choose_device(option or os.environ.get(DEVICE_VARIABLE) or configured, work_items)
+
+
+@cache
+def _choose_device(wanted: str, work_items: int | None) -> Device:
+    import pyopencl as cl
+
+    found = []
+    rejected = []
+    for device in list_devices():
+        name = device_name(device)
+        if wanted != "auto" and wanted.lower() not in name.lower():
+            rejected.append(f"{name} (not asked for)")
+        elif not device.double_fp_config:
+            rejected.append(f"{name} (no double precision)")
+        elif wanted == "auto" and not device.type & cl.device_type.CPU:
+            rejected.append(f"{name} (no processor: name it to take it)")
+        else:
+            found.append(device)
+    if not found:
+        others = "; ".join(rejected) or "none at all"
+        raise InputError(
+            f"no OpenCL device with double precision matches {wanted!r}; devices found: {others}. "
+            'An embedded one comes with: pip install "pyopencl[pocl]"'
+        )
+    found.sort(key=lambda device: not device.type & cl.device_type.GPU)
+    device = found[0]
+    context = cl.Context([device])
+    on_gpu = bool(device.type & cl.device_type.GPU)
+    return Device(
+        context=context,
+        queue=cl.CommandQueue(context),
+        transfers=cl.CommandQueue(context),
+        name=device_name(device),
+        groups=device.max_compute_units * (4 if on_gpu else 1),
+        work_items=work_items or (128 if on_gpu else 1),
+        memory_bytes=device.global_mem_size,
+        processor=bool(device.type & cl.device_type.CPU),
+    )
+
+
+def list_devices() -> list[Any]:
+    """All OpenCL devices of all platforms; an installation without a platform has none."""
+    import pyopencl as cl
+
+    try:
+        return [device for platform in cl.get_platforms() for device in platform.get_devices()]
+    except cl.LogicError:
+        return []
+
+
+def device_name(device: Any) -> str:
+    """Platform and device in one line."""
+    return f"{device.platform.name.strip()}: {device.name.strip()}"
+
+
+def describe(device: Device) -> dict[str, Any]:
+    """What ``doctor`` and a run card say of the device."""
+    handle = device.context.devices[0]
+    return {
+        "device": device.name,
+        "version": handle.version.strip(),
+        "driver": handle.driver_version.strip(),
+        "double_precision": bool(handle.double_fp_config),
+        "compute_units": handle.max_compute_units,
+        "work_items_per_group": device.work_items,
+        "global_memory_bytes": handle.global_mem_size,
+    }
+
+
+def kernel(
+    device: Device,
+    name: str,
+    *,
+    sources: tuple[str, ...],
+    header: str = "",
+    defines: tuple[str, ...] = (),
+) -> Any:
+    """A kernel of a program made of a text and some files of this folder, joined in order.
+
+    The number of work-items per group is always defined. Kernels are
+    kept for the process and programs, by pyopencl and the driver, on disk.
+    """
+    defines = (f"WORK_ITEMS={device.work_items}", *defines)
+    return _kernel(device.context, name, header, sources, defines)
+
+
+@cache
+def _kernel(
+    context: Any, name: str, header: str, sources: tuple[str, ...], defines: tuple[str, ...]
+) -> Any:
+    import pyopencl as cl
+
+    made = cl.Kernel(_program(context, header, sources, defines), name)
+    types = [made.get_arg_info(k, cl.kernel_arg_info.TYPE_NAME) for k in range(made.num_args)]
+    made.set_scalar_arg_dtypes([NUMBER_TYPES.get(str(each)) for each in types])
+    return made
+
+
+@cache
+def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple[str, ...]) -> Any:
+    import pyopencl as cl
+
+    texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
+    processor = unknown_processor.named(context.devices[0])
+    if processor:
+        defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
+    options = [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", cl.CompilerWarning)
+        return cl.Program(context, "\n".join(texts)).build(options=options)

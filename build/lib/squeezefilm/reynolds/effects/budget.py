@@ -1,0 +1,305 @@
+"""The budget of a force: what the film equation leaves out, effect by effect, in per cent of it.
+
+Every effect is taken at first order about the state of the scene's own equation on a coarse grid:
+one adjoint solve tells what any source of mass does to the mean force (sensitivity.py), and the
+effects are such sources. Only sliding asks for more states. An effect is good to about a fiftieth
+of itself as a first order; what that is good to is said beside it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from math import isfinite, nan, sqrt
+
+import numpy as np
+
+from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.effects import heat, inertia, rim, sliding, slip
+from squeezefilm.reynolds.effects.fields import Fields
+from squeezefilm.reynolds.effects.sensitivity import answer, flow_of, sensitivity
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.modes.galerkin import wants_modes
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.launch import STATUS, solve_batch
+from squeezefilm.reynolds.periodic.refinement import grid_for
+from squeezefilm.reynolds.periodic.resolution import unseen_profile
+from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
+
+# Relative error of the force on the grids taken, and of the iterations on them.
+GRID_TOLERANCE = 1e-3
+STATE_TOLERANCE = 1e-4
+ADJOINT_TOLERANCE = 1e-5
+# A derivative by two states' difference asks for more.
+SLIDING_TOLERANCE = 1e-8
+# Numbers of a field, all scenes together: more fall out of the caches.
+MOST_NUMBERS = 2**15
+# What the first order misses, as a share of it for each unit of the modified Reynolds number:
+# inertia by one mode at Re 0.45–7.2, heat by a resolved temperature at 0.2–1.8 (T10, T11).
+INERTIA_MISSED = 1 / 8
+HEAT_MISSED = 1 / 3
+# Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
+SLIP_MISSED = 1.2
+# Of the profile that passes, for each unit of the squared bearing number (marched on a strip).
+PASSING_MISSED = 4.0
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect on the mean force.
+
+    Attributes:
+        percent: of the force, at first order, that of a passing profile at second; NaN where it is
+            not known.
+        missed_percent: size of what higher orders add; NaN where that is not known.
+        in_force: the force has it already.
+    """
+
+    percent: float
+    missed_percent: float = nan
+    in_force: bool = False
+
+    @property
+    def usable(self) -> bool:
+        """Whether the first order is more than what it misses."""
+        return not abs(self.missed_percent) > abs(self.percent) / 2
+
+
+UNKNOWN = Effect(nan)
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The effects on one scene's force; ``rim`` is for the coefficient C = 1.
+
+    Attributes:
+        inertia: of the gas.
+        heat: of compression and friction, between walls at ambient temperature.
+        slip: rarefaction by Fukui and Kaneko's flow factor, or as the scene has it.
+        kinetic: what slip of first order lacks of that flow factor, where the scene has slip.
+        rim: loss of pressure where gas streams in; C lies between rim.LEAST and rim.MOST.
+        bearing: of a finger that slides, for a profile that stands under it.
+        passing: the profile of the surface moving past a finger that slides.
+        basis: what the numbers are of, if not of the scene itself.
+        status: ``ok``, or why there are none.
+    """
+
+    inertia: Effect = UNKNOWN
+    heat: Effect = UNKNOWN
+    slip: Effect = UNKNOWN
+    kinetic: Effect = UNKNOWN
+    rim: Effect = UNKNOWN
+    bearing: Effect = UNKNOWN
+    passing: Effect = UNKNOWN
+    basis: str = ""
+    status: str = "ok"
+
+    @property
+    def effects(self) -> dict[str, Effect]:
+        return {name: getattr(self, name) for name in NAMES}
+
+    def sums(self, *, left_out_only: bool) -> tuple[float, float]:
+        """Least and most of all effects together, or of those that the force does not have.
+
+        The rim's coefficient makes the band. NaN where an effect is not known.
+        """
+        some = {
+            name: each.percent
+            for name, each in self.effects.items()
+            if not (left_out_only and each.in_force)
+        }
+        entrance = some.pop("rim")
+        ends = [sum(some.values()) + entrance * share for share in (rim.LEAST, rim.MOST)]
+        return min(ends), max(ends)
+
+
+NAMES = tuple(each.name for each in fields(Budget) if each.type == "Effect")
+
+
+def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Budget]:
+    """The budget of each scene's force.
+
+    A pad or a gap that the grid kernel does not know is answered for the flat rectangle inside it,
+    and says so.
+    """
+    found: dict[int, Budget] = {}
+    groups: dict[tuple[Terms, Grid, float], list[int]] = defaultdict(list)
+    like = [_on_a_grid(scene) for scene in scenes]
+    # Every effect is one about the film without inertia, and inertia is one of them.
+    without = [replace(each, gas=replace(each.gas, inertia="none")) for each in like]
+    for index, scene in enumerate(without):
+        needs = needs_of(scene)
+        if scene.epsilon == 0:
+            found[index] = Budget(status="no vibration, no force")
+        elif reason := unseen_profile(needs, scene.finger, tolerance=GRID_TOLERANCE):
+            found[index] = Budget(status=reason)
+        else:
+            grid = grid_for(scene, needs, tolerance=GRID_TOLERANCE)
+            groups[needs.terms, grid, scene.aspect].append(index)
+    for (_, grid, _), group in groups.items():
+        step = max(1, MOST_NUMBERS // grid.count)
+        for start in range(0, len(group), step):
+            some = group[start : start + step]
+            chosen = device or choose_device()
+            batch = _budgets([without[index] for index in some], grid, device=chosen)
+            found |= dict(zip(some, batch, strict=True))
+    return [
+        replace(
+            found[index],
+            inertia=replace(found[index].inertia, in_force=scene.gas.inertia == "included"),
+            basis="" if like[index] is scene else BASIS,
+        )
+        for index, scene in enumerate(scenes)
+    ]
+
+
+NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
+BASIS = "the flat rectangle inside, not of this pad and gap"
+
+
+def _on_a_grid(scene: Scene) -> Scene:
+    """The scene, or one like it with the flat rectangle inside its pad."""
+    if not wants_modes(scene):
+        return scene
+    finger, share = scene.finger, sqrt(0.5) if scene.finger.shape == "ellipse" else 1.0
+    flat = replace(
+        finger,
+        shape="rectangle",
+        length_x_m=share * finger.length_x_m,
+        length_y_m=share * finger.length_y_m,
+        gap=GapShape(),
+    )
+    return replace(scene, finger=flat)
+
+
+def _budgets(scenes: Sequence[Scene], grid: Grid, *, device: Device) -> list[Budget]:
+    """Budgets of scenes of like terms, on one grid."""
+    slides = any(scene.bearing_number != 0 for scene in scenes)
+    tolerance = SLIDING_TOLERANCE if slides else STATE_TOLERANCE
+    films, status = _solved(scenes, grid, tolerance=tolerance, device=device)
+    with np.errstate(all="ignore"):
+        sensitive = sensitivity(films, tolerance=ADJOINT_TOLERANCE)
+        found = np.isfinite(sensitive).all(axis=(1, 2, 3))
+        shares = _shares(scenes, films, sensitive)
+        if slides:
+            shares |= _shares_of_sliding(scenes, films, device=device)
+    return [
+        _budget(
+            scene,
+            {name: float(100 * share[k]) for name, share in shares.items()},
+            reason if reason != "ok" or found[k] else NOT_FOUND,
+        )
+        for k, (scene, reason) in enumerate(zip(scenes, status, strict=True))
+    ]
+
+
+def _solved(
+    scenes: Sequence[Scene], grid: Grid, *, tolerance: float, device: Device
+) -> tuple[Fields, list[str]]:
+    """The films, and how each scene's iteration ended."""
+    problems = problems_of(scenes, grid, tolerance=tolerance)
+    states = solve_batch(problems=problems, grid=grid, device=device)
+    return Fields(problems, grid, states.overpressure), [STATUS[each] for each in states.status]
+
+
+def _shares(scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray) -> dict[str, np.ndarray]:
+    """Change of the mean force by each effect that needs no more than the films, relative to it."""
+    gases = [scene.gas for scene in scenes]
+    reynolds = np.array([scene.modified_reynolds for scene in scenes])
+    slips = np.array([scene.gas.rarefaction != "none" for scene in scenes])
+    heating = reynolds * [(1 - 1 / gas.heat_capacity_ratio) * gas.prandtl for gas in gases]
+    entrance = rim.pressure_rise(films, reynolds=reynolds)
+    kinetic = np.array([flow_coefficients(_kinetic(each)) for each in scenes])
+    having = [
+        each if slips_ else _kinetic(each) for each, slips_ in zip(scenes, slips, strict=True)
+    ]
+    rarefied = np.array([flow_coefficients(each) for each in having])
+    sources = {
+        "inertia": inertia.source(
+            films,
+            reynolds=reynolds,
+            knudsen=np.where(slips, [scene.knudsen for scene in scenes], 0.0),
+        ),
+        "heat": heat.source(
+            films,
+            heating=heating,
+            viscosity_exponent=np.array([gas.viscosity_exponent for gas in gases]),
+        ),
+        "slip": slip.source(films, coefficients=rarefied),
+        "kinetic": slip.source(films, coefficients=kinetic),
+        "rim": -flow_of(films, entrance),
+    }
+    change = {name: answer(films, sensitive, source) for name, source in sources.items()}
+    change["kinetic"] = change["kinetic"] - change["slip"]
+    change["rim"] = change["rim"] + films.mean(entrance)
+    force = films.mean(films.pressure - 1)
+    return {name: each / force for name, each in change.items()}
+
+
+def _kinetic(scene: Scene) -> Scene:
+    """The scene with rarefaction as it is known best."""
+    return replace(scene, gas=replace(scene.gas, rarefaction="fukui-kaneko"))
+
+
+def _shares_of_sliding(
+    scenes: Sequence[Scene], films: Fields, *, device: Device
+) -> dict[str, np.ndarray]:
+    """Change of the mean force by sliding, relative to it; by the bearing term at every order."""
+    force = films.mean(films.pressure - 1)
+
+    def solved(others: Sequence[Scene]) -> Fields:
+        found, status = _solved(others, films.grid, tolerance=SLIDING_TOLERANCE, device=device)
+        found.pressure[np.array([each != "ok" for each in status])] = nan
+        return found
+
+    rest = solved([sliding.at_rest(scene) for scene in scenes])
+    places = zip(*map(sliding.line, scenes), strict=True)
+    first, second = sliding.change_by_passing(
+        [solved(place) for place in places],
+        bearing=np.array([scene.bearing_number for scene in scenes]),
+    )
+    return {
+        "bearing": (force - rest.mean(rest.pressure - 1)) / force,
+        "passing": (first + second) / force,
+    }
+
+
+def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
+    """A scene's budget from its effects; without those that its gas does not allow."""
+    if status != "ok":
+        return Budget(status=status)
+    if not all(map(isfinite, percent.values())):
+        return Budget(status="no force to compare with")
+    reynolds = scene.modified_reynolds
+    slides = scene.bearing_number != 0
+    return Budget(
+        inertia=_effect(percent["inertia"], missed=INERTIA_MISSED * reynolds),
+        heat=UNKNOWN  # a polytropic exponent stands for it
+        if scene.gas.polytropic_exponent != 1
+        else _effect(percent["heat"], missed=HEAT_MISSED * reynolds),
+        slip=_effect(
+            percent["slip"],
+            missed=SLIP_MISSED * 6 * scene.knudsen,
+            in_force=scene.gas.rarefaction != "none",
+        ),
+        kinetic=_effect(percent["kinetic"], missed=SLIP_MISSED * 6 * scene.knudsen),
+        rim=Effect(percent["rim"]),
+        bearing=Effect(percent["bearing"] if slides else 0.0, 0.0, in_force=slides),
+        passing=_passing(scene, percent),
+    )
+
+
+def _passing(scene: Scene, percent: dict[str, float]) -> Effect:
+    if scene.bearing_number == 0:
+        return Effect(0.0, 0.0)
+    if scene.gas.polytropic_exponent != 1:
+        return UNKNOWN  # its second order is that of an isothermal gas
+    return _effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)
+
+
+def _effect(percent: float, *, missed: float, in_force: bool = False) -> Effect:
+    return Effect(percent, missed * abs(percent), in_force)

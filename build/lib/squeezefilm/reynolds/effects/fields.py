@@ -1,0 +1,168 @@
+"""A batch of periodic films as fields on all nodes of one grid, rim included, with derivatives.
+
+Host arithmetic on coarse grids: an effect of a per cent need not be known to more than two digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.problems import Problems
+from squeezefilm.reynolds.spectral import Axis
+
+
+@dataclass(frozen=True)
+class Lines:
+    """One axis with its rim nodes: derivatives and the integral over [0, 1].
+
+    A folded axis holds one rim node and the first half of the others, on which a function even
+    about the middle has an odd derivative and an odd one an even.
+
+    Attributes:
+        of_even, of_odd: first derivative of such functions, shape (m, m), m nodes with the rim;
+            the same on an axis that is not folded.
+        weights: of the integral of an even function, shape (m,), rim included.
+    """
+
+    of_even: np.ndarray
+    of_odd: np.ndarray
+    weights: np.ndarray
+
+
+def lines_of(axis: Axis) -> Lines:
+    """An axis' lines, one rim node for both if it is folded."""
+    if not axis.folded:
+        end = (1 - axis.weights.sum()) / 2  # a constant's integral is that constant
+        return Lines(axis.derivative, axis.derivative, np.concatenate([[end], axis.weights, [end]]))
+    half = axis.points + 1
+    near, far = axis.derivative[:half, :half], axis.derivative[:half, : half - 1 : -1]
+    weights = np.concatenate([[1 - axis.weights.sum()], axis.weights])
+    return Lines(near + far, near - far, weights)
+
+
+@dataclass(frozen=True)
+class Vector:
+    """A vector field in the plane of the film: its parts along x and y, each (scenes, x, y, t)."""
+
+    x: np.ndarray
+    y: np.ndarray
+
+    def times(self, factor: np.ndarray) -> Vector:
+        return Vector(factor * self.x, factor * self.y)
+
+    def plus(self, other: Vector) -> Vector:
+        return Vector(self.x + other.x, self.y + other.y)
+
+    def dot(self, other: Vector) -> np.ndarray:
+        return np.asarray(self.x * other.x + self.y * other.y)
+
+
+class Fields:
+    """Films of like terms on one grid, each with its gap H, pressure P and density ρ.
+
+    Lengths in units of the finger's x side, time of 1/ω, pressure and density of ambient ones.
+    Every field has the shape (scenes, x, y, t), rim nodes included. Numbers of scenes come as
+    columns, to go with fields: ``number``.
+    """
+
+    def __init__(self, problems: Problems, grid: Grid, overpressure: np.ndarray) -> None:
+        """Args: overpressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
+        self.problems, self.grid = problems, grid
+        self.along_x, self.along_y = lines_of(grid.x), lines_of(grid.y)
+        self._rim = [(0, 0), *((1, 0 if axis.folded else 1) for axis in (grid.x, grid.y)), (0, 0)]
+        self.inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))
+        s = problems.amplitude[problems.places][
+            :, : len(self.along_x.weights), : len(self.along_y.weights), None
+        ]
+        self.gap = 1 + self.number(problems.epsilon) * s * np.sin(grid.t.nodes)
+        self.pressure = 1 + self.with_rim(overpressure)
+
+    def number(self, values: np.ndarray) -> np.ndarray:
+        """One number of each scene, to go with fields."""
+        return np.asarray(values, dtype=float)[:, None, None, None]
+
+    def numbers(self, name: str, *, absent: float) -> np.ndarray:
+        """A number that a term gives the scenes, or what it is without the term."""
+        table = self.problems.numbers
+        known = name in (table.dtype.names or ())
+        return self.number(table[name] if known else np.full(len(table), absent))
+
+    def with_rim(self, values: np.ndarray) -> np.ndarray:
+        """Values at the unknowns with zeros on the rim."""
+        return np.pad(values, self._rim)
+
+    @cached_property
+    def sigma(self) -> np.ndarray:
+        return self.number(self.problems.sigma)
+
+    @cached_property
+    def density(self) -> np.ndarray:
+        exponent = self.numbers("inverse_exponent", absent=1.0)
+        return np.asarray(self.pressure**exponent)
+
+    @cached_property
+    def density_slope(self) -> np.ndarray:
+        """dρ/dP."""
+        exponent = self.numbers("inverse_exponent", absent=1.0)
+        return np.asarray(exponent * self.density / self.pressure)
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """Hρ, the mass of gas per area."""
+        return np.asarray(self.gap * self.density)
+
+    @cached_property
+    def velocity(self) -> Vector:
+        """Mean velocity over the gap by pressure alone, ū = −(1/σ) Σ c_k H^(2−k) ρ^(−k) ∇P."""
+        flow = self.problems.numbers["flow"]
+        factor = sum(
+            self.number(flow[:, k]) * self.gap ** (2 - k) * self.density ** (-k)
+            for k in range(flow.shape[1])
+        )
+        return self.gradient(self.pressure - 1).times(-factor / self.sigma)
+
+    def flux_factor(self, coefficients: np.ndarray) -> np.ndarray:
+        """Σ c_k H^(3−k) ρ^(1−k) for coefficients of shape (scenes, terms)."""
+        parts = [
+            self.number(coefficients[:, k]) * self.gap ** (3 - k) * self.density ** (1 - k)
+            for k in range(coefficients.shape[1])
+        ]
+        return np.sum(parts, axis=0)
+
+    def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
+        """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
+        return along_x(self.along_x.of_odd if odd else self.along_x.of_even, values)
+
+    def y_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
+        matrix = self.along_y.of_odd if odd else self.along_y.of_even
+        return along_y(matrix / self.problems.aspect, values)
+
+    def t_derivative(self, values: np.ndarray) -> np.ndarray:
+        return np.asarray(values @ self.grid.t.derivative.T)
+
+    def gradient(self, values: np.ndarray) -> Vector:
+        return Vector(self.x_derivative(values), self.y_derivative(values))
+
+    def divergence(self, flux: Vector) -> np.ndarray:
+        return self.x_derivative(flux.x, odd=True) + self.y_derivative(flux.y, odd=True)
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Mean over film and period, shape (scenes,)."""
+        along_rim = (self.along_x.weights, self.along_y.weights)
+        return np.asarray(np.einsum("sxyt,x,y->s", values, *along_rim) / self.grid.nt)
+
+
+def along_x(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix (m, n) along the first axis of fields (scenes, n, y, t)."""
+    scenes, nodes = values.shape[:2]
+    product = matrix @ values.reshape(scenes, nodes, -1)
+    return np.asarray(product.reshape(scenes, len(matrix), *values.shape[2:]))
+
+
+def along_y(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix (m, n) along the second axis of fields (scenes, x, n, t)."""
+    return np.asarray(matrix @ values)

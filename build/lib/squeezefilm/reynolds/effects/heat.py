@@ -1,0 +1,32 @@
+"""Heat at first order: an isothermal film whose walls stay at ambient temperature (T11).
+
+Compression heats the gas by a = ∂P/∂T and friction by b = σ|ū|²/H², and conduction across the gap
+takes it away. With β = ((γ − 1)/γ) Pr Re the gas is warmer by β H² (a/12 − b/20) of the ambient
+temperature in the mean over the gap: so much less gas is in it, and the flow through it changes by
+its density and viscosity.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from squeezefilm.reynolds.effects.fields import Fields
+
+
+def source(films: Fields, *, heating: np.ndarray, viscosity_exponent: np.ndarray) -> np.ndarray:
+    """Source of mass on all nodes.
+
+    Args:
+        heating: β of each scene.
+        viscosity_exponent: κ of viscosity μ ~ temperature^κ.
+    """
+    velocity = films.velocity
+    heating, exponent = films.number(heating), films.number(viscosity_exponent)
+    compression = films.t_derivative(films.pressure)
+    friction = films.sigma * velocity.dot(velocity) / films.gap**2
+    warming = heating * films.gap**2 * (compression / 12 - friction / 20)
+    lighter = 6 * (compression / 60 - 3 * friction / 280)
+    thicker = 3 * exponent * (compression / 60 - friction / 140)
+    slower = velocity.times(-heating * films.mass * films.gap**2 * (lighter + thicker))
+    missing = films.t_derivative(films.mass * warming)
+    return films.sigma * (films.divergence(slower) - missing)

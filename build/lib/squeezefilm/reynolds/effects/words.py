@@ -1,0 +1,106 @@
+"""A budget in words and as a row of a table."""
+
+from __future__ import annotations
+
+from math import isnan
+
+from squeezefilm.io.tables import THIS_SCENE
+from squeezefilm.reynolds.effects import rim
+from squeezefilm.reynolds.effects.budget import Budget, Effect
+
+# Per cent of the force, from which on an effect that is left out is spoken of.
+LEAST_PERCENT = 0.5
+ABOVE = " (first order, above its range)"
+CALLED = {
+    "inertia": "inertia",
+    "heat": "heat",
+    "slip": "slip",
+    "kinetic": "what first-order slip lacks",
+    "rim": "the rim's entrance loss",
+    "bearing": "sliding",
+    "passing": "the profile that passes a sliding finger",
+}
+
+
+def notes_of_budget(budget: Budget) -> list[str]:
+    """What is left out and moves the force by half a per cent or more; or why that is not known."""
+    if budget.status != "ok":
+        return [f"what the equation leaves out is not known: {budget.status}"]
+    basis = f"; of {budget.basis}" if budget.basis else ""
+    return [
+        f"{CALLED[name]}, left out, {_said(name, effect)}{basis}"
+        for name, effect in budget.effects.items()
+        if not effect.in_force and _reach(name, effect) >= LEAST_PERCENT
+    ]
+
+
+def budget_text(budget: Budget) -> str:
+    """Every effect and their sum on one line."""
+    if budget.status != "ok":
+        return f"not known: {budget.status}"
+    shown = [_shown(name, effect) for name, effect in budget.effects.items() if effect.percent != 0]
+    least, most = budget.sums(left_out_only=True)
+    left_out = "not known" if isnan(least) else _band(least, most)
+    if not all(effect.usable for effect in budget.effects.values()):
+        left_out += ABOVE
+    basis = f" (of {budget.basis})" if budget.basis else ""
+    return f"{', '.join(shown)}; left out in all {left_out}{basis}"
+
+
+def budget_row(budget: Budget) -> dict[str, object]:
+    """A budget as columns of a table, in per cent of the force.
+
+    ``…_missed_percent`` is the size of what higher orders add, where it is known; the rim is for
+    C = 1, and in the sums' ends for both ends of C. ``in_force`` names what the force has already,
+    ``above_range`` what is too large for a first order.
+    """
+    row: dict[str, object] = {}
+    for name, effect in budget.effects.items():
+        row[f"{name}_percent"] = effect.percent
+        if name in ("inertia", "heat", "slip", "kinetic", "passing"):
+            row[f"{name}_missed_percent"] = effect.missed_percent
+    for what, only in (("sum", False), ("left_out", True)):
+        ends = budget.sums(left_out_only=only)
+        row |= {f"{what}_{end}_percent": value for end, value in zip(ENDS, ends, strict=True)}
+    effects = budget.effects.items()
+    return row | {
+        "in_force": "; ".join(name for name, each in effects if each.in_force),
+        "above_range": "; ".join(name for name, each in effects if not each.usable),
+        "basis": budget.basis or THIS_SCENE,
+        "status": budget.status,
+    }
+
+
+ENDS = ("least", "most")
+
+
+def _reach(name: str, effect: Effect) -> float:
+    """Most that an effect may change, in per cent; 0 where it is not known."""
+    size = abs(effect.percent) * (rim.MOST if name == "rim" else 1.0)
+    return 0.0 if isnan(size) else size
+
+
+def _said(name: str, effect: Effect) -> str:
+    change = "takes" if effect.percent < 0 else "adds"
+    size = abs(effect.percent)
+    if name == "rim":
+        return f"{change} {rim.LEAST * size:.2g} to {rim.MOST * size:.2g} % of the force"
+    if not effect.usable:
+        return f"{change} part of the force: {size:.2g} % at first order, which is above its range"
+    missed = effect.missed_percent
+    return f"{change} {size:.2g} % of the force at first order (higher ones: {missed:.1g} %)"
+
+
+def _shown(name: str, effect: Effect) -> str:
+    label = CALLED[name].removeprefix("the ")
+    if isnan(effect.percent):
+        return f"{label} not known"
+    if name == "rim":
+        ends = sorted((rim.LEAST * effect.percent, rim.MOST * effect.percent), key=abs)
+        return f"{label} {_band(*ends)}"
+    above = "" if effect.usable else ABOVE
+    return f"{label} {effect.percent:+.2g} %{', in it' if effect.in_force else ''}{above}"
+
+
+def _band(first: float, last: float) -> str:
+    return f"{first:+.2g} to {last:+.2g} %"

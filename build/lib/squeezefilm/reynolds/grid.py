@@ -1,0 +1,130 @@
+"""A scene's grid in space and time, and what the kernels read of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from squeezefilm.reynolds.layout import Joined, joined
+from squeezefilm.reynolds.spectral import Axis, Period, axis, period
+from squeezefilm.reynolds.terms import Terms
+
+# Nodes across the finger beyond which none is tried: there rounding begins to show at 1e-6, and a
+# scene takes minutes.
+MOST_SPACE = 320
+# Names of the matrices that interpolate the pressure to a finer grid.
+CARRYING = ("carry_t", "carry_x", "carry_y")
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Collocation points per direction, and which directions are folded by symmetry.
+
+    ``nx`` and ``ny`` count unknowns: a folded axis has half as many as it has nodes.
+    """
+
+    nx: int
+    ny: int
+    nt: int
+    fold_x: bool
+    fold_y: bool
+
+    @property
+    def x(self) -> Axis:
+        return axis(self.nx, self.fold_x)
+
+    @property
+    def y(self) -> Axis:
+        return axis(self.ny, self.fold_y)
+
+    @property
+    def t(self) -> Period:
+        return period(self.nt)
+
+    @property
+    def positions(self) -> tuple[np.ndarray, np.ndarray]:
+        """All nodes x, y across the finger, ends and mirror images included."""
+        return _positions(self.x, self.y)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        return self.nx, self.ny, self.nt
+
+    @property
+    def count(self) -> int:
+        """Number of unknowns."""
+        return self.nx * self.ny * self.nt
+
+    def sees(self, nodes_x: int, nodes_y: int) -> bool:
+        """Whether it has so many nodes across the finger along x and y."""
+        return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
+
+    def finer_than(self, other: Grid) -> bool:
+        """In every direction: only then does the difference between two grids show every error."""
+        return all(mine > its for mine, its in zip(self.shape, other.shape, strict=True))
+
+
+@lru_cache(maxsize=256)
+def _positions(x: Axis, y: Axis) -> tuple[np.ndarray, np.ndarray]:
+    along_x, along_y = np.meshgrid(x.all_nodes, y.all_nodes, indexing="ij")
+    return along_x, along_y
+
+
+@lru_cache(maxsize=256)
+def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+    """The matrices of a grid over the period, under the names that kernels know them by."""
+    values_x, vectors_x, inverse_x = grid.x.modes
+    values_y, vectors_y, inverse_y = grid.y.modes
+    parts = {
+        "laplace_x": grid.x.second_derivative,
+        "modes_x": vectors_x,
+        "to_modes_x": inverse_x,
+        "laplace_y": grid.y.second_derivative / aspect**2,
+        "modes_y": vectors_y,
+        "to_modes_y": inverse_y,
+        "time_derivative": grid.t.derivative.T,
+        "eigenvalues": np.add.outer(values_x, values_y / aspect**2),
+        "eigenvalues_y": values_y / aspect**2,
+        "weights": np.outer(grid.x.weights, grid.y.weights),
+        "sine": np.sin(grid.t.nodes),
+        "cosine": np.cos(grid.t.nodes),
+    }
+    for term in terms:
+        parts.update(term.matrices(grid, aspect=aspect))
+    return joined(parts)
+
+
+@lru_cache(maxsize=256)
+def instant_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+    """The same for the march; what acts along y is transposed, to be multiplied from the right."""
+    values_x, vectors_x, inverse_x = grid.x.modes
+    values_y, vectors_y, inverse_y = grid.y.modes
+    parts = {
+        "laplace_x": grid.x.second_derivative,
+        "laplace_y": grid.y.second_derivative.T / aspect**2,
+        "area": np.outer(grid.x.weights, grid.y.weights),
+        "modes_x": vectors_x,
+        "to_modes_x": inverse_x,
+        "modes_y": vectors_y.T,
+        "to_modes_y": inverse_y.T,
+        "eigenvalues": np.add.outer(values_x, values_y / aspect**2),
+    }
+    for term in terms:
+        parts.update(term.matrices(grid, aspect=aspect))
+    return joined(parts)
+
+
+@lru_cache(maxsize=256)
+def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> Joined:
+    """What interpolates a state to a finer grid."""
+    matrices = (
+        coarse.t.interpolation_to(fine.t).T,
+        coarse.x.interpolation_to(fine.x),
+        coarse.y.interpolation_to(fine.y),
+    )
+    parts = dict(zip(CARRYING, matrices, strict=True))
+    for term in terms:
+        parts.update(term.carrying(coarse, fine))
+    return joined(parts)

@@ -1,0 +1,1 @@
+"""Mean forces without a time step: limits of the film equation."""

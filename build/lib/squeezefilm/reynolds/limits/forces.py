@@ -1,0 +1,284 @@
+"""Mean forces without a single time step: limits of the film equation, with their errors.
+
+Every function takes a batch of B films and returns mean overpressures, each with an estimate of its
+absolute error:
+
+    closed_form            piston, σ → ∞ (paper eq. 6)
+    fast_limit             any profile, σ → ∞: one Poisson solve
+    boundary_layer_limit   with the correction of order 1/√σ: one more
+    small_amplitude        second order in ε, any σ: one complex Helmholtz solve
+    matched_limit          the last two together: exact in σ to ε², exact in ε to 1/√σ
+
+Arguments they share:
+    epsilon, sigma: excursion ratio and squeeze number, shape (B,).
+    amplitude: profile s on the nodes ``limit_axis(n).all_nodes`` along x and y, ends included,
+        shape (B, nx + 2, ny + 2); nx and ny odd, at least 5. See ``limit_points``.
+    aspect: finger's length along y over that along x, a number or shape (B,).
+    slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
+    reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
+
+An error has two parts: what the limit leaves out, estimated from the profile's slopes, its values
+on the rim and at the corners, ε and σ; and what the grid leaves out, the change against every other
+of its nodes. Where a limit does not apply the error is infinite. The constants of the first part
+were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ 0.1–1e6, pistons and sincs with up
+to three nodes under the finger, aspects 0.2–5; each is about twice what the worst film needed.
+Those of inertia were fitted to its second order in ε on such films and to strips at any ε. Layers
+with inertia are known up to Re = 10 and excursions that depend on it (inertial_layer.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import ceil, log10
+
+import numpy as np
+
+from squeezefilm.reynolds.limits import boundary_layer, inertial, viscous
+from squeezefilm.reynolds.limits.expansion import Expansion, Part, SecondOrder, joined
+from squeezefilm.reynolds.limits.films import (
+    INERTIA_SQUARE,
+    Films,
+    Numbers,
+    films_of,
+    grid_error,
+    limit_axis,
+    wide,
+)
+
+__all__ = [
+    "LimitForces",
+    "boundary_layer_limit",
+    "closed_form",
+    "fast_limit",
+    "limit_axis",
+    "limit_points",
+    "matched_limit",
+    "small_amplitude",
+]
+
+# Layers of width √(2/σ) must leave room on the shorter side: σ min(1, aspect)² at least this.
+LEAST_SIGMA = 10.0
+
+
+@dataclass(frozen=True)
+class LimitForces:
+    """Mean overpressures over film and period in units of p0, and their errors; shape (B,).
+
+    The force is p0 × area × ``mean``.
+    """
+
+    mean: np.ndarray
+    error: np.ndarray
+
+
+def limit_points(*, tolerance: float, sigma: float = 1.0) -> int:
+    """Points per direction that a profile about as smooth as the paper's sinc needs.
+
+    The error estimate, not only the error, then meets the tolerance: every other node must do.
+
+    Args:
+        tolerance: relative error of the mean.
+        sigma: squeeze number, times aspect² along y, where the method resolves the rim's layers
+            (``small_amplitude`` and ``matched_limit``); left out for the other limits.
+    """
+    digits = log10(1 / tolerance)
+    return 2 * ceil(1 + digits + 0.36 * digits * max(sigma, 1.0) ** 0.25) + 1
+
+
+def closed_form(*, epsilon: np.ndarray, sigma: np.ndarray, aspect: Numbers = 1.0) -> LimitForces:
+    """Piston at σ → ∞: √(1 + 3ε²/2)/√(1 − ε²) − 1, the paper's eq. (6)."""
+    epsilon, sigma, aspect = np.broadcast_arrays(epsilon, sigma, np.asarray(aspect, dtype=float))
+    root = np.sqrt(1 - epsilon**2)
+    mass = np.sqrt(1 + 1.5 * epsilon**2)
+    mean = 2.5 * epsilon**2 / (root * (mass + root))
+    rim = 2 * (1 + 1 / aspect)
+    layer = np.abs(boundary_layer.integrals(epsilon)[0]) * rim / np.sqrt(sigma)
+    films = films_of(epsilon, sigma, np.ones((len(epsilon), 7, 7)), aspect=aspect)
+    return _forces(films, mean=mean, error=1.05 * layer + films.layer_remainder)
+
+
+def fast_limit(
+    *,
+    epsilon: np.ndarray,
+    sigma: np.ndarray,
+    amplitude: np.ndarray,
+    aspect: Numbers,
+    slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
+) -> LimitForces:
+    """The film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the rim.
+
+    With inertia core and rim are others (inertial.py). The error is the boundary-layer correction
+    and that one's error.
+    """
+    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    return _together(films, _fast)
+
+
+def boundary_layer_limit(
+    *,
+    epsilon: np.ndarray,
+    sigma: np.ndarray,
+    amplitude: np.ndarray,
+    aspect: Numbers,
+    slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
+) -> LimitForces:
+    """The fast limit with the rim's boundary layer, correct to 1/√σ (see boundary_layer.py).
+
+    With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
+    inertia the next order is ε²/σ (inertial_layer.py), without it ε²/σ^(3/2).
+    """
+    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    return _together(films, _with_layer)
+
+
+def small_amplitude(
+    *,
+    epsilon: np.ndarray,
+    sigma: np.ndarray,
+    amplitude: np.ndarray,
+    aspect: Numbers,
+    slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
+) -> LimitForces:
+    """Second order in ε at any σ: linear pressure p̂, then the mean flow that it drives.
+
+    (1 + slip)∇²p̂ − iσp̂ = iσs and ∇²v = −(3/2)(1 + 2 slip/3)/(1 + slip) ∇·(s ∇Re p̂), zero on the
+    rim; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)). With inertia, see inertial.py.
+    """
+    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    return _together(films, _small)
+
+
+def matched_limit(
+    *,
+    epsilon: np.ndarray,
+    sigma: np.ndarray,
+    amplitude: np.ndarray,
+    aspect: Numbers,
+    slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
+) -> LimitForces:
+    """The boundary-layer limit with its part of order ε² replaced by the exact one.
+
+    The additive composite of two expansions (Van Dyke, Perturbation Methods in Fluid Mechanics,
+    1975): what is left is of order ε⁴/σ.
+    """
+    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    return _together(films, _matched)
+
+
+def _fast(films: Films) -> LimitForces:
+    fine, coarse = _expand(films), _expand(films.coarser)
+    error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_share * fine.gross
+    error = error + grid_error(films, fine.density, coarse.density)
+    return _forces(films, mean=films.mean(fine.density), error=error)
+
+
+def _with_layer(films: Films) -> LimitForces:
+    fine, coarse = _expand(films), _expand(films.coarser)
+    error = films.layer_remainder + films.slip_share * fine.gross
+    rest = fine.layer - coarse.layer
+    error = error + grid_error(films, fine.density, coarse.density, rest=rest)
+    return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+
+
+def _small(films: Films) -> LimitForces:
+    fine, coarse = _second_order(films), _second_order(films.coarser)
+    square = films.epsilon**2
+    error = films.amplitude_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss))
+    error = error + grid_error(
+        films, fine.flow - fine.loss, coarse.flow - coarse.loss, rest=fine.rim - coarse.rim
+    )
+    mean = films.mean(fine.flow - fine.loss) + fine.rim
+    return LimitForces(mean=square * mean, error=_known(square * error))
+
+
+def _matched(films: Films) -> LimitForces:
+    fine, coarse = _match(films), _match(films.coarser)
+    square = films.epsilon**2
+    error = (
+        2 * square * np.sqrt(films.depth) * np.abs(fine.change)
+        + films.corner_remainder
+        + INERTIA_SQUARE * square * films.depth * films.inertia_remainder
+        + square * films.depth * films.slip_share * fine.gross
+    )
+    rest = fine.layer - coarse.layer
+    error = error + grid_error(films, fine.density, coarse.density, rest=rest)
+    return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+
+
+@dataclass(frozen=True)
+class _Composite(Expansion):
+    """An expansion, and what its second order differs by from another's."""
+
+    change: np.ndarray
+
+
+def _match(films: Films) -> _Composite:
+    """The composite: order ε² by order ε² exchanged for the exact one."""
+    full, exact, square = _expand(films), _second_order(films), films.epsilon**2
+    second = _either(films, viscous.expand_second_order, inertial.expand_second_order)
+    density = exact.flow - exact.loss - second.density
+    layer = exact.rim - second.layer
+    return _Composite(
+        density=full.density + wide(square) * density,
+        layer=full.layer + square * layer,
+        gross=full.gross,
+        change=square * (films.mean(density) + layer),
+    )
+
+
+def _expand(films: Films) -> Expansion:
+    return _either(films, viscous.expand, inertial.expand)
+
+
+def _second_order(films: Films) -> SecondOrder:
+    return _either(films, viscous.second_order, inertial.second_order)
+
+
+def _either(
+    films: Films, without: Callable[[Films], Part], with_inertia: Callable[[Films], Part]
+) -> Part:
+    """Each film by the expansion that its Reynolds number asks for."""
+    still = films.reynolds == 0
+    if still.all():
+        return without(films)
+    if not still.any():
+        return with_inertia(films)
+    return joined(still, without(films.take(still)), with_inertia(films.take(~still)))
+
+
+def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> LimitForces:
+    """With an infinite error where layers are too thick or the table of the layer ends."""
+    thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
+    return LimitForces(mean=mean, error=_known(np.where(thin, error, np.inf)))
+
+
+def _together(films: Films, method: Callable[[Films], LimitForces]) -> LimitForces:
+    """Forces of films that may have slip, inertia or both.
+
+    Both together: that with slip, and the change by inertia in a film without slip whose gas flows
+    as freely, σ/(1 + slip) and Re (1 + 2 slip/3), as it is for small motion of dense gas.
+    """
+    if not np.any((films.slip != 0) & (films.reynolds != 0)):
+        return method(films)
+    none = np.zeros_like(films.slip)
+    alike = replace(
+        films,
+        sigma=films.layer_number,
+        slip=none,
+        reynolds=films.reynolds * (1 + 2 / 3 * films.slip),
+    )
+    slipping = method(replace(films, reynolds=none))
+    moving, still = method(alike), method(replace(alike, reynolds=none))
+    change = moving.mean - still.mean
+    error = np.maximum(slipping.error, moving.error) + films.slip_share * np.abs(change)
+    return LimitForces(mean=slipping.mean + change, error=_known(error))
+
+
+def _known(error: np.ndarray) -> np.ndarray:
+    """Infinite where a number is missing."""
+    return np.where(np.isfinite(error), error, np.inf)

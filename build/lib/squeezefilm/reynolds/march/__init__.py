@@ -1,0 +1,1 @@
+"""The film marched through time on the device."""

@@ -1,0 +1,54 @@
+"""What a scene needs of the full problem, and what can be left out of it without any error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
+from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
+
+
+@dataclass(frozen=True)
+class Needs:
+    """The domain and the terms that a scene needs.
+
+    Attributes:
+        fold_x, fold_y: the film is even about the finger's middle along x, y: half is enough.
+        terms: what the equation has beside squeezing.
+        profile: the profile under the finger.
+    """
+
+    fold_x: bool
+    fold_y: bool
+    terms: Terms
+    profile: UnderFinger
+
+    @property
+    def uniform(self) -> bool:
+        """Whether the whole finger sees the full amplitude."""
+        return self.profile.uniform
+
+    @property
+    def halves_left_out(self) -> tuple[LeftOut, ...]:
+        """Mirror images of what is solved."""
+        why = "the profile is even about the finger's middle, and nothing else breaks that"
+        folds = (("mirror half in x", self.fold_x), ("mirror half in y", self.fold_y))
+        return tuple(LeftOut(what, why) for what, fold in folds if fold)
+
+    @property
+    def terms_left_out(self) -> tuple[LeftOut, ...]:
+        """Terms of the full equation that are zero for this scene."""
+        return left_out_of(self.terms)
+
+
+def needs_of(scene: Scene) -> Needs:
+    """What the scene needs, found from its profile, motion and gas."""
+    profile, terms = under_finger(scene), terms_of(scene)
+    broken = {axis for term in terms for axis in term.BREAKS}
+    return Needs(
+        fold_x=profile.even_x and "x" not in broken,
+        fold_y=profile.even_y and "y" not in broken,
+        terms=terms,
+        profile=profile,
+    )

@@ -1,0 +1,1 @@
+"""The periodic state on the device: one launch, and the grids of a scene."""

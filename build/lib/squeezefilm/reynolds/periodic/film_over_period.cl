@@ -1,0 +1,186 @@
+/* The film over one period: the Reynolds equation collocated in space and time.
+ *
+ * Unknown: the overpressure p = P − 1, zero on the rim. The mass flux is a sum of FLOW_TERMS terms
+ * c_k H^a grad g_k(P) with a = 3 − k and dg_k/dP = ρ^(1−k): the viscous flow, and the corrections
+ * of a rarefied gas in powers of the Knudsen number. With v = H^(a/2) g(P) each term needs second
+ * derivatives only (Liouville's transformation),
+ *
+ *     div(H^a grad g) = H^(a/2) (Δv − q v),   q = Δ(H^(a/2)) / H^(a/2),
+ *
+ * and the equation reads, with the density ρ(P) relative to ambient,
+ *
+ *     Σ_k c_k div(H^(3−k) grad g_k) − σ d(Hρ)/dT + what other terms add = 0.
+ *
+ * Newton's correction is sought as a mass perturbation w = δ(Hρ): the stiff time term then keeps a
+ * constant coefficient. GMRES is preconditioned from the left by the inverse of D Δ − σ A d/dT times
+ * A, where D is the mean diffusivity over the mean gap and A the resistance that it leaves to the
+ * gas (time_modes.py), in a basis of space and time in which it is diagonal. Its vectors are stored
+ * in that basis, where the time term is diagonal too, so that its residual norm estimates the error
+ * in w itself.
+ *
+ * Compiled after the sources of the scene's terms. One of them may have its own in place of the
+ * GAS_LAW or of the PRECONDITIONER here; all add their lines at the hooks TERMS_…. A term may have
+ * fields that are unknown beside p: they lie behind p, behind w and behind each residual, and the
+ * term's lines precondition them.
+ */
+
+/* H^(a/2) for a = 3 − k. */
+static double4 half_power(double4 gap, int k)
+{
+    return k == 0 ? gap * sqrt(gap) : k == 1 ? gap : k == 2 ? sqrt(gap) : (double4)(1.0);
+}
+
+/* Density ρ(P) − 1 and its derivative; g_k(P) − g_k(1) and its derivative. All exact for small p. */
+#ifndef GAS_LAW
+static double4 density_rise(const Film *film, double4 p) { return p; }
+static double4 density_slope(const Film *film, double4 p) { return (double4)(1.0); }
+static double4 flow_potential(const Film *film, double4 p, int k)
+{
+    return k == 0 ? p * (1.0 + 0.5 * p) : k == 1 ? p : k == 2 ? log1p(p) : p / (1.0 + p);
+}
+static double4 flow_slope(const Film *film, double4 p, int k)
+{
+    return k == 0 ? 1.0 + p : k == 1 ? (double4)(1.0) : k == 2 ? 1.0 / (1.0 + p)
+                                                               : 1.0 / ((1.0 + p) * (1.0 + p));
+}
+#endif
+
+/* What depends on the gap alone: H^(a/2) and the potential q of each flow term. */
+static void set_gap(const Grid *g, Film *film)
+{
+    for (int k = 0; k < FLOW_TERMS; k++) {
+        const double half_exponent = 0.5 * (3 - k);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            const double4 gap = gap_at(g, film, row, t);
+            const double4 relative = film->epsilon * g->sine[t] / gap;
+            film->gap_power[k][i] = half_power(gap, k);
+            film->potential[k][i] =
+                half_exponent * relative *
+                (film->laplacian[row] +
+                 (half_exponent - 1.0) * film->gradient_squared[row] * relative);
+        }
+    }
+    SYNC;
+}
+
+/* r = Σ_k H^(a/2) (Δv − q v), one term: v is given, `work` is overwritten. */
+static void add_flow(const Grid *g, const Film *film, int k, field v, field work, field r)
+{
+    along_x(g, g->laplace_x, v, work, 0);
+    along_y(g, g->laplace_y, v, work, 1);
+    matrix4 power = film->gap_power[k], q = film->potential[k];
+    matrix4 v4 = (matrix4)v, curvature = (matrix4)work;
+    field4 r4 = (field4)r;
+    if (k == 0)
+        FOR_EACH(i, g->count4) r4[i] = power[i] * (curvature[i] - q[i] * v4[i]);
+    else
+        FOR_EACH(i, g->count4) r4[i] += power[i] * (curvature[i] - q[i] * v4[i]);
+    SYNC;
+}
+
+/* Residual of the equation at the state p, in modal coefficients; behind it, preconditioned, those of
+ * the terms' own unknowns. Also sets the response of each flow term to a mass perturbation and the
+ * mean diffusivity for the Jacobian at this state. */
+static void residual(const Grid *g, Film *film, field modal, __local double *scratch)
+{
+    field v = film->work_a, work = film->work_b, r = film->work_c;
+    field4 v4 = (field4)v, work4 = (field4)work, r4 = (field4)r;
+    matrix4 mean_gap = (matrix4)g->mean_gap;
+    double4 diffusivity = (double4)(0.0);
+    for (int k = 0; k < FLOW_TERMS; k++) {
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            const double4 gap = gap_at(g, film, row, t), p = film->p[i];
+            const double4 power = film->gap_power[k][i];
+            const double4 response = film->row->flow[k] * power * flow_slope(film, p, k) /
+                                     (gap * density_slope(film, p));
+            v4[i] = film->row->flow[k] * power * flow_potential(film, p, k);
+            film->response[k][i] = response;
+            diffusivity += response * power / mean_gap[t];
+        }
+        SYNC;
+        add_flow(g, film, k, v, work, r);
+    }
+    film->diffusivity = sum_over_group(sum_of(diffusivity), scratch) / g->count;
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        work4[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
+        r4[i] -= film->sigma * film->epsilon * film->amplitude[row] * g->cosine[t];
+    }
+    SYNC;
+    along_t(g, g->time_derivative, work, v, 0);
+    subtract(r, film->sigma, v, g->count4);
+    film->own_out = modal + g->count;
+    TERMS_RESIDUAL(g, film, work, v, r)
+    to_modal(g, r, modal);
+}
+
+/* A pair of modes in time has its coefficients c in a row's first half and s in its second half; the
+ * first pair are the mean and the last cosine, which both have no rate. A d/dT maps (c, s) to
+ * (g c + k s, g s − k c), with the pair's decay g and speed k; without inertia g = 0, and with the
+ * mean gap at rest k counts harmonics. Two pairs are treated at a time. */
+#ifndef PRECONDITIONER
+/* Solve (D Δ − σ A d/dT) u = (c, s) for two pairs of a row: two unknowns by two for each. */
+static void solve_pairs(double2 diffusion, double2 speed, double2 c, double2 s, pair cosine, pair sine)
+{
+    const double2 scale = 1.0 / (diffusion * diffusion + speed * speed);
+    *cosine = scale * (diffusion * c + speed * s);
+    *sine = scale * (diffusion * s - speed * c);
+}
+
+/* Solve (D Δ − σ A d/dT) u = modal in place. */
+static void precondition(const Grid *g, const Film *film, field modal)
+{
+    const int half_row = g->nt / 4;
+    FOR_EACH(row, g->rows)
+    {
+        const double diffusion = film->diffusivity * g->eigenvalues[row];
+        pair m = (pair)(modal + row * g->nt), n = m + half_row;
+        for (int j = 0; j < half_row; j++)
+            solve_pairs(diffusion - film->sigma * g->decays[j], film->sigma * g->speeds[j], m[j], n[j],
+                        m + j, n + j);
+    }
+    SYNC;
+}
+
+/* Solve (D Δ − σ A d/dT) u = modal − σ A dw/dT in place, in one pass. */
+static void precondition_with_time_term(const Grid *g, const Film *film, matrix w, field modal)
+{
+    const int half_row = g->nt / 4;
+    FOR_EACH(row, g->rows)
+    {
+        const double diffusion = film->diffusivity * g->eigenvalues[row];
+        pair m = (pair)(modal + row * g->nt), n = m + half_row;
+        pairs w_cosine = (pairs)(w + row * g->nt), w_sine = w_cosine + half_row;
+        for (int j = 0; j < half_row; j++) {
+            const double2 decay = film->sigma * g->decays[j], speed = film->sigma * g->speeds[j];
+            const double2 c = w_cosine[j], s = w_sine[j];
+            solve_pairs(diffusion - decay, speed, m[j] - decay * c - speed * s,
+                        n[j] - decay * s + speed * c, m + j, n + j);
+        }
+    }
+    SYNC;
+}
+#endif
+
+/* out = preconditioned Jacobian times w, both modal, and both with the terms' own unknowns behind. */
+static void apply_jacobian(const Grid *g, Film *film, field w, field out)
+{
+    field v = film->work_a, work = film->work_b, r = film->work_c;
+    field4 v4 = (field4)v;
+    /* `out` keeps the nodal values of w until the terms are added up. */
+    from_modal(g, w, work, out);
+    matrix4 nodal = (matrix4)out;
+    for (int k = 0; k < FLOW_TERMS; k++) {
+        matrix4 response = film->response[k];
+        FOR_EACH(i, g->count4) v4[i] = response[i] * nodal[i];
+        SYNC;
+        add_flow(g, film, k, v, work, r);
+    }
+    film->own_in = w + g->count;
+    film->own_out = out + g->count;
+    TERMS_RESPONSE(g, film, out, v, r)
+    to_modal(g, r, out);
+    precondition_with_time_term(g, film, w, out);
+}

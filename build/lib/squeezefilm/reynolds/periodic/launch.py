@@ -1,0 +1,316 @@
+"""The periodic state on the device: scenes of like terms on grids of their own (periodic.cl)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.device import ALIGNMENT_BYTES, Device, aligned, kernel
+from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
+from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
+from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.problems import Problems, mean_amplitude, problems_of, profile_fields
+from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
+
+# What stands for no offset.
+NOTHING = -1
+# How an iteration ends: the kernel's names, and what is said of it.
+ENDINGS = {
+    "CONVERGED": "ok",
+    "STALLED": "Newton's method did not converge",
+    "NOT_FINITE": "the pressure became infinite",
+}
+STATUS = tuple(ENDINGS.values())
+MOST_NEWTON = 40
+LEAST_KRYLOV, MOST_KRYLOV = 20, 80
+LARGEST_WORKSPACE_BYTES = 256 * 2**20
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Scenes on one grid after the other: the state on each is the first guess on the next.
+
+    Attributes:
+        grids: each no coarser than the one before.
+        problems: the scenes as they are on each of the grids.
+        guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
+            film at rest if left out.
+    """
+
+    grids: Sequence[Grid]
+    problems: Sequence[Problems]
+    guess: np.ndarray | None = None
+
+    @property
+    def scenes(self) -> int:
+        return len(self.problems[0])
+
+    @property
+    def terms(self) -> Terms:
+        return self.problems[0].terms
+
+    @property
+    def fields(self) -> int:
+        """Fields of a state."""
+        return unknown_fields(self.terms)
+
+    @property
+    def count(self) -> int:
+        """Number of unknowns, of all scenes on all grids."""
+        return self.scenes * self.fields * sum(grid.count for grid in self.grids)
+
+    @property
+    def workspace_size(self) -> int:
+        """Numbers that a work-group needs beside the states: fields, Krylov basis, Hessenberg."""
+        flow_terms = self.problems[0].numbers["flow"].shape[1]
+        sizes = []
+        for grid in self.grids:
+            most = most_krylov(grid, self.terms)
+            fields = 3 * flow_terms + 3 + own_fields(self.terms) + (most + 1) * self.fields
+            sizes.append(grid.count * fields + (most + 4) * (most + 1))
+        return max(sizes)
+
+
+def most_krylov(grid: Grid, terms: Terms) -> int:
+    """Krylov iterations that a Newton step may take: as many as there is room for."""
+    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
+    return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
+
+
+@dataclass(frozen=True)
+class States:
+    """What the device returns, one entry per scene.
+
+    Attributes:
+        unknowns: the overpressure p = P − 1 on the grid and the terms' own unknowns, shape
+            (scenes, fields, nx, ny, nt).
+        mean: mean of p over film and period, the force in units of p0 × area.
+        residual: preconditioned residual, an estimate of the mass error left by the iteration.
+        largest: largest |p|.
+        lowest: smallest pressure P.
+        thinnest: smallest product ρ H, by which the local Knudsen number grows.
+        status: index into STATUS.
+        newton_steps, krylov_iterations: work done.
+    """
+
+    unknowns: np.ndarray
+    mean: np.ndarray
+    residual: np.ndarray
+    largest: np.ndarray
+    lowest: np.ndarray
+    thinnest: np.ndarray
+    status: np.ndarray
+    newton_steps: np.ndarray
+    krylov_iterations: np.ndarray
+
+    @property
+    def overpressure(self) -> np.ndarray:
+        """p = P − 1 on the grid, shape (scenes, nx, ny, nt)."""
+        return self.unknowns[:, 0]
+
+    @property
+    def mean_in_time(self) -> np.ndarray:
+        """Overpressure averaged over the period, shape (scenes, nx, ny)."""
+        instants = self.overpressure.shape[-1]
+        return np.asarray(self.overpressure @ np.full(instants, 1 / instants))
+
+
+# What the device says of a scene on a grid beside its overpressure: a row of its results.
+COUNTS = {"status", "newton_steps", "krylov_iterations"}
+SAID = np.dtype(
+    [(each.name, np.int64 if each.name in COUNTS else np.float64) for each in fields(States)[1:]]
+)
+
+
+def _said_numbers(rows: int) -> int:
+    """Numbers that results begin with, before the states, which kernels read in vectors."""
+    return -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+
+
+def solve_batch(
+    *, problems: Problems, grid: Grid, device: Device, guess: np.ndarray | None = None
+) -> States:
+    """The periodic states of scenes on one grid."""
+    return launch([Batch([grid], [problems], guess)], device=device).states()[0][0]
+
+
+@dataclass(frozen=True)
+class Launch:
+    """Batches that the device is solving, and the array that it leaves its results in.
+
+    done: the kernel's event.
+    """
+
+    batches: Sequence[Batch]
+    device: Device
+    results: np.ndarray
+    buffer: Any
+    done: Any
+
+    def states(self) -> list[list[States]]:
+        """Wait for the device; the states of each batch on each of its grids."""
+        self.device.fetch(self.results, self.buffer, after=self.done)
+        rows = sum(batch.scenes * len(batch.grids) for batch in self.batches)
+        at_state = _said_numbers(rows)
+        said = self.results[: rows * SAID.itemsize // 8].view(SAID)
+        states: list[list[States]] = []
+        first = 0
+        for batch in self.batches:
+            stages = len(batch.grids)
+            last = first + batch.scenes * stages
+            states.append([])
+            for stage, grid in enumerate(batch.grids):
+                end = at_state + batch.scenes * batch.fields * grid.count
+                unknowns = self.results[at_state:end].reshape(-1, batch.fields, *grid.shape)
+                own = said[first + stage : last : stages]
+                states[-1].append(States(unknowns, *(own[name] for name in SAID.names or ())))
+                at_state = end
+            first = last
+        return states
+
+
+def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
+    """Let the device solve batches of like terms; each scene is solved on its own.
+
+    All of a scene's grids come in one launch, for the way to the device and back costs as much as
+    a small solve.
+
+    The device takes scenes in the given order: put the dearest first.
+    """
+    import pyopencl as cl
+
+    inputs = _inputs(batches)
+    terms = batches[0].problems[0].terms
+    periodic_state = kernel(
+        device, "periodic_state", sources=_sources(terms), header=_header(terms, inputs.rows)
+    )
+    scenes = sum(batch.scenes for batch in batches)
+    workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
+    groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
+    buffer = device.shared(inputs.results)
+    done = periodic_state(
+        device.queue,
+        (groups * device.work_items,),
+        (device.work_items,),
+        scenes,
+        MOST_NEWTON,
+        *(device.sent(values) for values in (inputs.begins, inputs.rows, inputs.values)),
+        buffer,
+        device.sent(np.zeros(1, dtype=np.int32)),
+        device.room(workspace_size * groups),
+        workspace_size,
+        cl.LocalMemory(8 * device.work_items),
+    )
+    device.queue.flush()
+    return Launch(batches, device, results=inputs.results, buffer=buffer, done=done)
+
+
+@dataclass(frozen=True)
+class _Inputs:
+    """A launch's arrays, as periodic.cl describes them.
+
+    results: room for what the device says of the scenes, and their first guesses.
+    """
+
+    begins: np.ndarray
+    rows: np.ndarray
+    values: np.ndarray
+    results: np.ndarray
+
+
+def _inputs(batches: Sequence[Batch]) -> _Inputs:
+    """The batches' arrays behind each other, and where each scene's parts lie in them."""
+    stages = np.concatenate([np.full(batch.scenes, len(batch.grids)) for batch in batches])
+    begins = np.concatenate([[0], np.cumsum(stages)])
+    at_state = _said_numbers(int(begins[-1]))
+    results = aligned(at_state + sum(batch.count for batch in batches))
+    pile = Pile()
+    rows = []
+    for batch in batches:
+        of_batch = []
+        coarser = None
+        for grid, problems in zip(batch.grids, batch.problems, strict=True):
+            of_batch.append(
+                rows_of(
+                    {
+                        "nx": grid.nx,
+                        "ny": grid.ny,
+                        "nt": grid.nt,
+                        "most_krylov": most_krylov(grid, batch.terms),
+                        "state": at_state + batch.fields * grid.count * np.arange(batch.scenes),
+                        **_offsets(pile, problems, grid, coarser=coarser),
+                    },
+                    problems.numbers,
+                    # A mass error w moves the pressure by w/H.
+                    tolerance=problems.tolerance * (1 - problems.epsilon),
+                )
+            )
+            end = at_state + batch.scenes * batch.fields * grid.count
+            if coarser is None:
+                results[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
+            at_state, coarser = end, grid
+        rows.append(of_batch)
+    return _Inputs(begins.astype(np.int32), scene_by_scene(rows), pile.values, results)
+
+
+def _offsets(
+    pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None
+) -> dict[str, int | np.ndarray]:
+    """Where what a batch needs on one grid lies in the pile, which it is put on."""
+    matrices = grid_matrices(grid, aspect=problems.aspect, terms=problems.terms)
+    carrying = (*CARRYING, *(name for term in problems.terms for name in term.CARRYING))
+    offsets: dict[str, int | np.ndarray] = dict.fromkeys(carrying, NOTHING)
+    if coarser:
+        offsets |= pile.add(carrying_matrices(coarser, grid, terms=problems.terms))
+    offsets |= pile.add(matrices)
+    offsets |= pile.add_each(profile_fields(problems, grid), problems.places)
+    offsets |= pile.add_each(*_time_modes(problems, grid))
+    for term in problems.terms:
+        offsets |= pile.add_each(term.operators(problems.numbers, grid, aspect=problems.aspect))
+    return offsets
+
+
+def _time_modes(problems: Problems, grid: Grid) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """The modes in time that scenes of a batch have, and which of them each scene has."""
+    variations = problems.epsilon * mean_amplitude(problems, grid)
+    each = [
+        time_modes(grid.nt, variation=float(variation), lag=float(lag))
+        for variation, lag in zip(variations, problems.numbers["lag"], strict=True)
+    ]
+    places = {modes: place for place, modes in enumerate(dict.fromkeys(each))}
+    parts = [modes.parts() for modes in places]
+    stacked = {name: np.stack([part[name] for part in parts]) for name in parts[0]}
+    return stacked, np.array([places[modes] for modes in each])
+
+
+def _sources(terms: Terms) -> tuple[str, ...]:
+    own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
+    grid = ["linear_algebra.cl", "periodic/grid_over_period.cl"]
+    return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
+
+
+def _header(terms: Terms, rows: np.ndarray) -> str:
+    """What the sources take as known; terms that no scene of a launch has are not compiled."""
+    (flow_terms,) = rows.dtype["flow"].shape
+    return "\n".join(
+        [
+            f"#define FLOW_TERMS {flow_terms}",
+            f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
+            f"#define OWN_FIELDS {own_fields(terms)}",
+            c_struct("Row", rows.dtype),
+            c_struct("Said", SAID),
+            c_enum(ENDINGS),
+            c_terms(terms),
+        ]
+    )
+
+
+def warm(device: Device, scene: Scene) -> None:
+    """Build and load the kernels that a scene needs, so that the first batch need not wait."""
+    grid = Grid(nx=4, ny=4, nt=8, fold_x=False, fold_y=False)
+    problems = problems_of([replace(scene, hv_m=0.0)], grid, tolerance=1.0)
+    solve_batch(problems=problems, grid=grid, device=device)

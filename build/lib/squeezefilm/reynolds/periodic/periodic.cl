@@ -1,0 +1,174 @@
+/* The periodic state of the film by Newton–GMRES, one scene per work-group at a time. Compiled after
+ * film_over_period.cl, which has the equation, and krylov.cl. Row, Said and how an iteration ends
+ * are defined in periodic.py. */
+
+/* Mean overpressure over film and period, in units of ambient pressure. */
+static double mean_overpressure(const Grid *g, const Film *film, __local double *scratch)
+{
+    double4 sum = (double4)(0.0);
+    FOR_EACH(row, g->rows)
+    {
+        double4 over_period = (double4)(0.0);
+        for (int t = 0; t < g->nt4; t++)
+            over_period += film->p[row * g->nt4 + t];
+        sum += g->weights[row] * over_period;
+    }
+    return sum_over_group(sum_of(sum), scratch) / g->nt;
+}
+
+/* Largest |p|. */
+static double largest_overpressure(const Grid *g, const Film *film, __local double *scratch)
+{
+    double4 size = (double4)(0.0);
+    FOR_EACH(i, g->count4) size = larger(size, fabs(film->p[i]));
+    return max_over_group(max_of(size), scratch);
+}
+
+/* Largest share of a pressure step that takes at most 9/10 of the pressure anywhere. */
+static double safe_share(const Grid *g, const Film *film, matrix4 step, __local double *scratch)
+{
+    double4 most = (double4)(0.0);
+    FOR_EACH(i, g->count4) most = larger(most, -step[i] / (1.0 + film->p[i]));
+    const double steepest = max_over_group(max_of(most), scratch);
+    return steepest > 0.9 ? 0.9 / steepest : 1.0;
+}
+
+/* The state on the coarser grid of another row as the first guess on g. */
+static void carry(const Grid *g, const Film *film, __global const Row *coarser, field coarse)
+{
+    carry_field(g, film, coarser, ARRAY(film, carry_t), ARRAY(film, carry_x), ARRAY(film, carry_y),
+                coarse, (field)film->p);
+    coarse += coarser->nx * coarser->ny * coarser->nt;
+    TERMS_CARRY(g, film, coarser, coarse)
+}
+
+/* The iteration's rounding error of the mass, relative to the largest overpressure. */
+#define ROUNDING 1e-14
+/* Newton steps that may fail, one after the other, to take a tenth off the least residual. */
+#define PATIENCE 8
+
+/* Newton's iteration from the guess film->p. `basis` has room for most_krylov + 1 vectors,
+ * `small` for the numbers of gmres. */
+static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
+                  field basis, field small, __local double *scratch)
+{
+    Said s = {.mean = mean_overpressure(g, film, scratch), .status = STALLED};
+    double least = INFINITY;
+    int patience = PATIENCE;
+    for (; s.newton_steps <= most_newton; s.newton_steps++) {
+        residual(g, film, basis, scratch);
+        precondition(g, film, basis);
+        s.residual = norm(basis, g->length4, g->nt, scratch);
+        if (!isfinite(s.residual)) {
+            s.status = NOT_FINITE;
+            break;
+        }
+        /* The force answers to an error w with at most its mean, so this bounds its error. */
+        const double goal = fmax(tolerance * fabs(s.mean),
+                                 ROUNDING * largest_overpressure(g, film, scratch));
+        if (s.residual <= goal || s.residual == 0.0) {
+            s.status = CONVERGED;
+            break;
+        }
+        patience = s.residual < 0.9 * least ? PATIENCE : patience - 1;
+        least = fmin(least, s.residual);
+        if (s.newton_steps == most_newton || patience == 0)
+            break;
+        /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
+        const double target = fmax(0.3 * goal, fmin(0.1 * s.residual, s.residual * s.residual));
+        s.krylov_iterations +=
+            gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, scratch);
+        field4 step = (field4)film->work_b;
+        from_modal(g, basis, film->work_a, film->work_b);
+        FOR_EACH_POINT(g, row, t, i)
+            step[i] /= -gap_at(g, film, row, t) * density_slope(film, film->p[i]);
+        SYNC;
+        const double share = safe_share(g, film, step, scratch);
+        film->own_in = basis + g->count;
+        TERMS_STEP(g, film, film->work_b, share)
+        FOR_EACH(i, g->count4) film->p[i] += share * step[i];
+        SYNC;
+        s.mean = mean_overpressure(g, film, scratch);
+    }
+    return s;
+}
+
+/* Work-groups take scenes from a queue until none is left; each has a workspace of its own, and a
+ * scene's result does not depend on which group takes it. A scene goes from grid to grid: each
+ * state is the first guess of the next, if it was found.
+ *
+ * begins:  per scene its first row in rows and results; a row is the scene on a grid.
+ * rows:    sizes, numbers and where the scene's parts lie; carry_t is negative on its first grid.
+ * values:  those parts: matrices, profiles, operators.
+ * results: per row what is said of it; then, where the row says, its state, the first guess on
+ *          entry: p (nx, ny, nt) and the terms' own unknowns. One array, for each that the host
+ *          waits for costs it as much as a small solve. */
+__kernel void periodic_state(const int scenes, const int most_newton, __global const int *begins,
+                             __global const Row *rows, matrix values, field results,
+                             __global int *queue, field workspace, const ulong workspace_size,
+                             __local double *scratch)
+{
+    __local int taken;
+
+    while (true) {
+        if (get_local_id(0) == 0)
+            taken = atomic_inc(queue);
+        SYNC;
+        const int scene = taken;
+        SYNC;
+        if (scene >= scenes)
+            break;
+        int status = CONVERGED;
+        for (int k = begins[scene]; k < begins[scene + 1]; k++) {
+            __global const Row *row = rows + k;
+            const int most_krylov = row->most_krylov;
+            Grid g = make_grid(row, values);
+            Film film;
+            film.row = row;
+            film.values = values;
+            field space = workspace + get_group_id(0) * workspace_size;
+            for (int term = 0; term < FLOW_TERMS; term++) {
+                film.gap_power[term] = (field4)space;
+                film.potential[term] = (field4)(space + g.count);
+                film.response[term] = (field4)(space + 2 * g.count);
+                space += 3 * g.count;
+            }
+            film.work_a = space;
+            film.work_b = space + g.count;
+            film.work_c = space + 2 * g.count;
+            film.own_work = space + 3 * g.count;
+            field basis = film.own_work + OWN_FIELDS * g.count;
+            field small = basis + (most_krylov + 1) * g.length;
+            film.epsilon = row->epsilon;
+            film.sigma = row->sigma;
+            film.amplitude = ARRAY(&film, amplitude);
+            film.gradient_squared = ARRAY(&film, gradient_squared);
+            film.laplacian = ARRAY(&film, laplacian);
+            film.p = (field4)(results + row->state);
+            film.own = results + row->state + g.count;
+            if (row->carry_t >= 0 && status == CONVERGED) {
+                carry(&g, &film, row - 1, results + (row - 1)->state);
+            } else if (row->carry_t >= 0) {
+                FOR_EACH(i, g.length4) film.p[i] = (double4)(0.0);
+                SYNC;
+            }
+            set_gap(&g, &film);
+            Said said =
+                solve(&g, &film, row->tolerance, most_newton, most_krylov, basis, small, scratch);
+            status = said.status;
+            double4 deficit = (double4)(-INFINITY), thinness = deficit;
+            FOR_EACH_POINT(&g, place, t, i)
+            {
+                const double4 p = film.p[i], density = 1.0 + density_rise(&film, p);
+                deficit = larger(deficit, -(1.0 + p));
+                thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
+            }
+            said.largest = largest_overpressure(&g, &film, scratch);
+            said.lowest = -max_over_group(max_of(deficit), scratch);
+            said.thinnest = -max_over_group(max_of(thinness), scratch);
+            if (get_local_id(0) == 0)
+                ((__global Said *)results)[k] = said;
+            SYNC;
+        }
+    }
+}

@@ -1,0 +1,274 @@
+"""The periodic method: grids are refined until each scene's force holds its tolerance."""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.solution import Solution
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import (
+    ITERATION_SHARE,
+    error_text,
+    estimate,
+    largest_change,
+)
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, States, launch
+from squeezefilm.reynolds.periodic.resolution import (
+    MOST_UNKNOWNS,
+    finer_grid,
+    first_grid,
+    nodes_for_profile,
+    start_grid,
+)
+from squeezefilm.reynolds.problems import problems_on
+from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import Terms, state_refused, stiffness_of
+
+# Relative error of the force that the iteration may leave on a grid that only starts the next.
+START_TOLERANCE = 1e-3
+# Launches under way at a time: the host judges one while the device is at the other.
+IN_FLIGHT = 2
+# Scenes begun together.
+LEAST_BATCH, MOST_BATCH = 16, 128
+# States of one launch; more go into several.
+LAUNCH_BYTES = 256 * 2**20
+# Fields of a grid that a work-group needs at least, and the part of the device's memory, one in so
+# many, that they may take: devices give no more in one piece.
+LEAST_FIELDS = 36
+MEMORY_PARTS = 4
+
+
+@dataclass
+class _Progress:
+    """A scene on its way through the grids.
+
+    Attributes:
+        grids: those of the next launch; the last two tell the error.
+        state: the unknowns on the first of them, if they are known already.
+    """
+
+    index: int
+    scene: Scene
+    needs: Needs
+    grids: tuple[Grid, ...]
+    state: np.ndarray | None = None
+    newton_steps: int = 0
+    krylov_iterations: int = 0
+    work: float = 0.0
+
+
+def solve_periodic(
+    scenes: Sequence[Scene],
+    needs: Sequence[Needs],
+    *,
+    tolerance: float,
+    device: Device,
+    report: Callable[[int], object] = lambda solved: None,
+) -> list[Solution]:
+    """The periodic state of each scene; the arguments are those of ``solver.solve``."""
+    solutions: dict[int, Solution] = {}
+    room = min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS))
+    size = min(max(-(-len(scenes) // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
+    starts = iter(range(0, len(scenes), size))
+    flying: deque[tuple[list[list[_Progress]], Launch]] = deque()
+
+    def fly(waiting: Iterable[_Progress]) -> None:
+        for groups in _launches(waiting):
+            batches = [_batch_of(group, tolerance=tolerance) for group in groups]
+            flying.append((groups, launch(batches, device=device)))
+
+    while True:
+        while len(flying) < IN_FLIGHT and (start := next(starts, None)) is not None:
+            stop = min(start + size, len(scenes))
+            fly(
+                _begun(i, scenes[i], needs[i], tolerance=tolerance, room=room)
+                for i in range(start, stop)
+            )
+        if not flying:
+            break
+        groups, landing = flying.popleft()
+        unfinished = []
+        for group, stages in zip(groups, landing.states(), strict=True):
+            judged = _judge(group, stages, tolerance=tolerance, room=room)
+            for progress, solution in zip(group, judged, strict=True):
+                if solution is None:
+                    unfinished.append(progress)
+                else:
+                    solutions[progress.index] = solution
+                    report(1)
+        fly(unfinished)
+    return [solutions[index] for index in range(len(scenes))]
+
+
+def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float) -> _Progress:
+    grids = first_grids(scene, needs, tolerance=tolerance, room=room)
+    return _Progress(index=index, scene=scene, needs=needs, grids=grids)
+
+
+def first_grids(
+    scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS
+) -> tuple[Grid, ...]:
+    """Those of the first launch: a start, if it pays, and the two that it takes to know the error.
+
+    Args:
+        room: most unknowns of a grid that the device has memory for.
+    """
+    first = grid_for(scene, needs, tolerance=tolerance, room=room)
+    start = start_grid(first)
+    if start and not start.sees(*nodes_for_profile(needs, tolerance=tolerance)):
+        start = None  # what does not see the profile is no guess
+    wanted = start, first, finer_grid(first, room=room)
+    return tuple(grid for grid in wanted if grid is not None)
+
+
+def grid_for(scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS) -> Grid:
+    """The first grid of a scene's sequence."""
+    return first_grid(
+        epsilon=scene.epsilon,
+        sigma=scene.sigma,
+        aspect=scene.aspect,
+        needs=needs,
+        tolerance=tolerance,
+        room=room,
+    )
+
+
+def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
+    """Scenes of the same grids and finger shape in groups, groups of like terms in launches.
+
+    The dearest grids come first, so that no long solve is left over at the end.
+    """
+    launches: list[dict[object, list[_Progress]]] = []
+    current: dict[object, dict[object, list[_Progress]]] = {}
+    filled: dict[object, int] = {}
+    for progress in sorted(waiting, key=lambda progress: -iteration_flops(progress.grids[-1])):
+        needs = progress.needs
+        terms = needs.terms
+        size = 8 * sum(grid.count for grid in progress.grids)
+        if terms not in current or filled[terms] + size > LAUNCH_BYTES:
+            current[terms], filled[terms] = defaultdict(list), 0
+            launches.append(current[terms])
+        filled[terms] += size
+        alike = (progress.grids, progress.state is None, progress.scene.aspect)
+        current[terms][alike].append(progress)
+    return [list(groups.values()) for groups in launches]
+
+
+def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
+    scenes = [progress.scene for progress in group]
+    grids = group[0].grids
+    left = ITERATION_SHARE * tolerance
+    shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * 2
+    problems = problems_on(scenes, dict(zip(grids, shares[-len(grids) :], strict=True)))
+    known = [progress.state for progress in group if progress.state is not None]
+    return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
+
+
+def _judge(
+    group: Sequence[_Progress], stages: Sequence[States], *, tolerance: float, room: float
+) -> list[Solution | None]:
+    """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
+    grids, states = group[0].grids, stages[-1]
+    change = None
+    if len(grids) > 1 and grids[-1].finer_than(grids[-2]):
+        change = largest_change(stages[-2].mean_in_time, grids[-2], states.mean_in_time, grids[-1])
+    narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
+    # A mass error w moves the pressure by about n w/H.
+    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
+    found = estimate(
+        change=change,
+        left=stiffness * states.residual / narrowest,
+        largest=states.largest,
+        narrowest=narrowest,
+        mean=states.mean,
+        tolerance=tolerance,
+        margin=max((term.ESTIMATE_MARGIN for term in group[0].needs.terms), default=1.0),
+    )
+    finer = finer_grid(grids[-1], room=room)
+    return [
+        _judge_scene(progress, stages, position, finer=finer, error=float(e), allowed=float(a))
+        for position, (progress, e, a) in enumerate(
+            zip(group, found.error, found.allowed, strict=True)
+        )
+    ]
+
+
+def _judge_scene(
+    progress: _Progress,
+    stages: Sequence[States],
+    position: int,
+    *,
+    finer: Grid | None,
+    error: float,
+    allowed: float,
+) -> Solution | None:
+    scene, states, grid = progress.scene, stages[-1], progress.grids[-1]
+    for each, its_grid in zip(stages, progress.grids, strict=True):
+        newton, krylov = int(each.newton_steps[position]), int(each.krylov_iterations[position])
+        progress.newton_steps += newton
+        progress.krylov_iterations += krylov
+        progress.work += (krylov + newton) * iteration_flops(its_grid, progress.needs.terms)
+
+    def finished(
+        *, status: str, grid: Grid = grid, mean: float = np.nan, error: float = np.nan
+    ) -> Solution:
+        return solution_of(
+            scene,
+            mean=mean,
+            error=error,
+            left_out=progress.needs.halves_left_out + progress.needs.terms_left_out,
+            status=status,
+            method="periodic",
+            nx=grid.x.full_points,
+            ny=grid.y.full_points,
+            nt=grid.nt,
+            newton_steps=progress.newton_steps,
+            krylov_iterations=progress.krylov_iterations,
+            residual=float(states.residual[position]),
+            work=progress.work,
+        )
+
+    failed = [each.status[position] != 0 for each in stages[-2:]]
+    if failed[-1] or (failed[0] and finer is None):
+        at = -1 if failed[-1] else -2
+        its_grid, ending = progress.grids[at], stages[at].status[position]
+        return finished(status=f"{STATUS[ending]} ({_size(its_grid)})", grid=its_grid)
+    if failed[0]:  # what no coarser grid describes, a finer one may
+        error = np.inf
+    thinnest = float(states.thinnest[position])
+    if refused := state_refused(scene, progress.needs.terms, thinnest=thinnest):
+        return finished(status=refused)
+    force = float(states.mean[position])
+    if error <= allowed:
+        return finished(status="ok", mean=force, error=error)
+    if finer is None:
+        reason = error_text(error, allowed=allowed, force=force)
+        return finished(
+            status=f"tolerance not reached on the finest grid ({_size(grid)}): {reason}"
+        )
+    if progress.work > min((term.MOST_WORK for term in progress.needs.terms), default=np.inf):
+        reason = error_text(error, allowed=allowed, force=force)
+        return finished(
+            status=f"tolerance not reached with bearable work ({_size(grid)}): {reason}"
+        )
+    progress.grids, progress.state = (grid, finer), states.unknowns[position].copy()
+    return None
+
+
+def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
+    """Floating-point operations of one Krylov iteration's products."""
+    nx, ny, nt = grid.shape
+    in_space = 3 + sum(term.SPACE_PRODUCTS for term in terms)
+    in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
+    return 2.0 * nx * ny * nt * (in_space * (nx + ny) + in_time * nt)
+
+
+def _size(grid: Grid) -> str:
+    return f"{grid.x.full_points} × {grid.y.full_points} × {grid.nt} points"

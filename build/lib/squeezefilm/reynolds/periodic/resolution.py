@@ -1,0 +1,187 @@
+"""How fine a grid a scene needs: a first guess from its numbers, and the next finer grid.
+
+The guess only decides the cost. Whether it was right is judged afterwards, by the error estimate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import asinh, ceil, inf, log, log10, pi, sqrt
+
+from squeezefilm.film.scene import Finger
+from squeezefilm.reynolds.grid import MOST_SPACE, Grid
+from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.under_finger import Probe
+
+# Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
+MOST_TIME = 192
+# Unknowns beyond which a scene takes minutes.
+MOST_UNKNOWNS = 5_000_000
+LEAST_TIME = 8
+# Share of the tolerance that the first grid is to leave: with all of it, twice the change to the
+# second grid would be above the tolerance, and a third grid be needed.
+FIRST_SHARE = 1 / 3
+# The start grid's points per direction, as a share of the first grid's.
+START_SHARE = 0.6
+# Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,
+# with stronger harmonics than the gas spring's 1/H.
+INCOMPRESSIBLE = 10.0
+
+
+# A profile is seen by a grid that misses no more of it than this or the root of the tolerance: a
+# force is a mean, good to about the square of what the interpolant misses.
+LARGEST_MISSED = 1e-2
+
+
+def probe_for(needs: Needs, *, tolerance: float) -> Probe:
+    """What is known of a scene's profile as closely as the tolerance asks."""
+    return needs.profile.probe(_share(tolerance))
+
+
+def nodes_for_profile(needs: Needs, *, tolerance: float) -> tuple[int, int]:
+    """Nodes along x and y without which a grid would not see the profile."""
+    share = _share(tolerance)
+    return needs.profile.probe(share).nodes(share)
+
+
+def _share(tolerance: float) -> float:
+    return min(LARGEST_MISSED, sqrt(tolerance))
+
+
+def unseen_profile(needs: Needs, finger: Finger, *, tolerance: float) -> str | None:
+    """Why no grid sees the profile under the finger, if so."""
+    probe, share = probe_for(needs, tolerance=tolerance), _share(tolerance)
+    if not probe.missed < inf:
+        return "the profile has no finite value at some place under the finger"
+    most = MOST_JUDGED_FOLDED * 2 if needs.fold_x and needs.fold_y else MOST_JUDGED
+    if probe.missed <= share and max(probe.nodes(share)) <= most:
+        return None
+    side_m = max(finger.length_x_m, finger.length_y_m)
+    apart_m = pi / 2 * side_m / (MOST_SPACE + 1)
+    return (
+        f"the profile has a feature about {1e6 * needs.profile.feature_m:.2g} µm wide under the "
+        f"finger: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
+        f"{1e6 * apart_m:.2g} µm apart, does not show it to {share:.1g} of the profile's largest "
+        "value, as this tolerance asks"
+    )
+
+
+def first_grid(
+    *,
+    epsilon: float,
+    sigma: float,
+    aspect: float,
+    needs: Needs,
+    tolerance: float,
+    bend: float = 0.0,
+    room: float = MOST_UNKNOWNS,
+) -> Grid:
+    """A grid whose force error is about a third of ``tolerance``, relative.
+
+    Time: powers of 1/(1 + ε sin T) have harmonics that decay like ρ^k, ρ = ε / (1 + √(1 − ε²)).
+
+    Args:
+        bend: what the gap at rest adds to the profile's curvature.
+        room: most unknowns that there is memory for, on the next finer grid too.
+    """
+    wanted = FIRST_SHARE * tolerance
+    digits = log10(1 / wanted)
+    ratio = epsilon / (1 + sqrt(1 - epsilon**2))
+    instants = log(wanted / 3) / log(ratio) if ratio > 0 else LEAST_TIME
+    if sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE:
+        instants += 4
+    probe = probe_for(needs, tolerance=tolerance)
+    seen_x, seen_y = nodes_for_profile(needs, tolerance=tolerance)
+    bent_x, bent_y = probe.curvature_x + bend, probe.curvature_y + bend
+    nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=sigma, curvature=bent_x))
+    nodes_y = max(
+        seen_y, _nodes(digits, epsilon=epsilon, sigma=sigma * aspect**2, curvature=bent_y)
+    )
+    grid = Grid(
+        nx=_unknowns(nodes_x, fold=needs.fold_x),
+        ny=_unknowns(nodes_y, fold=needs.fold_y),
+        nt=min(max(LEAST_TIME, 4 * ceil(instants / 4)), MOST_JUDGED_TIME),
+        fold_x=needs.fold_x,
+        fold_y=needs.fold_y,
+    )
+    while finer_grid(grid, room=room) is None and grid.sees(seen_x, seen_y):
+        grid = _coarser(grid)
+    return grid
+
+
+def _nodes(digits: float, *, epsilon: float, sigma: float, curvature: float) -> float:
+    """Nodes across the finger for a rim layer and for a narrow gap, whichever wants more.
+
+    A Chebyshev grid resolves a layer of width √(2/σ) with a number of nodes proportional to
+    σ^(1/4), the factor growing with the wanted digits (fitted to the centred sinc's errors). The
+    gap 1 − ε + ε c X²/2 at its narrowest has zeros ±iδ off the middle, which slow the convergence
+    to that of the ellipse through them, r = 2δ + √(1 + 4δ²) per node (Trefethen 2000, ch. 5); the
+    force, being a mean, converges with about the power 1.6 of it (fitted).
+    """
+    layer = 7 + 0.36 * digits * max(sigma, 1.0) ** 0.25
+    if epsilon == 0 or curvature == 0:
+        return layer
+    width = sqrt(2 * (1 - epsilon) / (epsilon * curvature))
+    narrow = 4 + digits * log(10) / (1.6 * asinh(2 * width))
+    return max(layer, narrow)
+
+
+def _unknowns(nodes: float, *, fold: bool) -> int:
+    """Unknowns along an axis, a multiple of the kernel's four rows."""
+    most = MOST_JUDGED_FOLDED if fold else MOST_JUDGED
+    return min(4 * ceil((nodes / 2 if fold else nodes) / 4), most)
+
+
+def start_grid(grid: Grid) -> Grid | None:
+    """A coarse grid whose state is a cheap first guess on ``grid``; None where it is small already.
+
+    A solve from rest takes about twice the iterations of one from a guess.
+    """
+    start = Grid(
+        nx=_fewer(grid.nx, fold=grid.fold_x),
+        ny=_fewer(grid.ny, fold=grid.fold_y),
+        nt=max(LEAST_TIME, 4 * ceil(START_SHARE * grid.nt / 4)),
+        fold_x=grid.fold_x,
+        fold_y=grid.fold_y,
+    )
+    return start if start.count < 0.5 * grid.count else None
+
+
+def _fewer(points: int, *, fold: bool) -> int:
+    return max(4 if fold else 8, 4 * round(START_SHARE * points / 4))
+
+
+def _coarser(grid: Grid) -> Grid:
+    nx, ny, nt = (4 * (5 * points // 24) for points in grid.shape)
+    return replace(grid, nx=nx, ny=ny, nt=max(LEAST_TIME, nt))
+
+
+def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS) -> Grid | None:
+    """The next grid of a scene's sequence, finer in every direction; None past the limits.
+
+    In every direction, because the difference between two grids shows no error that both share.
+    """
+    finer = Grid(
+        nx=_more(grid.nx),
+        ny=_more(grid.ny),
+        nt=_more(grid.nt),
+        fold_x=grid.fold_x,
+        fold_y=grid.fold_y,
+    )
+    if max(finer.x.full_points, finer.y.full_points) > MOST_SPACE or finer.nt > MOST_TIME:
+        return None
+    return finer if finer.count <= room else None
+
+
+def _more(points: int) -> int:
+    """About a fifth more, in steps of the kernel's four rows."""
+    return points + 4 * max(1, round(points / 20))
+
+
+def _most_judged(most: int) -> int:
+    """The most points from which the next finer grid, which tells the error, has room."""
+    return max(points for points in range(4, most + 1, 4) if _more(points) <= most)
+
+
+MOST_JUDGED, MOST_JUDGED_FOLDED = _most_judged(MOST_SPACE), _most_judged(MOST_SPACE // 2)
+MOST_JUDGED_TIME = _most_judged(MOST_TIME)

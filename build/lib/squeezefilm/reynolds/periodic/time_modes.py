@@ -1,0 +1,121 @@
+"""The basis in time in which the periodic state is preconditioned: it knows how the gap moves.
+
+Where the film is compressed its gas flows more easily in proportion to the gap, and where the gas
+has inertia its flow lags. Averaged over the finger, a change w of the mass obeys
+
+    D Δw − σ A dw/dT = A r,      A = 1/h + lag d/dT,      h = 1 + variation sin T,
+
+with the right-hand side r of the film's linear system, h the mean gap and D the mean of what
+diffuses the mass over h. In the eigenvectors of A d/dT, which are Fourier's for h = 1, this is one
+number for each mode of space and of time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import log10
+
+import numpy as np
+
+from squeezefilm.reynolds.spectral import period
+
+# Steps in which variation and lag are told apart: the basis only decides the iterations' number.
+VARIATION_STEP = 0.05
+LAGS_PER_DECADE = 20
+# Least speed of a pair: the first harmonic has 1, the null space rounding errors.
+SLOWEST = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class TimeModes:
+    """Real modes over one period of nt instants, pair by pair: see ``Period``.
+
+    With the decays g and speeds s of a pair, A d/dT maps its coefficients (c, d) to
+    (g c + s d, g d − s c). The first pair has neither: it is the mean and the last cosine.
+
+    Attributes:
+        to_modes: coefficients of A r from the values of r on the instants, shape (nt, nt).
+        from_modes: values from coefficients, shape (nt, nt); its 2-norm is 1, so that a change is
+            no larger than its coefficients.
+        decays, speeds: shape (nt / 2,).
+        mean_gap: h on the instants, shape (nt,).
+        settling: (1 + lag h d/dT)⁻¹, how a flow follows what drives it, shape (nt, nt).
+    """
+
+    to_modes: np.ndarray
+    from_modes: np.ndarray
+    decays: np.ndarray
+    speeds: np.ndarray
+    mean_gap: np.ndarray
+    settling: np.ndarray
+
+    def parts(self) -> dict[str, np.ndarray]:
+        """The arrays as kernels know them: transposed, and all of whole vectors of four."""
+        return {
+            "to_time_modes": self.to_modes.T,
+            "time_modes": self.from_modes.T,
+            "speeds": np.tile(self.speeds, 2),
+            "decays": np.tile(self.decays, 2),
+            "mean_gap": self.mean_gap,
+            "settling": self.settling.T,
+        }
+
+
+def time_modes(instants: int, *, variation: float, lag: float) -> TimeModes:
+    """The modes of a film, to the next of the steps that are told apart.
+
+    Args:
+        variation: of the mean gap, above −1 and below 1.
+        lag: of the flow behind what drives it, in units of 1/ω; 0 without inertia.
+    """
+    near = VARIATION_STEP * round(variation / VARIATION_STEP)
+    most = 1 - VARIATION_STEP
+    step = round(LAGS_PER_DECADE * log10(lag)) if lag > 0 else None
+    return _time_modes(instants, min(max(near, -most), most), step)
+
+
+@lru_cache(maxsize=4096)
+def _time_modes(instants: int, variation: float, lag_step: int | None) -> TimeModes:
+    lag = 0.0 if lag_step is None else 10 ** (lag_step / LAGS_PER_DECADE)
+    rate = period(instants).derivative
+    mean_gap = 1 + variation * np.sin(period(instants).nodes)
+    resistance = np.diag(1 / mean_gap) + lag * rate
+    pairs = _pairs(resistance @ rate, mean_gap)
+    if pairs is None:
+        return _time_modes(instants, 0.0, lag_step)
+    vectors, decays, speeds = pairs
+    return TimeModes(
+        to_modes=np.linalg.solve(vectors, resistance),
+        from_modes=vectors,
+        decays=decays,
+        speeds=speeds,
+        mean_gap=mean_gap,
+        settling=np.linalg.inv(np.eye(instants) + lag * mean_gap[:, None] * rate),
+    )
+
+
+def _pairs(operator: np.ndarray, mean_gap: np.ndarray) -> tuple[np.ndarray, ...] | None:
+    """Real vectors (nt, nt), decays and speeds (nt / 2,) of A d/dT; None if not all are pairs.
+
+    Its null space is what d/dT maps to zero: the constant and the last cosine.
+    """
+    instants = len(operator)
+    half = instants // 2
+    values, complex_vectors = np.linalg.eig(operator)
+    turning = np.argsort(values.imag)[half + 1 :]
+    if not (values[turning].imag > SLOWEST).all():
+        return None
+    vectors = np.empty((instants, instants))
+    vectors[:, 0] = 1.0
+    vectors[:, half] = np.cos(half * period(instants).nodes)
+    vectors[:, 1:half] = complex_vectors[:, turning].real
+    vectors[:, half + 1 :] = complex_vectors[:, turning].imag
+    # Both of a pair alike; undamped modes are orthogonal under the weight 1/h.
+    size = np.sum(vectors**2 * mean_gap[:, None] ** -1, axis=0)
+    size[1:half] = size[half + 1 :] = (size[1:half] + size[half + 1 :]) / 2
+    vectors /= np.sqrt(size)
+    vectors /= np.linalg.norm(vectors, 2)
+    decays, speeds = np.zeros((2, half))
+    decays[1:], speeds[1:] = values[turning].real, values[turning].imag
+    return vectors, decays, speeds

@@ -1,0 +1,115 @@
+"""The pressure under a finger over a period, at wanted places: what a force is the mean of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import RunError
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.modes.galerkin import pressure_at, wants_modes
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.launch import STATUS, solve_batch
+from squeezefilm.reynolds.periodic.refinement import finer_grid, grid_for
+from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.self_test import check_device
+from squeezefilm.reynolds.solver import ways_of
+from squeezefilm.reynolds.spectral import period
+from squeezefilm.reynolds.terms import state_refused
+
+NO_STATE = "no periodic state was found in which the pressure holds the tolerance at every place"
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Overpressure P − 1 in units of the ambient pressure.
+
+    Attributes:
+        values: at each instant and place, shape (instants, ny, nx); NaN outside the pad.
+        change: largest change of a value by the last refinement, in the same unit.
+    """
+
+    values: np.ndarray
+    change: float
+
+
+def pressure(
+    scene: Scene,
+    *,
+    x: np.ndarray,
+    y: np.ndarray,
+    instants: int,
+    tolerance: float,
+    device: Device,
+) -> Pressure:
+    """The periodic film's overpressure at places x (nx,) and y (ny,) in [0, 1] across the finger.
+
+    ``instants`` are equidistant from phase 0 on. Grids or modes are refined until no value changes
+    by more than ``tolerance`` of the largest. Inertia must be decided (effects/automatic.py).
+    Raises RunError saying why there is no such pressure.
+    """
+    needs = needs_of(scene)
+    (way,) = ways_of([scene], [needs], tolerance=tolerance, method="periodic")
+    if way.refused:
+        raise RunError(way.refused)
+    if wants_modes(scene):
+        return _in_modes(scene, x=x, y=y, instants=instants, tolerance=tolerance)
+    if not device.processor:
+        check_device(device)
+    grid: Grid | None = grid_for(scene, needs, tolerance=tolerance)
+    before: np.ndarray | None = None
+    ending = NO_STATE
+    while grid is not None:
+        problems = problems_of([scene], grid, tolerance=ITERATION_SHARE * tolerance)
+        states = solve_batch(problems=problems, grid=grid, device=device)
+        if states.status[0] != 0:
+            before, ending = None, STATUS[states.status[0]]
+        else:
+            thinnest = float(states.thinnest[0])
+            if refused := state_refused(scene, needs.terms, thinnest=thinnest):
+                raise RunError(refused)
+            found = _at(states.overpressure[0], grid, x=x, y=y, instants=instants)
+            if before is not None:
+                change = float(np.abs(found - before).max())
+                if change <= tolerance * np.abs(found).max():
+                    return Pressure(found, change)
+            before, ending = found, NO_STATE
+        grid = finer_grid(grid)
+    raise RunError(ending)
+
+
+def _at(
+    unknowns: np.ndarray, grid: Grid, *, x: np.ndarray, y: np.ndarray, instants: int
+) -> np.ndarray:
+    """A state on a grid, shape (nx, ny, nt), at other places and instants: (instants, y, x)."""
+    along_x, along_y = (
+        axis.to_points(places)[:, 1:-1] for axis, places in ((grid.x, x), (grid.y, y))
+    )
+    field = unknowns
+    for which, folded in enumerate((grid.x.folded, grid.y.folded)):
+        if folded:  # the other half is its image
+            field = np.concatenate([field, np.flip(field, axis=which)], axis=which)
+    in_time = period(grid.nt).interpolation_to(period(instants))
+    return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, field, optimize=True)
+
+
+def _in_modes(
+    scene: Scene, *, x: np.ndarray, y: np.ndarray, instants: int, tolerance: float
+) -> Pressure:
+    """The same for a pad or a gap that the grid does not know."""
+    across, along = np.meshgrid(x, y)
+    inside = np.ones(across.shape, dtype=bool)
+    if scene.finger.shape == "ellipse":
+        inside = (2 * across - 1) ** 2 + (2 * along - 1) ** 2 <= 1 + 1e-12
+    values = np.full((instants, *across.shape), np.nan)
+    found = pressure_at(
+        scene, x=across[inside], y=along[inside], instants=instants, tolerance=tolerance
+    )
+    if found is None:
+        raise RunError(NO_STATE)
+    values[:, inside] = found.T
+    return Pressure(values, float(tolerance * np.ptp(found)))

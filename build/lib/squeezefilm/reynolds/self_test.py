@@ -1,0 +1,120 @@
+"""A device proves itself: a handful of stored films, with every term, to 1e-9.
+
+A driver that compiles a kernel wrongly gives wrong numbers that look right. The films are solved on
+one small grid each, by the kernel that solves all others, and compared with self_test.csv, which
+``python -m squeezefilm.reynolds.self_test`` makes anew where the equation or the grid changes.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
+from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.io.atomic import write_text
+from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.problems import problems_of
+
+TABLE = Path(__file__).with_name("self_test.csv")
+CLOSENESS = 1e-9
+ITERATION_TOLERANCE = 1e-11
+AIR = Gas(
+    viscosity_pa_s=1.8e-5,
+    ambient_pressure_pa=1e5,
+    density_kg_per_m3=1.2,
+    mean_free_path_m=7e-8,
+    rarefaction="none",
+    polytropic_exponent=1.0,
+    inertia="none",
+    prandtl=0.71,
+    heat_capacity_ratio=1.4,
+    viscosity_exponent=0.7,
+)
+
+
+def films() -> dict[str, tuple[Scene, Grid]]:
+    """Films that have every term among them, and the grid that each is solved on."""
+    whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
+    half = Grid(12, 8, 12, fold_x=False, fold_y=True)
+    quarter = Grid(8, 8, 12, fold_x=True, fold_y=True)
+    return {
+        "squeeze": (_film(), quarter),
+        "off the centre": (_film(x_m=2e-3, y_m=1e-3), whole),
+        "sliding": (_film(speed_x_m_per_s=20.0), half),
+        "slip": (_film(rarefaction="slip"), quarter),
+        "fukui-kaneko, polytropic": (
+            _film(rarefaction="fukui-kaneko", polytropic_exponent=1.4),
+            quarter,
+        ),
+        "inertia": (_film(inertia="included"), quarter),
+        "inertia and slip, off the centre": (
+            _film(inertia="included", rarefaction="slip", x_m=2e-3),
+            half,
+        ),
+    }
+
+
+def _film(
+    *, x_m: float = 0.0, y_m: float = 0.0, speed_x_m_per_s: float = 0.0, **gas: str | float
+) -> Scene:
+    return Scene(
+        point_id="self-test",
+        h0_m=6e-6,
+        hv_m=2.4e-6,
+        phi_r_m=float(np.hypot(x_m, y_m)),
+        phi_deg=float(np.degrees(np.arctan2(y_m, x_m))),
+        gas=Gas(**{**vars(AIR), **gas}),
+        actuator=Actuator(4e4, 1e-2, Sinc(wave_number_per_m=100.0)),
+        finger=Finger(1e-2, 1e-2, speed_x_m_per_s),
+    )
+
+
+def forces(device: Device) -> dict[str, float]:
+    """The films' mean overpressures in units of p0, as the device finds them."""
+    found = {}
+    for name, (scene, grid) in films().items():
+        problems = problems_of([scene], grid, tolerance=ITERATION_TOLERANCE)
+        states = solve_batch(problems=problems, grid=grid, device=device)
+        found[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
+    return found
+
+
+def check_device(device: Device) -> None:
+    """Refuse a device that does not give the stored forces.
+
+    Raises:
+        InputError: naming the films that it gives otherwise, and by how much.
+    """
+    if wrong := _wrong(device.context, device):
+        raise InputError(
+            f"{device.name} fails its self-test: forces of stored films differ by more than "
+            f"{CLOSENESS:g}, relative ({wrong}). Its driver compiles the solver's kernel wrongly; "
+            "take another device"
+        )
+
+
+PROVED: dict[object, str] = {}
+
+
+def _wrong(context: object, device: Device) -> str:
+    """The films that a device gives otherwise, asked once for each context."""
+    if context not in PROVED:
+        stored = pd.read_csv(TABLE, index_col="film")["mean_overpressure"]
+        difference = (pd.Series(forces(device))[stored.index] / stored - 1).abs()
+        wrong = difference[~(difference <= CLOSENESS)]
+        PROVED[context] = "; ".join(f"{name}: {value:.1e}" for name, value in wrong.items())
+    return PROVED[context]
+
+
+def main() -> None:
+    """Write the table anew."""
+    table = pd.Series(forces(choose_device()), name="mean_overpressure")
+    write_text(table.to_csv(index_label="film", float_format="%.15g"), TABLE)
+
+
+if __name__ == "__main__":
+    main()

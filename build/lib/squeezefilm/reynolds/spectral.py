@@ -1,0 +1,201 @@
+"""Collocation across the film and over the period: nodes, derivatives, quadrature, symmetry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Chebyshev collocation on [0, 1] for functions that vanish at both ends.
+
+    A folded axis holds the first half of the interior nodes only and represents functions that
+    are even about 1/2; its ``points`` then stand for twice as many.
+
+    Attributes:
+        points: number of unknowns along the axis, n.
+        folded: whether the axis stands for its mirror image too.
+    """
+
+    points: int
+    folded: bool
+
+    @property
+    def full_points(self) -> int:
+        """Interior nodes of the unfolded axis."""
+        return 2 * self.points if self.folded else self.points
+
+    @cached_property
+    def all_nodes(self) -> np.ndarray:
+        """Chebyshev–Lobatto nodes on [0, 1], both ends included, shape (full_points + 2,)."""
+        order = self.full_points + 1
+        return (1 - np.cos(np.pi * np.arange(order + 1) / order)) / 2
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """The nodes that carry unknowns, shape (n,)."""
+        return self.all_nodes[1 : self.points + 1]
+
+    @cached_property
+    def derivative(self) -> np.ndarray:
+        """First derivative on all nodes, ends included, shape (full_points + 2,) squared.
+
+        Entries from Trefethen, Spectral Methods in MATLAB (2000), ch. 6; node differences by a
+        trigonometric identity and the diagonal by row sums, against cancellation.
+        """
+        order = self.full_points + 1
+        index = np.arange(order + 1)
+        ends = np.where((index == 0) | (index == order), 2.0, 1.0) * (-1.0) ** index
+        angle = np.pi / (2 * order)
+        difference = np.sin(angle * np.add.outer(index, index)) * np.sin(
+            angle * np.subtract.outer(index, index)
+        )
+        np.fill_diagonal(difference, 1.0)
+        matrix = np.divide.outer(ends, ends) / difference
+        np.fill_diagonal(matrix, 0.0)
+        np.fill_diagonal(matrix, -matrix.sum(axis=1))
+        return matrix
+
+    @cached_property
+    def second_derivative(self) -> np.ndarray:
+        """Second derivative of a function that is zero at both ends, shape (n, n).
+
+        Off the diagonal D2_ij = 2 D_ij (D_ii − 1/(x_i − x_j)) (Welfert 1997), diagonal by row sums.
+        """
+        first = self.derivative
+        distance = np.subtract.outer(self.all_nodes, self.all_nodes)
+        np.fill_diagonal(distance, 1.0)
+        matrix = 2 * first * (np.diag(first)[:, None] - 1 / distance)
+        np.fill_diagonal(matrix, 0.0)
+        np.fill_diagonal(matrix, -matrix.sum(axis=1))
+        return self._fold(matrix[1:-1, 1:-1])
+
+    @cached_property
+    def first_derivative(self) -> np.ndarray:
+        """First derivative of a function that is zero at both ends, shape (n, n); unfolded only."""
+        if self.folded:
+            raise ValueError("the first derivative of an even function is odd: unfold the axis")
+        return self.derivative[1:-1, 1:-1]
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Clenshaw–Curtis weights of the integral over [0, 1], shape (n,); the ends carry zeros."""
+        order = self.full_points + 1
+        angle = np.pi * np.arange(1, order) / order
+        sums = np.ones(order - 1)
+        for harmonic in range(1, (order - 1) // 2 + 1):
+            sums -= 2 * np.cos(2 * harmonic * angle) / (4 * harmonic**2 - 1)
+        if order % 2 == 0:
+            sums -= np.cos(order * angle) / (order**2 - 1)
+        weights = sums / order
+        return 2 * weights[: self.points] if self.folded else weights
+
+    @cached_property
+    def modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Eigenvalues (n,), eigenvectors as columns (n, n) and their inverse (n, n) of D2.
+
+        The eigenvalues are real, negative and distinct (Gottlieb and Lustman 1983). Each vector
+        has unit mean square, so that coefficients measure like the function they stand for.
+        """
+        values, vectors = np.linalg.eig(self.second_derivative)
+        order = np.argsort(-values.real)
+        values, vectors = values.real[order], vectors.real[:, order]
+        vectors = vectors / np.sqrt(self.weights @ vectors**2)
+        return values, vectors, np.linalg.inv(vectors)
+
+    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
+    def moments(self, count: int) -> np.ndarray:
+        """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""
+        return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights
+
+    @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
+    def interpolation_to(self, finer: Axis) -> np.ndarray:
+        """Matrix that carries values on this axis to another one, shape (finer.points, n)."""
+        return self._fold(self.to_points(finer.nodes)[:, 1:-1], square=False)
+
+    def to_points(self, places: np.ndarray) -> np.ndarray:
+        """Matrix from values on all nodes, ends included, to some places (m,), shape (m, nodes).
+
+        Barycentric formula for Chebyshev–Lobatto nodes (Berrut and Trefethen 2004).
+        """
+        order = self.full_points + 1
+        weights = (-1.0) ** np.arange(order + 1)
+        weights[[0, -1]] /= 2
+        distance = np.subtract.outer(places, self.all_nodes)
+        hit = distance == 0
+        distance[hit] = 1.0
+        matrix = weights / distance
+        matrix[hit.any(axis=1)] = 0.0
+        matrix[hit] = 1.0
+        matrix /= matrix.sum(axis=1, keepdims=True)
+        return matrix
+
+    def _fold(self, matrix: np.ndarray, *, square: bool = True) -> np.ndarray:
+        if not self.folded:
+            return matrix
+        rows = matrix[: self.points] if square else matrix
+        return rows[:, : self.points] + rows[:, : self.points - 1 : -1]
+
+
+@dataclass(frozen=True)
+class Period:
+    """Equidistant collocation in time T over one period 2π, an even number of points.
+
+    The real orthonormal Fourier basis with n = points / 2 is ordered 1, cos T, …, cos (n−1)T,
+    cos nT, sin T, …, sin (n−1)T: a harmonic's sine lies n places behind its cosine.
+    """
+
+    points: int
+
+    @property
+    def nodes(self) -> np.ndarray:
+        return 2 * np.pi * np.arange(self.points) / self.points
+
+    @cached_property
+    def harmonics(self) -> np.ndarray:
+        """Harmonic of each basis function, shape (points,); cos nT has no derivative here."""
+        half = self.points // 2
+        return np.concatenate([np.arange(half), [half], np.arange(1, half)])
+
+    def _basis(self, instants: np.ndarray) -> np.ndarray:
+        """The basis functions at some instants, shape (points, instants)."""
+        angle = np.outer(self.harmonics, instants)
+        is_sine = np.arange(self.points)[:, None] > self.points // 2
+        basis = np.where(is_sine, np.sin(angle), np.cos(angle)) * np.sqrt(2 / self.points)
+        basis[[0, self.points // 2]] /= np.sqrt(2)
+        return basis
+
+    @cached_property
+    def fourier(self) -> np.ndarray:
+        """Orthonormal rows: coefficients = fourier @ values, shape (points, points)."""
+        return self._basis(self.nodes)
+
+    @cached_property
+    def derivative(self) -> np.ndarray:
+        """d/dT on the nodes, shape (points, points)."""
+        half = self.points // 2
+        rates = np.zeros((self.points, self.points))
+        for cosine in range(1, half):
+            rates[cosine, half + cosine] = cosine
+            rates[half + cosine, cosine] = -cosine
+        return self.fourier.T @ rates @ self.fourier
+
+    @lru_cache(maxsize=64)  # noqa: B019 - periods are few and live as long as the process
+    def interpolation_to(self, finer: Period) -> np.ndarray:
+        """Matrix that carries values to another period's nodes, shape (finer.points, points)."""
+        return self._basis(finer.nodes).T @ self.fourier
+
+
+@lru_cache(maxsize=64)
+def axis(points: int, folded: bool) -> Axis:
+    """The axis with so many unknowns; its matrices are computed once."""
+    return Axis(points=points, folded=folded)
+
+
+@lru_cache(maxsize=64)
+def period(points: int) -> Period:
+    """The period with so many nodes; its matrices are computed once."""
+    return Period(points=points)

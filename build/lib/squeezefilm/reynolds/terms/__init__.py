@@ -1,0 +1,80 @@
+"""The terms that the film equation may have beside squeezing, one module each.
+
+Here alone are they listed, in the order in which they are spoken of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms.bearing import Bearing
+from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.polytropic import Polytropic
+from squeezefilm.reynolds.terms.rarefaction import Rarefaction
+from squeezefilm.reynolds.terms.term import HOOKS, LeftOut, Numbers, Term
+
+__all__ = ["HOOKS", "TERMS", "LeftOut", "Term", "Terms"]
+
+TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic, Inertia)
+Terms = tuple[Term, ...]
+
+
+def terms_of(scene: Scene) -> Terms:
+    """The terms that a scene has."""
+    return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
+
+
+def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
+    """What is said of the terms that are not among some."""
+    present = {type(term) for term in terms}
+    return tuple(kind.ABSENT for kind in TERMS if kind not in present)
+
+
+def numbers_of(scene: Scene, terms: Terms) -> Numbers:
+    """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P.
+
+    ``lag`` is that of the flow behind what drives it, in units of 1/ω (time_modes.py).
+    """
+    numbers: dict[str, float | tuple[float, ...]] = {
+        "epsilon": scene.epsilon,
+        "sigma": scene.sigma,
+        "flow": (1.0,),
+        "lag": 0.0,
+    }
+    for term in terms:
+        numbers.update(term.numbers(scene))
+    return numbers
+
+
+def stiffness_of(scene: Scene, terms: Terms) -> float:
+    """Relative change of pressure with that of density, at ambient pressure."""
+    factor = 1.0
+    for term in terms:
+        factor *= term.stiffness(scene)
+    return factor
+
+
+def unknown_fields(terms: Terms) -> int:
+    """Fields that the periodic state solves for."""
+    return 1 + sum(term.UNKNOWN_FIELDS for term in terms)
+
+
+def own_fields(terms: Terms) -> int:
+    """Fields that terms need room for beside the unknowns."""
+    return sum(term.OWN_FIELDS for term in terms)
+
+
+def state_refused(scene: Scene, terms: Terms, *, thinnest: float) -> str:
+    """Why a state found lies outside the range of a term; empty if it does not."""
+    return first_reason(term.refused_state(scene, thinnest=thinnest) for term in terms)
+
+
+def notes_of(scene: Scene) -> list[str]:
+    """What the terms say of themselves where a scene stretches them."""
+    return [note for kind in TERMS if (note := kind.note(scene))]
+
+
+def first_reason(reasons: Iterable[str]) -> str:
+    """The first that is not empty; empty if all are."""
+    return next(filter(None, reasons), "")

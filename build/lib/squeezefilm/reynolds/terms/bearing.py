@@ -1,0 +1,80 @@
+"""Sliding: the bearing term −Λ d(Hρ)/dX of a finger that moves along its own x axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
+
+if TYPE_CHECKING:
+    from squeezefilm.reynolds.grid import Grid
+    from squeezefilm.reynolds.modes.pad_modes import PadModes
+
+# Neither the march nor the modes precondition it: beyond this, steps or iterations become many.
+LARGEST_UNPRECONDITIONED = 30.0
+
+
+@dataclass(frozen=True)
+class Bearing(Term):
+    label: str = "bearing"
+
+    NAME = "bearing"
+    ABSENT = LeftOut("bearing term", "the finger is at rest")
+    BREAKS = "x"
+    OVER_PERIOD = "terms/bearing_over_period.cl"
+    AT_INSTANT = "terms/bearing_at_instant.cl"
+    HOOKS = ("residual", "response", "rate", "rate_response")
+
+    @classmethod
+    def of(cls, scene: Scene) -> Bearing | None:
+        return cls() if scene.bearing_number != 0 else None
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        return replace(scene, finger=replace(scene.finger, speed_x_m_per_s=NEGLIGIBLE))
+
+    def numbers(self, scene: Scene) -> Numbers:
+        return {"bearing": scene.bearing_number}
+
+    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+        return {"derivative_x": grid.x.first_derivative}
+
+    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
+        return {"slope_x": (grid.x.derivative @ s)[:, 1 : grid.nx + 1, 1 : grid.ny + 1]}
+
+    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
+        """Real Schur form of d²/dX² − (Λ/D) d/dX, each (scenes, nx, nx).
+
+        An orthogonal basis stays well conditioned where the eigenvectors of a convection-dominated
+        operator do not. D, the mean diffusivity, is that of the film at ambient pressure. The
+        vectors are scaled so that coefficients measure like nodal values.
+        """
+        from scipy.linalg import schur
+
+        scale = np.sqrt(grid.nx)
+        vectors, inverse, triangle = np.empty((3, len(numbers), grid.nx, grid.nx))
+        for k, (speed, flow) in enumerate(zip(numbers["bearing"], numbers["flow"], strict=True)):
+            operator = grid.x.second_derivative - speed / flow.sum() * grid.x.first_derivative
+            triangle[k], basis = schur(operator, output="real")
+            vectors[k], inverse[k] = basis * scale, basis.T / scale
+        return {"modes_x": vectors, "to_modes_x": inverse, "triangle": triangle}
+
+    def explicit_rate(self, numbers: np.ndarray, grid: Grid) -> np.ndarray:
+        return numbers["bearing"] * np.abs(np.linalg.eigvals(grid.x.first_derivative)).max()
+
+    def in_modes(self, scene: Scene, modes: PadModes, mass: np.ndarray) -> np.ndarray:
+        return modes.project_on_slopes(scene.bearing_number * mass, None)
+
+    def refused_in_modes(self, scene: Scene) -> str:
+        if abs(scene.bearing_number) <= LARGEST_UNPRECONDITIONED:
+            return ""
+        return f"bearing numbers up to {LARGEST_UNPRECONDITIONED:g} only under this finger"
+
+    def refused_by_march(self, scene: Scene) -> str:
+        if abs(scene.bearing_number) <= LARGEST_UNPRECONDITIONED:
+            return ""
+        return f"march takes bearing numbers up to {LARGEST_UNPRECONDITIONED:g}"

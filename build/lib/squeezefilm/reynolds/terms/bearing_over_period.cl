@@ -1,0 +1,99 @@
+/* Sliding along x: −Λ d(Hρ)/dX. Its operator along x joins the preconditioner, triangular there. */
+#define PRECONDITIONER
+
+/* out −= Λ d(mass)/dX. */
+static void response_bearing(const Grid *g, const Film *film, field mass, field work, field out)
+{
+    along_x(g, ARRAY(film, derivative_x), mass, work, 0);
+    subtract(out, film->row->bearing, work, g->count4);
+}
+
+/* The same for all of the mass: that of the gap at ambient density is known. */
+static void residual_bearing(const Grid *g, const Film *film, field excess, field work, field out)
+{
+    const double speed = film->row->bearing * film->epsilon;
+    matrix slope_x = ARRAY(film, slope_x);
+    field4 out4 = (field4)out;
+    FOR_EACH_POINT(g, row, t, i) out4[i] -= speed * slope_x[row] * g->sine[t];
+    SYNC;
+    response_bearing(g, film, excess, work, out);
+}
+
+/* modal −= σ dw/dT. */
+static void add_time_term(const Grid *g, const Film *film, matrix w, field modal)
+{
+    const int half_row = g->nt / 4;
+    FOR_EACH(row, g->rows)
+    {
+        pair m = (pair)(modal + row * g->nt);
+        pairs from = (pairs)(w + row * g->nt);
+        for (int j = 0; j < half_row; j++) {
+            const double2 speed = film->sigma * g->speeds[j];
+            m[j] -= speed * from[half_row + j];
+            m[half_row + j] += speed * from[j];
+        }
+    }
+    SYNC;
+}
+
+/* Solve (D Δ − Λ d/dX − σ d/dT) w = modal in place, in the real Schur basis of the operator along
+ * x: back-substitution through a quasi-triangular matrix, for every mode along y and every
+ * harmonic, which is the complex number c − i s here and has the rate i k. */
+static void precondition(const Grid *g, const Film *film, field modal)
+{
+    const int nx = g->nx, stride = g->ny * g->nt, half_row = g->nt / 4;
+    matrix triangle = ARRAY(film, triangle);
+    FOR_EACH(column, g->ny)
+    {
+        const double shift = film->diffusivity * g->eigenvalues_y[column];
+        field m = modal + column * g->nt;
+        int top;
+        for (int bottom = nx - 1; bottom >= 0; bottom = top - 1) {
+            const int coupled = bottom > 0 && triangle[bottom * nx + bottom - 1] != 0.0;
+            top = bottom - coupled;
+            for (int i = top; i <= bottom; i++)
+                for (int j = bottom + 1; j < nx; j++) {
+                    const double entry = film->diffusivity * triangle[i * nx + j];
+                    field4 to = (field4)(m + i * stride);
+                    matrix4 from = (matrix4)(m + j * stride);
+                    for (int t = 0; t < g->nt4; t++)
+                        to[t] -= entry * from[t];
+                }
+            const double a = film->diffusivity * triangle[top * nx + top] + shift;
+            const double b = film->diffusivity * triangle[top * nx + bottom];
+            const double c = film->diffusivity * triangle[bottom * nx + top];
+            const double d = film->diffusivity * triangle[bottom * nx + bottom] + shift;
+            pair u = (pair)(m + top * stride), v = (pair)(m + bottom * stride);
+            for (int j = 0; j < half_row; j++) {
+                const double2 speed = film->sigma * g->speeds[j];
+                const double2 u_re = u[j], u_im = -u[half_row + j];
+                if (!coupled) {
+                    const double2 scale = 1.0 / (a * a + speed * speed);
+                    u[j] = scale * (a * u_re - speed * u_im);
+                    u[half_row + j] = -scale * (a * u_im + speed * u_re);
+                } else {
+                    /* (a − iS, b; c, d − iS) by Cramer's rule. */
+                    const double2 v_re = v[j], v_im = -v[half_row + j];
+                    const double2 det_re = a * d - b * c - speed * speed;
+                    const double2 det_im = -speed * (a + d);
+                    const double2 scale = 1.0 / (det_re * det_re + det_im * det_im);
+                    const double2 top_re = d * u_re + speed * u_im - b * v_re;
+                    const double2 top_im = d * u_im - speed * u_re - b * v_im;
+                    const double2 low_re = a * v_re + speed * v_im - c * u_re;
+                    const double2 low_im = a * v_im - speed * v_re - c * u_im;
+                    u[j] = scale * (top_re * det_re + top_im * det_im);
+                    v[j] = scale * (low_re * det_re + low_im * det_im);
+                    u[half_row + j] = -scale * (top_im * det_re - top_re * det_im);
+                    v[half_row + j] = -scale * (low_im * det_re - low_re * det_im);
+                }
+            }
+        }
+    }
+    SYNC;
+}
+
+static void precondition_with_time_term(const Grid *g, const Film *film, matrix w, field modal)
+{
+    add_time_term(g, film, w, modal);
+    precondition(g, film, modal);
+}

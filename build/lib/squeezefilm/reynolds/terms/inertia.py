@@ -1,0 +1,155 @@
+"""Inertia of the gas: its velocity lags behind the slope of the pressure that drives it.
+
+The momentum equation, weighted with the parabola that the velocity has over the gap, is one
+equation for the mean velocity ū (lengths by the finger's length along x, time by 1/ω):
+
+    ū + (Re ρ H²/10) { ∂ū/∂T + (9/7) (ū·∇)ū − (1/7) ū ∂ ln(ρH)/∂T } = V,    V = −(H²/σ) ∇P
+
+with Re = ρ₀ ω h₀²/μ; beside it ∂(ρH)/∂T + ∇·(ρ H ū) = 0. Ruyer-Quil and Manneville (Eur. Phys. J. B
+15, 2000) have the same numbers for a liquid film. Solved for beside the pressure is the deficit
+b = V − ū, whose divergence joins the Reynolds equation: + σ ∇·(ρ H b).
+
+With first-order slip V has the factor 1 + 6 Kn/(ρH), and the parabola with slip makes the factor
+Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.flux_points import FluxPoints, flux_points
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
+
+if TYPE_CHECKING:
+    from squeezefilm.reynolds.grid import Grid
+
+# Re of a velocity's lag at the gap h0: the parabola's 1/10.
+LAG_PER_REYNOLDS = 0.1
+# How strongly velocities are carried across a direction, times the square of the highest degree
+# that is carried, on a grid of 24 nodes. With half of it forces at Re 3 to 10 change by up to 5e-4,
+# with twice as much by 1e-4, and GMRES takes two to five times as long.
+MOST_CROSSING = 32.0
+# A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
+LEAST_ROOT_SIGMA = 4.0
+# Beyond these one mode across the gap was more than 1 % off the resolved velocity, on a strip
+# (docs/numerics.md): a parabola is too little, or gas is pumped in and out and hardly compressed.
+MOST_REYNOLDS = 10.0
+MOST_REYNOLDS_THICK, THICK_SIGMA = 5.0, 20.0
+RIM = np.array([0.0, 0.5, 1.0])
+
+
+@dataclass(frozen=True)
+class Inertia(Term):
+    label: str = "inertia"
+
+    NAME = "inertia"
+    ABSENT = LeftOut("inertia", "gas.inertia is none")
+    OVER_PERIOD = "terms/inertia_over_period.cl"
+    HOOKS = ("residual", "response", "step", "carry")
+    UNKNOWN_FIELDS = 2
+    OWN_FIELDS = 27
+    SPACE_PRODUCTS = 7
+    TIME_PRODUCTS = 8
+    ESTIMATE_MARGIN = 2.0
+    MOST_WORK = 5e10  # some ten seconds of one core
+    CARRYING = ("carry_flux_x", "carry_flux_y")
+
+    @classmethod
+    def of(cls, scene: Scene) -> Inertia | None:
+        return cls() if scene.gas.inertia == "included" else None
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        gas = replace(scene.gas, inertia="included", density_kg_per_m3=NEGLIGIBLE)
+        return replace(scene, gas=gas)
+
+    @classmethod
+    def note(cls, scene: Scene) -> str:
+        reynolds = scene.modified_reynolds
+        if scene.gas.inertia != "included":
+            return ""
+        if scene.sigma < THICK_SIGMA and reynolds > MOST_REYNOLDS_THICK:
+            return (
+                f"inertia by one mode is good to 1 % up to Re {MOST_REYNOLDS_THICK:g} where the "
+                f"gas is hardly compressed, and was 9 % off at Re 10, σ 5 (Re {reynolds:.2g}, "
+                f"σ {scene.sigma:.2g})"
+            )
+        if reynolds > MOST_REYNOLDS:
+            return (
+                f"inertia by one mode is good to 1 % up to Re {MOST_REYNOLDS:g}, to 2 % at Re 20 "
+                f"(Re {reynolds:.2g})"
+            )
+        return ""
+
+    def numbers(self, scene: Scene) -> Numbers:
+        reynolds = scene.modified_reynolds
+        lag = LAG_PER_REYNOLDS * reynolds
+        inflow = scene.epsilon * _largest_on_rim(scene) / max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
+        return {"reynolds": reynolds, "lag": lag, "crossing": 9 / 7 * lag * inflow}
+
+    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+        return {
+            f"flux_{name}_{axis}": matrix
+            for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True)
+            for name, matrix in {
+                "values": points.from_nodes,
+                "nodes": points.to_nodes,
+                "slope": points.slope / length,
+                "along": points.along / length,
+                "divergence": points.divergence / length,
+            }.items()
+        }
+
+    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
+        """The derivatives across each direction, of the modes that a film of these numbers allows.
+
+        They become more as the grid is refined, so that the difference of two grids shows what the
+        others would change.
+        """
+        parts = {}
+        for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True):
+            nodes = points.axis.full_points
+            most = np.sqrt(MOST_CROSSING * nodes / 24 / np.maximum(numbers["crossing"], 1e-12))
+            parts[f"flux_across_{axis}"] = np.stack([points.across(each) / length for each in most])
+        return parts
+
+    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
+        along_x, along_y = _points(grid)
+        inner_x, inner_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
+        return {
+            "flux_amplitude_x": along_x.from_all_nodes @ s[:, :, inner_y],
+            "flux_amplitude_y": s[:, inner_x] @ along_y.from_all_nodes.T,
+        }
+
+    def knows_limit(self, name: str) -> bool:
+        return name != "closed-form"
+
+    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+        return {"reynolds": scene.modified_reynolds}
+
+    def refused_on_grid(self, scene: Scene) -> str:
+        if scene.gas.rarefaction == "fukui-kaneko":
+            return "inertia is derived for viscous flow and first-order slip, not for fukui-kaneko"
+        if scene.bearing_number != 0:
+            return "inertia is not derived for a sliding finger"
+        return ""
+
+    def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
+        pairs = zip("xy", _points(coarse), _points(fine), strict=True)
+        return {f"carry_flux_{axis}": its.carried_to(finer) for axis, its, finer in pairs}
+
+
+def _largest_on_rim(scene: Scene) -> float:
+    """Largest |s| at the corners of the finger and amid its sides."""
+    x, y = np.meshgrid(RIM, RIM)
+    on_rim = (x != 0.5) | (y != 0.5)
+    return float(np.abs(scene.amplitude(x[on_rim], y[on_rim])).max())
+
+
+def _points(grid: Grid) -> tuple[FluxPoints, FluxPoints]:
+    return flux_points(grid.nx, grid.fold_x), flux_points(grid.ny, grid.fold_y)

@@ -1,0 +1,286 @@
+/* Inertia of the gas (inertia.py): the velocity's deficit b = V − u along x and along y, each on the
+ * flux points of its axis and the nodes of the other one (flux_points.py).
+ *
+ * In Krylov's vectors stands, for a change of b, what it is more than the settled answer to the
+ * change of the pressure: beta = S δV − δu with S = 1/(1 + lag h d/dT) (time_modes.py), so that what
+ * is unknown of both hardly depends on one another. What beta adds to the balance of mass is taken
+ * off its residual before that is preconditioned. */
+
+/* Fields of a direction that the state has: overpressure and its slope at its flux points, velocity
+ * along and across, the first's derivatives along and across, d ln(ρH)/dT, and what is in braces in
+ * inertia.py. Then those of a change: of the density, of the deficit, of the velocity. */
+enum { PRESSURE, SLOPE, ALONG, ACROSS, ALONG_RATE, ACROSS_RATE, FILLING, FORCES, STATE_FIELDS };
+enum { DENSITY, DEFICIT, VELOCITY, CHANGE_FIELDS };
+
+static double4 density_rise(const Film *film, double4 p);
+static double4 density_slope(const Film *film, double4 p);
+
+typedef struct {
+    matrix values, slope, along, nodes, divergence, across, amplitude;
+} Direction;
+
+static Direction direction_of(const Film *film, int axis)
+{
+    Direction d;
+    if (axis == 0) {
+        d.values = ARRAY(film, flux_values_x);
+        d.slope = ARRAY(film, flux_slope_x);
+        d.along = ARRAY(film, flux_along_x);
+        d.nodes = ARRAY(film, flux_nodes_x);
+        d.divergence = ARRAY(film, flux_divergence_x);
+        d.across = ARRAY(film, flux_across_y);
+        d.amplitude = ARRAY(film, flux_amplitude_x);
+    } else {
+        d.values = ARRAY(film, flux_values_y);
+        d.slope = ARRAY(film, flux_slope_y);
+        d.along = ARRAY(film, flux_along_y);
+        d.nodes = ARRAY(film, flux_nodes_y);
+        d.divergence = ARRAY(film, flux_divergence_y);
+        d.across = ARRAY(film, flux_across_x);
+        d.amplitude = ARRAY(film, flux_amplitude_y);
+    }
+    return d;
+}
+
+static void along_axis(const Grid *g, int axis, matrix a, field in, field out, int add)
+{
+    if (axis == 0)
+        along_x(g, a, in, out, add);
+    else
+        along_y(g, a, in, out, add);
+}
+
+static field state_field(const Grid *g, const Film *film, int axis, int which)
+{
+    return film->own_work + (axis * STATE_FIELDS + which) * g->count;
+}
+
+static field change_field(const Grid *g, const Film *film, int axis, int which)
+{
+    return film->own_work + (2 * STATE_FIELDS + axis * CHANGE_FIELDS + which) * g->count;
+}
+
+static field scratch_field(const Grid *g, const Film *film, int which)
+{
+    return film->own_work + (2 * STATE_FIELDS + 2 * CHANGE_FIELDS + which) * g->count;
+}
+
+/* Coefficient of first-order slip, 6 Kn. */
+static double slip_of(const Film *film) { return FLOW_TERMS == 2 ? film->row->flow[1] : 0.0; }
+
+/* −V over the pressure's slope. */
+static double4 mobility(const Film *film, double4 gap, double4 density)
+{
+    return gap * (gap + slip_of(film) / density) / film->sigma;
+}
+
+/* Re ρ H²/10 with what slip makes of it, and its derivative to the density. */
+static double4 lag_of(const Film *film, double4 gap, double4 density)
+{
+    return film->row->lag * gap * (density * gap + slip_of(film) / 1.5);
+}
+static double4 lag_slope(const Film *film, double4 gap) { return film->row->lag * gap * gap; }
+
+/* The velocity across each direction, `which` of STATE_FIELDS or a scratch field: that along the
+ * other one, carried to this one's points. */
+static void velocity_across(const Grid *g, const Film *film, field along, field other, int axis,
+                            field work)
+{
+    along_axis(g, 1 - axis, direction_of(film, 1 - axis).nodes, other, work, 0);
+    along_axis(g, axis, direction_of(film, axis).values, work, along, 0);
+}
+
+/* Gap and density at a point of a direction. */
+#define EACH_OF(d)                                                                               \
+    const double4 gap = 1.0 + film->epsilon * d.amplitude[row] * g->sine[t];                     \
+    const double4 density = 1.0 + density_rise(film, p[i]);
+
+static void residual_inertia(const Grid *g, const Film *film, field mass, field work, field out)
+{
+    const double sigma = film->sigma;
+    field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
+    for (int axis = 0; axis < 2; axis++) {
+        const Direction d = direction_of(film, axis);
+        field4 p = (field4)state_field(g, film, axis, PRESSURE);
+        field4 slope = (field4)state_field(g, film, axis, SLOPE);
+        field4 u = (field4)state_field(g, film, axis, ALONG);
+        field4 filling = (field4)state_field(g, film, axis, FILLING);
+        matrix4 b = (matrix4)(film->own + axis * g->count);
+        field4 logarithm = (field4)spare;
+        along_axis(g, axis, d.values, (field)film->p, (field)p, 0);
+        along_axis(g, axis, d.slope, (field)film->p, (field)slope, 0);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            EACH_OF(d)
+            u[i] = -mobility(film, gap, density) * slope[i] - b[i];
+            logarithm[i] = log(density);
+        }
+        SYNC;
+        along_t(g, g->time_derivative, spare, (field)filling, 0);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            const double4 excursion = film->epsilon * d.amplitude[row];
+            filling[i] += excursion * g->cosine[t] / (1.0 + excursion * g->sine[t]);
+        }
+        SYNC;
+        along_axis(g, axis, d.along, (field)u, state_field(g, film, axis, ALONG_RATE), 0);
+        along_axis(g, 1 - axis, d.across, (field)u, state_field(g, film, axis, ACROSS_RATE), 0);
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        const Direction d = direction_of(film, axis);
+        matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
+        matrix4 u = (matrix4)state_field(g, film, axis, ALONG);
+        matrix4 across = (matrix4)state_field(g, film, axis, ACROSS);
+        matrix4 along_rate = (matrix4)state_field(g, film, axis, ALONG_RATE);
+        matrix4 across_rate = (matrix4)state_field(g, film, axis, ACROSS_RATE);
+        matrix4 filling = (matrix4)state_field(g, film, axis, FILLING);
+        field4 forces = (field4)state_field(g, film, axis, FORCES);
+        matrix4 b = (matrix4)(film->own + axis * g->count);
+        field4 missing = (field4)spare, settled = (field4)(film->own_out + axis * g->count);
+        field4 flux = (field4)rate;
+        velocity_across(g, film, (field)across, state_field(g, film, 1 - axis, ALONG), axis, spare);
+        along_t(g, g->time_derivative, (field)u, rate, 0);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            EACH_OF(d)
+            forces[i] = ((matrix4)rate)[i] - u[i] * filling[i] / 7.0 +
+                        9.0 / 7.0 * (u[i] * along_rate[i] + across[i] * across_rate[i]);
+            missing[i] = b[i] - lag_of(film, gap, density) * forces[i];
+        }
+        SYNC;
+        along_t(g, ARRAY(film, settling), spare, (field)settled, 0);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            EACH_OF(d)
+            flux[i] = sigma * gap * density * (b[i] - settled[i]);
+        }
+        SYNC;
+        along_axis(g, axis, d.divergence, rate, out, 1);
+    }
+}
+
+/* δρ and δV, the latter in the place of the deficit, of a change `rise` of the pressure. */
+static void driven(const Grid *g, const Film *film, int axis, field rise)
+{
+    const Direction d = direction_of(film, axis);
+    matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
+    matrix4 slope = (matrix4)state_field(g, film, axis, SLOPE);
+    field4 rises = (field4)change_field(g, film, axis, DENSITY);
+    field4 drive = (field4)change_field(g, film, axis, DEFICIT);
+    along_axis(g, axis, d.values, rise, (field)rises, 0);
+    along_axis(g, axis, d.slope, rise, (field)drive, 0);
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        EACH_OF(d)
+        rises[i] *= density_slope(film, p[i]);
+        drive[i] = gap * slip_of(film) / (film->sigma * density * density) * rises[i] * slope[i] -
+                   mobility(film, gap, density) * drive[i];
+    }
+    SYNC;
+}
+
+static void response_inertia(const Grid *g, const Film *film, field mass, field work, field out)
+{
+    const double sigma = film->sigma;
+    field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
+    field relative = scratch_field(g, film, 2), along_rate = scratch_field(g, film, 3);
+    field across_rate = scratch_field(g, film, 4);
+    field4 rise = (field4)rate;
+    FOR_EACH_POINT(g, row, t, i)
+        rise[i] = ((matrix4)mass)[i] /
+                  (gap_at(g, film, row, t) * density_slope(film, film->p[i]));
+    SYNC;
+    for (int axis = 0; axis < 2; axis++) {
+        driven(g, film, axis, rate);
+        matrix4 beta = (matrix4)(film->own_in + axis * g->count);
+        field4 drive = (field4)change_field(g, film, axis, DEFICIT);
+        field4 velocity = (field4)change_field(g, film, axis, VELOCITY);
+        along_t(g, ARRAY(film, settling), (field)drive, (field)velocity, 0);
+        FOR_EACH(i, g->count4)
+        {
+            velocity[i] -= beta[i];
+            drive[i] -= velocity[i];
+        }
+        SYNC;
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        const Direction d = direction_of(film, axis);
+        matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
+        matrix4 u = (matrix4)state_field(g, film, axis, ALONG);
+        matrix4 across = (matrix4)state_field(g, film, axis, ACROSS);
+        matrix4 u_along = (matrix4)state_field(g, film, axis, ALONG_RATE);
+        matrix4 u_across = (matrix4)state_field(g, film, axis, ACROSS_RATE);
+        matrix4 filling = (matrix4)state_field(g, film, axis, FILLING);
+        matrix4 forces = (matrix4)state_field(g, film, axis, FORCES);
+        matrix4 b = (matrix4)(film->own + axis * g->count);
+        matrix4 rises = (matrix4)change_field(g, film, axis, DENSITY);
+        matrix4 deficit = (matrix4)change_field(g, film, axis, DEFICIT);
+        field velocity = change_field(g, film, axis, VELOCITY);
+        matrix4 v = (matrix4)velocity;
+        field4 settled = (field4)(film->own_out + axis * g->count);
+        velocity_across(g, film, across_rate, change_field(g, film, 1 - axis, VELOCITY), axis, spare);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            EACH_OF(d)
+            ((field4)relative)[i] = rises[i] / density;
+        }
+        SYNC;
+        field4 crossing = (field4)across_rate, answer = (field4)spare, flux = (field4)rate;
+        /* δ(u across) times u's derivative there, and u across times that of δu. */
+        FOR_EACH(i, g->count4) crossing[i] *= u_across[i];
+        SYNC;
+        along_axis(g, 1 - axis, d.across, velocity, along_rate, 0);
+        FOR_EACH(i, g->count4) crossing[i] += across[i] * ((matrix4)along_rate)[i];
+        SYNC;
+        along_axis(g, axis, d.along, velocity, along_rate, 0);
+        along_t(g, g->time_derivative, relative, rate, 0);
+        FOR_EACH(i, g->count4)
+            crossing[i] = 9.0 / 7.0 * (crossing[i] + v[i] * u_along[i] +
+                                       u[i] * ((matrix4)along_rate)[i]) -
+                          (v[i] * filling[i] + u[i] * ((matrix4)rate)[i]) / 7.0;
+        SYNC;
+        along_t(g, g->time_derivative, velocity, rate, 0);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            EACH_OF(d)
+            answer[i] = deficit[i] -
+                        lag_of(film, gap, density) * (((matrix4)rate)[i] + crossing[i]) -
+                        lag_slope(film, gap) * rises[i] * forces[i];
+        }
+        SYNC;
+        along_t(g, ARRAY(film, settling), spare, (field)settled, 0);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            EACH_OF(d)
+            flux[i] = sigma * gap * (density * (deficit[i] - settled[i]) + rises[i] * b[i]);
+        }
+        SYNC;
+        along_axis(g, axis, d.divergence, rate, out, 1);
+    }
+}
+
+/* b as a step of the pressure and Krylov's solution change it; the latter has the other sign. */
+static void step_inertia(const Grid *g, const Film *film, field step, double share)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        driven(g, film, axis, step);
+        matrix4 beta = (matrix4)(film->own_in + axis * g->count);
+        matrix4 drive = (matrix4)change_field(g, film, axis, DEFICIT);
+        field velocity = change_field(g, film, axis, VELOCITY);
+        field4 b = (field4)(film->own + axis * g->count);
+        along_t(g, ARRAY(film, settling), (field)drive, velocity, 0);
+        FOR_EACH(i, g->count4) b[i] += share * (drive[i] - ((matrix4)velocity)[i] - beta[i]);
+        SYNC;
+    }
+}
+
+/* b from a coarser grid. */
+static void carry_inertia(const Grid *g, const Film *film, __global const Row *coarser, field coarse)
+{
+    const int count = coarser->nx * coarser->ny * coarser->nt;
+    matrix in_t = ARRAY(film, carry_t);
+    carry_field(g, film, coarser, in_t, ARRAY(film, carry_flux_x), ARRAY(film, carry_y), coarse,
+                film->own);
+    carry_field(g, film, coarser, in_t, ARRAY(film, carry_x), ARRAY(film, carry_flux_y),
+                coarse + count, film->own + g->count);
+}

@@ -1,0 +1,34 @@
+"""A gas that is not isothermal: its density follows the pressure as ρ = P^(1/n)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
+
+
+@dataclass(frozen=True)
+class Polytropic(Term):
+    label: str = "polytropic gas"
+
+    NAME = "polytropic"
+    ABSENT = LeftOut("heating", "gas.polytropic_exponent is 1")
+    OVER_PERIOD = "terms/polytropic_over_period.cl"
+
+    @classmethod
+    def of(cls, scene: Scene) -> Polytropic | None:
+        return cls() if scene.gas.polytropic_exponent != 1 else None
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        return replace(scene, gas=replace(scene.gas, polytropic_exponent=1 + NEGLIGIBLE))
+
+    def numbers(self, scene: Scene) -> Numbers:
+        return {"inverse_exponent": 1 / scene.gas.polytropic_exponent}
+
+    def stiffness(self, scene: Scene) -> float:
+        return scene.gas.polytropic_exponent
+
+    def refused_in_modes(self, scene: Scene) -> str:
+        return ""

@@ -1,0 +1,77 @@
+"""Rarefaction: slip at the walls, or Fukui and Kaneko's flow factor, in powers of Kn.
+
+The mass flux becomes Σ c_k H^(3−k) ρ^(1−k) ∇P; the mean free path's 1/ρ is in the powers of ρ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
+
+# Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
+# inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
+# J. Tribology 112 (1990), 78–83, the branch for D ≥ 5.
+FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
+FUKUI_KANEKO_LEAST_D = 5.0
+# First-order slip is meant for Knudsen numbers up to here (Burgdorfer 1959 for small ones).
+SLIP_MOST_KNUDSEN = 0.1
+
+
+def flow_coefficients(scene: Scene) -> tuple[float, ...]:
+    """Coefficients c_k of the mass flux Σ c_k H^(3−k) ρ^(1−k) ∇P, the first being 1.
+
+    Slip of first order adds 6 Kn H² (Burgdorfer 1959).
+    """
+    if scene.gas.rarefaction == "slip":
+        return (1.0, 6 * scene.knudsen)
+    if scene.gas.rarefaction == "fukui-kaneko":
+        return tuple(c / scene.inverse_knudsen**k for k, c in enumerate(FUKUI_KANEKO))
+    return (1.0,)
+
+
+@dataclass(frozen=True)
+class Rarefaction(Term):
+    """``label`` is the gas' ``rarefaction``, ``slip`` or ``fukui-kaneko``."""
+
+    NAME = "rarefaction"
+    ABSENT = LeftOut("rarefaction", "gas.rarefaction is none")
+
+    @classmethod
+    def of(cls, scene: Scene) -> Rarefaction | None:
+        return cls(scene.gas.rarefaction) if scene.gas.rarefaction != "none" else None
+
+    @classmethod
+    def note(cls, scene: Scene) -> str:
+        if scene.gas.rarefaction == "slip" and scene.knudsen > SLIP_MOST_KNUDSEN:
+            return (
+                f"slip of first order is meant for Kn up to {SLIP_MOST_KNUDSEN:g}, fukui-kaneko "
+                f"for up to 0.17 (Kn {scene.knudsen:.2g})"
+            )
+        return ""
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        path_m = NEGLIGIBLE * 1e-6
+        gas = replace(scene.gas, rarefaction="fukui-kaneko", mean_free_path_m=path_m)
+        return replace(scene, gas=gas)
+
+    def numbers(self, scene: Scene) -> Numbers:
+        return {"flow": flow_coefficients(scene)}
+
+    def knows_limit(self, name: str) -> bool:
+        return self.label == "slip" and name != "closed-form"
+
+    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+        return {"slip": sum(flow_coefficients(scene)[1:])}
+
+    def refused_in_modes(self, scene: Scene) -> str:
+        return ""
+
+    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
+        least = scene.inverse_knudsen * thinnest
+        if self.label != "fukui-kaneko" or not least < FUKUI_KANEKO_LEAST_D:
+            return ""
+        return f"gas too rarefied: D falls to {least:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"

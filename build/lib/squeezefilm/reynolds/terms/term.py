@@ -1,0 +1,166 @@
+"""What a term of the film equation says of itself; methods and explanations ask no one else.
+
+What an instance does not say is that of a term which changes nothing there, and a method that a
+term says nothing about does not know it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+
+if TYPE_CHECKING:  # for types alone: both ask the terms
+    from squeezefilm.reynolds.grid import Grid
+    from squeezefilm.reynolds.modes.pad_modes import PadModes
+
+# Where kernels add what terms have to say: to the residual of film_over_period.cl and its response
+# to a change of the mass, to the rate and its response of film_at_instant.cl; and, for unknowns of
+# their own, to a step of Newton's method and to the way from grid to grid (periodic.cl).
+HOOKS = {
+    "residual": "(g, film, mass, work, out)",
+    "response": "(g, film, mass, work, out)",
+    "rate": "(g, film, mass, work, out)",
+    "rate_response": "(g, film, mass, work, out)",
+    "step": "(g, film, step, share)",
+    "carry": "(g, film, coarser, coarse)",
+}
+
+# What is put back to see what leaving it out saves.
+NEGLIGIBLE = 1e-14
+
+Numbers = Mapping[str, float | tuple[float, ...]]
+Arrays = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One thing that a scene does not need, and why not."""
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term as a scene has it; scenes of equal terms may share a kernel.
+
+    Attributes:
+        label: what ``explain`` calls it.
+        ABSENT: what is said of a scene that does not have it.
+        BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
+        OVER_PERIOD, AT_INSTANT: OpenCL source of its lines for the periodic state and the march.
+        HOOKS: those of HOOKS that these sources fill, by functions ``HOOK_NAME``.
+        UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
+        OWN_FIELDS: room that its lines need beside that, in fields.
+        ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
+        SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
+            add to a Krylov iteration.
+        MOST_WORK: operations of a scene's iterations (refinement.py) beyond which no finer grid is
+            begun.
+        CARRYING: names of the matrices that carry its unknowns from grid to grid.
+    """
+
+    label: str
+
+    NAME: ClassVar[str]
+    ABSENT: ClassVar[LeftOut]
+    BREAKS: ClassVar[str] = ""
+    OVER_PERIOD: ClassVar[str] = ""
+    AT_INSTANT: ClassVar[str] = ""
+    HOOKS: ClassVar[tuple[str, ...]] = ()
+    UNKNOWN_FIELDS: ClassVar[int] = 0
+    OWN_FIELDS: ClassVar[int] = 0
+    ESTIMATE_MARGIN: ClassVar[float] = 1.0
+    MOST_WORK: ClassVar[float] = inf
+    SPACE_PRODUCTS: ClassVar[int] = 0
+    TIME_PRODUCTS: ClassVar[int] = 0
+    CARRYING: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def of(cls, scene: Scene) -> Term | None:
+        """The term as the scene has it, if it does."""
+        raise NotImplementedError
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        """A scene that has so little of it that nothing changes but the work.
+
+        The scene itself where there is no such one: what is left out then is another film.
+        """
+        return scene
+
+    @classmethod
+    def note(cls, scene: Scene) -> str:
+        """Where a scene that has it stretches it; empty elsewhere."""
+        return ""
+
+    def numbers(self, scene: Scene) -> Numbers:
+        """Its numbers of a scene, which kernels find under these names."""
+        return {}
+
+    def stiffness(self, scene: Scene) -> float:
+        """Factor of the relative change of pressure with that of density."""
+        return 1.0
+
+    def knows_limit(self, name: str) -> bool:
+        """Whether a limit (solver.py) was derived with it."""
+        return False
+
+    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+        """Arguments of the limits that know it (limits.py)."""
+        return {}
+
+    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+        """What its lines need of a grid, beside the matrices that all have.
+
+        ``aspect`` is the finger's length along y over that along x, the unit of lengths.
+        """
+        return {}
+
+    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
+        """What its lines need of profiles s (places, full nx + 2, full ny + 2), ends included.
+
+        Each has the shape (places, nx, ny).
+        """
+        return {}
+
+    def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
+        """The matrices of CARRYING between two grids."""
+        return {}
+
+    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
+        """What the periodic state needs for each scene by itself, each shape (scenes, …).
+
+        A name that the grid has too takes the place of that one's.
+        """
+        return {}
+
+    def explicit_rate(self, numbers: np.ndarray, grid: Grid) -> np.ndarray | float:
+        """What it adds to σ times the largest rate that explicit steps must follow."""
+        return 0.0
+
+    def in_modes(self, scene: Scene, modes: PadModes, mass: np.ndarray) -> np.ndarray | float:
+        """What it adds to the balance of every mode (galerkin.py); linear in the mass Hρ."""
+        return 0.0
+
+    def refused_on_grid(self, scene: Scene) -> str:
+        """Why the periodic state is not solved for a scene that has it; empty where it is."""
+        return ""
+
+    def refused_in_modes(self, scene: Scene) -> str:
+        """Why the modes of a pad cannot solve a scene that has it; empty where they can."""
+        return f"{self.label} is not known under this finger"
+
+    def refused_by_march(self, scene: Scene) -> str:
+        """Why a scene that has it cannot be marched; empty where it can."""
+        return f"march does not know {self.label}"
+
+    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
+        """Why a state found lies outside its range, given the smallest ρ H; else empty."""
+        return ""

@@ -1,0 +1,221 @@
+"""The profile under a finger as far as it decides on symmetry and grid, measured before solving.
+
+As Chebfun does (Battles and Trefethen 2004): the profile is sampled on finer and finer Chebyshev
+grids until the interpolant through them is right at points that stand in no relation to any grid;
+the decay of its Chebyshev coefficients then says how many nodes each direction needs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.landmarks import landmarks_of
+from squeezefilm.reynolds.grid import MOST_SPACE
+from squeezefilm.reynolds.spectral import axis
+
+# Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
+SYMMETRIC = 1e-13
+PROBES = (24, 48, 96, 192, MOST_SPACE)
+# Points at which the first interpolant is judged, and the others, which are tried where it fails.
+FEW, MANY = 100, 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """What one Chebyshev grid sees of a profile; shares are of its largest value under the finger.
+
+    Attributes:
+        missed: largest difference of interpolant and profile at the points that are no nodes.
+        worst: where, in [0, 1] across the finger.
+        curvature_x, curvature_y: largest |∂²s/∂X²|, |∂²s/∂Y²| of the interpolant, lengths in units
+            of the finger's sides.
+        tail_x, tail_y: entry k: what an interpolant with k nodes along x, y misses of this one.
+    """
+
+    missed: float
+    worst: tuple[float, float]
+    curvature_x: float
+    curvature_y: float
+    tail_x: np.ndarray
+    tail_y: np.ndarray
+
+    def nodes(self, share: float) -> tuple[int, int]:
+        """Nodes along x and y that miss no more than a share."""
+        return int(np.argmax(self.tail_x <= share)), int(np.argmax(self.tail_y <= share))
+
+
+class UnderFinger:
+    """A profile at one place of a finger, looked at as closely as is asked.
+
+    Attributes:
+        even_x, even_y: whether it is even about the finger's middle along x, y.
+        uniform: the whole finger sees the full amplitude.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._landmarks = _landmarks_under(scene)
+        s, between, first = _probed(scene, PROBES[0], self._landmarks)
+        self._probes = [first]
+        self._largest = max(float(np.abs(s).max()), float(np.abs(between).max()))
+        same = SYMMETRIC * self._largest
+        self.even_x = bool(np.abs(s[::-1] - s).max() <= same)
+        self.even_y = bool(np.abs(s[:, ::-1] - s).max() <= same)
+        if first.missed > SYMMETRIC:  # else what the nodes say holds between them
+            self.even_x = self.even_x and self._mirrored(along_x=True) <= same
+            self.even_y = self.even_y and self._mirrored(along_x=False) <= same
+        self.uniform = bool(max(np.abs(s - 1).max(), np.abs(between - 1).max()) < SYMMETRIC)
+
+    def probe(self, share: float) -> Probe:
+        """The first that misses no more than a share, else the finest that there is."""
+        for probe in self._probes:
+            if probe.missed <= share:
+                return probe
+        for points in PROBES[len(self._probes) :]:
+            *_, probe = _probed(self._scene, points, self._landmarks)
+            self._probes.append(probe)
+            if probe.missed <= share:
+                break
+        return self._probes[-1]
+
+    @property
+    def feature_m(self) -> float:
+        """Width of what the coarsest probe misses most, at half of its height."""
+        scene, (x, y) = self._scene, self._probes[0].worst
+        angle = np.pi / 4 * np.arange(8)
+        way_m = scene.finger.length_x_m * np.geomspace(1e-6, 1, 300)
+        values = scene.amplitude(
+            x + np.outer(way_m, np.cos(angle)) / scene.finger.length_x_m,
+            y + np.outer(way_m, np.sin(angle)) / scene.finger.length_y_m,
+        )
+        changed = np.abs(values - scene.amplitude(np.array(x), np.array(y)))
+        far = (changed >= self._probes[0].missed * self._largest / 2).any(axis=1)
+        return float(2 * way_m[np.argmax(far) if far.any() else -1])
+
+    def _mirrored(self, *, along_x: bool) -> float:
+        """Largest difference to the mirror image, between the nodes."""
+        x, y = _between(MANY)
+        mirrored = (1 - x, y) if along_x else (x, 1 - y)
+        return float(np.abs(self._scene.amplitude(*mirrored) - self._scene.amplitude(x, y)).max())
+
+
+def under_finger(scene: Scene) -> UnderFinger:
+    """The profile under a scene's finger; one for all scenes at one place."""
+    return _at_place(_Place(scene))
+
+
+class _Place:
+    """A scene as far as the profile under the finger goes: scenes at one place are equal."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.key = (scene.actuator.profile, scene.finger, scene.x_m, scene.y_m)
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Place) and self.key == other.key
+
+
+@lru_cache(maxsize=4096)
+def _at_place(place: _Place) -> UnderFinger:
+    return UnderFinger(place.scene)
+
+
+def _probed(
+    scene: Scene, points: int, landmarks: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, Probe]:
+    """The profile on a grid's nodes, ends included, and between them, and what they say."""
+    prober = _prober(points)
+    x, y, to_x, to_y = prober.x, prober.y, prober.to_x, prober.to_y
+    if len(landmarks[0]):
+        x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
+        to_x = np.vstack([to_x, axis(points, False).to_points(landmarks[0])])
+        to_y = np.vstack([to_y, axis(points, False).to_points(landmarks[1])])
+    everywhere = scene.amplitude(np.append(prober.grid_x, x), np.append(prober.grid_y, y))
+    s = everywhere[: prober.grid_x.size].reshape(points + 2, points + 2)
+    between = everywhere[prober.grid_x.size :]
+    largest = float(np.abs(everywhere).max()) or 1.0
+    missed = np.abs(((to_x @ s) * to_y).sum(axis=1) - between) / largest
+    worst = int(np.argmax(missed))
+    coefficients = np.abs(prober.to_coefficients @ s @ prober.to_coefficients.T) / largest
+    return (
+        s,
+        between,
+        Probe(
+            missed=float(missed[worst]),
+            worst=(float(x[worst]), float(y[worst])),
+            curvature_x=float(np.abs(prober.twice @ s).max()),
+            curvature_y=float(np.abs(s @ prober.twice.T).max()),
+            tail_x=_tail(coefficients.sum(axis=1)),
+            tail_y=_tail(coefficients.sum(axis=0)),
+        ),
+    )
+
+
+def _between(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points in [0, 1]² that no two mirror each other: Roberts' sequence of the plastic number."""
+    index = np.arange(1, 1 + count)
+    plastic = 1.32471795724474602596
+    return (0.5 + index / plastic) % 1, (0.5 + index / plastic**2) % 1
+
+
+def _tail(coefficients: np.ndarray) -> np.ndarray:
+    """Sums of coefficients from the k-th on, for k up to all of them, where it is zero."""
+    return np.append(np.cumsum(coefficients[::-1])[::-1], 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Prober:
+    """What a probe of so many points has of its own, whatever the profile.
+
+    Attributes:
+        grid_x, grid_y: its nodes; x, y: points between them, in no relation to any grid.
+        to_x, to_y: interpolation from the nodes along x, y to those points.
+        to_coefficients: Chebyshev coefficients from values at the nodes.
+        twice: second derivative on the nodes.
+    """
+
+    grid_x: np.ndarray
+    grid_y: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    to_x: np.ndarray
+    to_y: np.ndarray
+    to_coefficients: np.ndarray
+    twice: np.ndarray
+
+
+@lru_cache(maxsize=len(PROBES))
+def _prober(points: int) -> _Prober:
+    line = axis(points, False)
+    nodes, order = line.all_nodes, points + 1
+    x, y = _between(FEW if points == PROBES[0] else MANY)
+    ends = np.ones(order + 1)
+    ends[[0, -1]] = 0.5
+    cosines = np.cos(np.pi * np.outer(np.arange(order + 1), np.arange(order + 1)) / order)
+    grid_x, grid_y = np.meshgrid(nodes, nodes, indexing="ij")
+    return _Prober(
+        grid_x=grid_x.ravel(),
+        grid_y=grid_y.ravel(),
+        x=x,
+        y=y,
+        to_x=line.to_points(x),
+        to_y=line.to_points(y),
+        to_coefficients=2 / order * ends[:, None] * cosines * ends,
+        twice=line.derivative @ line.derivative,
+    )
+
+
+def _landmarks_under(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """The profile's landmarks under the finger, in [0, 1] across it."""
+    x_m, y_m = landmarks_of(scene.actuator.profile)
+    along_x, along_y = scene.finger.turned_back(x_m - scene.x_m, y_m - scene.y_m)
+    x, y = 0.5 + along_x / scene.finger.length_x_m, 0.5 + along_y / scene.finger.length_y_m
+    inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
+    return x[inside], y[inside]

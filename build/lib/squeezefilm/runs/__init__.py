@@ -1,0 +1,1 @@
+"""What keeps runs safe and traceable: whole files, locks, caches, cards."""

@@ -1,0 +1,1 @@
+"""A study: its configuration, the space of its experiments, its plans."""

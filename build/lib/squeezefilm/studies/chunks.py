@@ -1,0 +1,51 @@
+"""Into how many jobs the simulations of a plan are divided, by what its scenes should cost.
+
+Only the configuration is asked: the number of jobs is known before any plan is made.
+"""
+
+from math import ceil
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import scene_points
+from squeezefilm.reynolds.explain import explain
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
+from squeezefilm.studies.study import scene_of
+
+# One thread of the processor that docs/cluster.md was measured on.
+MFLOP_PER_SECOND = 20_000.0
+SECONDS_PER_SCENE = 1.5e-4  # besides the operations: preparing and collecting
+SAMPLE = 32
+MOST_CHUNKS = 20_000
+CENTRED = ("screen", "error_map")
+
+
+def chunk_counts(config: Config) -> dict[str, int]:
+    """The number of jobs for each plan, of about ``simulation.seconds_per_job`` each.
+
+    Raises InputError when a plan would need more jobs than a workflow can handle.
+    """
+    target = config["simulation"]["seconds_per_job"]
+    counts = {}
+    for plan, points in plan_sizes(config).items():
+        seconds = points * expected_seconds(config, centred=plan in CENTRED)
+        counts[plan] = min(points, max(1, ceil(seconds / target)))
+        if counts[plan] > MOST_CHUNKS:
+            raise InputError(
+                f"{config.path}: simulation.seconds_per_job: {target:g} s make {counts[plan]} jobs "
+                f"of the plan {plan}; at most {MOST_CHUNKS} are possible, so give at least "
+                f"{seconds / MOST_CHUNKS:.2g}"
+            )
+    return counts
+
+
+def expected_seconds(config: Config, *, centred: bool) -> float:
+    """Mean time of a scene on one thread, from a few random scenes of the study."""
+    sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
+    if centred:
+        sample = sample.assign(phi_r_m=0.0, phi_deg=0.0)
+    scenes = [scene_of(point, config) for point in scene_points(sample)]
+    solver = config["solver"]
+    explained = explain(scenes, tolerance=solver["tolerance"], method=solver["method"])
+    mflop = sum(each.expected_mflop for each in explained) / SAMPLE
+    return SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND

@@ -1,0 +1,230 @@
+"""Reading a study's configuration: one loader for the rules and for the command line."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from squeezefilm.io.errors import InputError
+
+SCHEMA_PATH = Path(__file__).with_name("config.schema.yaml")
+LARGEST_INTEGER = 2**53
+"""Integers up to here are the same number when they are used as a float."""
+
+ENDS = ("start", "stop")
+FARTHEST = 1.5
+"""An amplitude at which an extrapolation is checked, over the screen's largest."""
+SLACK = 1e-9
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML's plain part: true and false, null, decimal numbers, text, lists and mappings.
+
+    ``1e-6`` is a number here, and nothing else turns into one by surprise (YAML 1.1 reads 12:30
+    as 750 and 010 as 8). A key may stand only once; anchors and merge keys are refused, so that a
+    file is no larger than it looks.
+    """
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            mark = self.peek_event().start_mark
+            raise yaml.MarkedYAMLError(problem="aliases are not allowed", problem_mark=mark)
+        return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen = []
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, str):
+                problem = f"the key {key!r} is not text"
+            elif key == "<<":
+                problem = "merge keys are not allowed"
+            elif key in seen:
+                problem = f"the key {key!r} stands twice"
+            else:
+                seen.append(key)
+                continue
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
+        return super().construct_mapping(node, deep)
+
+
+_Loader.yaml_implicit_resolvers = {}
+for _tag, _pattern, _first in (
+    ("bool", r"true|false", "tf"),
+    ("null", r"null|~|", ["n", "~", ""]),
+    ("int", r"[-+]?(0|[1-9]\d*)", "-+0123456789"),
+    ("float", r"[-+]?(\d+\.\d*|\.\d+|\d+(?=[eE]))([eE][-+]?\d+)?", "-+0123456789."),
+    ("float", r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)", "-+."),
+):
+    _Loader.add_implicit_resolver(
+        f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first)
+    )
+
+
+@dataclass(frozen=True)
+class Config(Mapping[str, Any]):
+    """The validated sections of one study; a section that was not asked for cannot be read."""
+
+    path: Path
+    sections: dict[str, Any]
+
+    def __getitem__(self, section: str) -> Any:
+        return self.sections[section]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.sections)
+
+    def __len__(self) -> int:
+        return len(self.sections)
+
+    def only(self, sections: Iterable[str]) -> Config:
+        """The same configuration with nothing but the named sections."""
+        return Config(path=self.path, sections={name: self.sections[name] for name in sections})
+
+
+def load_config(path: Path | str) -> Config:
+    """Read and validate a configuration file.
+
+    Raises InputError naming the file, the key, what is wrong with it and what is allowed.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such configuration file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: the configuration cannot be read: {error}") from None
+    return parse_config(text, path=path)
+
+
+def parse_config(text: str, *, path: Path) -> Config:
+    """Validate the text of a configuration file, which is or will be at ``path``.
+
+    Raises InputError as ``load_config`` does.
+    """
+    try:
+        values = yaml.load(text, Loader=_Loader)
+    except (yaml.YAMLError, ValueError) as error:
+        raise InputError(f"{path}: not valid YAML: {_one_line(error)}") from None
+    except RecursionError:
+        raise InputError(f"{path}: nested too deeply") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: a configuration is a mapping of keys to values")
+    _refuse_non_finite(values, path=path, place="")
+    _validate(values, path=path)
+    values.setdefault("paper", False)
+    for factor, levels in values["error_map"].items():
+        ends = {end: values["screen"][factor][end] for end in ENDS}
+        values["error_map"][factor] = ends | levels
+    _check_relations(values, path=path)
+    return Config(path=path, sections=values)
+
+
+def parse_sections(values: dict[str, Any], *, place: Path) -> dict[str, Any]:
+    """Some sections of a study, checked each by itself as a file's are.
+
+    Raises InputError naming the place, the key, what is wrong with it and what is allowed.
+    """
+    _refuse_non_finite(values, path=place, place="")
+    _validate(values, path=place, sections=tuple(values))
+    return values
+
+
+def _validate(
+    values: dict[str, Any], *, path: Path, sections: tuple[str, ...] | None = None
+) -> None:
+    from jsonschema import Draft202012Validator  # slow to import, and only needed here
+
+    # By libyaml, where PyYAML has it: in Python alone it takes as long as all else here.
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    schema = yaml.load(SCHEMA_PATH.read_text(encoding="utf-8"), Loader=loader)
+    if sections is not None:
+        schema["required"] = list(sections)
+    errors = sorted(Draft202012Validator(schema).iter_errors(values), key=lambda e: list(e.path))
+    if errors:
+        raise InputError("\n".join(f"{path}: {_message(error)}" for error in errors))
+
+
+def _message(error: Any) -> str:
+    place = ".".join(str(part) for part in error.absolute_path) or "top level"
+    if error.validator == "additionalProperties":
+        allowed = sorted(error.schema.get("properties", {}))
+        unknown = [key for key in error.instance if key not in allowed]
+        return "; ".join(f"{place}: unknown key {key!r}{_hint(key, allowed)}" for key in unknown)
+    if error.validator == "required":
+        missing = [key for key in error.validator_value if key not in error.instance]
+        return f"{place}: missing {', '.join(map(repr, missing))}"
+    return f"{place}: {error.message}"
+
+
+def _hint(key: Any, allowed: list[str]) -> str:
+    close = difflib.get_close_matches(str(key), allowed, n=1)
+    return f"; did you mean {close[0]!r}?" if close else f"; allowed are {', '.join(allowed)}"
+
+
+def _refuse_non_finite(value: Any, *, path: Path, place: str) -> None:
+    if isinstance(value, float) and not math.isfinite(value):
+        raise InputError(f"{path}: {place}: {value} is not a finite number")
+    if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+        raise InputError(f"{path}: {place}: the number has too many digits")
+    items: Iterable[tuple[Any, Any]] = ()
+    if isinstance(value, dict):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    for key, entry in items:
+        _refuse_non_finite(entry, path=path, place=f"{place}.{key}" if place else str(key))
+
+
+def _check_relations(values: dict[str, Any], *, path: Path) -> None:
+    """Refuse what a schema cannot: empty ranges, contact, a position twice."""
+    for section in ("screen", "error_map"):
+        for factor in ("h0_m", "hv_m"):
+            levels = values[section][factor]
+            if levels["start"] >= levels["stop"]:
+                raise InputError(f"{path}: {section}.{factor}: start must be below stop")
+        if values[section]["hv_m"]["stop"] >= values[section]["h0_m"]["start"]:
+            raise InputError(
+                f"{path}: {section}: the largest hv_m must stay below the smallest h0_m, "
+                "or surface and finger touch"
+            )
+    if values["extrapolation"]["hv_m"] >= values["extrapolation"]["h0_m"]:
+        raise InputError(
+            f"{path}: extrapolation: hv_m must stay below h0_m, or surface and finger touch"
+        )
+    _check_space(values, path=path)
+    for factor in ("phi_r_m", "phi_deg"):
+        if len(set(values["positions"][factor])) < len(values["positions"][factor]):
+            raise InputError(f"{path}: positions.{factor}: a value stands twice")
+
+
+def _check_space(values: dict[str, Any], *, path: Path) -> None:
+    """Refuse what lies outside the screen's ranges: there the models are fitted, and all plans lie.
+
+    The check of an extrapolation may lie above them in amplitude, up to FARTHEST times the largest.
+    """
+    for factor, farthest in (("h0_m", 1.0), ("hv_m", FARTHEST)):
+        low, high = (values["screen"][factor][end] for end in ENDS)
+        for key, value, most in (
+            *(
+                (f"error_map.{factor}.{end}", values["error_map"][factor][end], high)
+                for end in ENDS
+            ),
+            (f"extrapolation.{factor}", values["extrapolation"][factor], farthest * high),
+        ):
+            if not low * (1 - SLACK) <= value <= most * (1 + SLACK):
+                raise InputError(
+                    f"{path}: {key}: {value:g} does not suit screen.{factor}, {low:g} … {high:g}, "
+                    f"where the models are fitted; it must lie from {low:g} to {most:g}"
+                )
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

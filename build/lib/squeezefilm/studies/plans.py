@@ -1,0 +1,137 @@
+"""Which points are simulated: the screen, the four-factor plan, control points and sweeps."""
+
+import warnings
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.designs.box import Box
+from squeezefilm.io.tables import FACTOR_COLUMNS, SCENE_COLUMNS
+from squeezefilm.studies.config import ENDS, Config
+from squeezefilm.studies.study import directions_of
+
+CENTRED = FACTOR_COLUMNS[:2]
+"""The factors of a finger that stays at the centre."""
+# Points of a sweep that are held at a time, and that a Parquet file keeps together.
+PIECE = 2**17
+
+
+def level_values(levels: dict[str, Any]) -> np.ndarray:
+    """The evenly spaced values of a ``{start, stop, levels}`` section, shape (levels,).
+
+    Rounded to twelve digits, so that a plan reads 7e-06 and not 7.000000000000001e-06.
+    """
+    values = np.linspace(levels["start"], levels["stop"], levels["levels"])
+    return np.array([float(f"{value:.12g}") for value in values])
+
+
+def centred_grid(*, h0_m: np.ndarray, hv_m: np.ndarray) -> pd.DataFrame:
+    """Every gap with every amplitude, finger centred (the screen of Fig. 7, the control grid)."""
+    gaps, amplitudes = np.meshgrid(h0_m, hv_m, indexing="ij")
+    return plan(h0_m=gaps.ravel(), hv_m=amplitudes.ravel())
+
+
+def plan(
+    *,
+    h0_m: Sequence[float] | np.ndarray,
+    hv_m: Sequence[float] | np.ndarray,
+    phi_r_m: Sequence[float] | np.ndarray | float = 0.0,
+    phi_deg: Sequence[float] | np.ndarray | float = 0.0,
+) -> pd.DataFrame:
+    """A plan with the columns of a scenes table; points are numbered from 1."""
+    table = pd.DataFrame(
+        {"h0_m": h0_m, "hv_m": hv_m, "phi_r_m": phi_r_m, "phi_deg": phi_deg}, dtype=float
+    )
+    table.insert(0, "point_id", np.arange(1, len(table) + 1).astype(str))
+    return table[list(SCENE_COLUMNS)]
+
+
+def finger_positions(config: Config) -> list[tuple[float, float]]:
+    """The centre, then every radius with every angle, as (phi_r_m, phi_deg) (Fig. 15).
+
+    The angles are those of the section ``positions`` and their images, as far as the scene's own
+    symmetry does not make them the same (see Directions.images).
+    """
+    positions = config["positions"]
+    angles = directions_of(config).images(positions["phi_deg"])
+    return [(0.0, 0.0), *((radius, angle) for radius in positions["phi_r_m"] for angle in angles)]
+
+
+def four_factor_plan(
+    *,
+    positions: Sequence[tuple[float, float]],
+    h0_m: Sequence[float] | np.ndarray,
+    hv_m: Sequence[float] | np.ndarray,
+) -> pd.DataFrame:
+    """Every finger position with every (h0, hv) point of a two-factor design (section V)."""
+    rows = [
+        (gap, amplitude, radius, angle)
+        for radius, angle in positions
+        for gap, amplitude in zip(h0_m, hv_m, strict=True)
+    ]
+    gaps, amplitudes, radii, angles = zip(*rows, strict=True)
+    return plan(h0_m=gaps, hv_m=amplitudes, phi_r_m=radii, phi_deg=angles)
+
+
+def box_of(config: Config, names: Sequence[str] = FACTOR_COLUMNS) -> Box:
+    """The box of a study's factors: the screen's gaps and amplitudes, the finger's positions.
+
+    From the section ``screen``; where the finger moves also from ``positions``, ``actuator`` and
+    ``finger``. Directions are those that represent all by the scene's symmetry.
+    """
+    limits = {each: tuple(config["screen"][each][end] for end in ENDS) for each in CENTRED}
+    if set(names) - set(CENTRED):
+        directions = directions_of(config)
+        limits["phi_r_m"] = (0.0, float(max(config["positions"]["phi_r_m"])))
+        limits["phi_deg"] = (directions.start_deg, directions.stop_deg)
+    lower, upper = zip(*(limits[name] for name in names), strict=True)
+    return Box(tuple(names), lower, upper)
+
+
+def plan_sizes(config: Config) -> dict[str, int]:
+    """The number of points of each plan that is simulated in chunks."""
+    grid = {name: config[name] for name in ("screen", "error_map")}
+    return {
+        **{name: g["h0_m"]["levels"] * g["hv_m"]["levels"] for name, g in grid.items()},
+        "four_factor": config["design"]["points"] * len(finger_positions(config)),
+        **{
+            name: config[name]["points"]
+            for name in ("four_factor_control", "sweep", "model_control")
+        },
+    }
+
+
+def sweep_pieces(
+    *, points: int, first: int, seed: int, **ranges: tuple[float, float]
+) -> Iterator[pd.DataFrame]:
+    """Points of a Sobol' sequence, which fills the ranges of the four factors evenly; in pieces.
+
+    Scrambled by the seed. The sequence is one: sweeps from ``first`` 0 and 1000, of 1000 points
+    each, are the sweep of 2000 points in two parts. Points are numbered by their place in it.
+    """
+    from scipy.stats import qmc  # slow to import, and only needed here
+
+    sequence = qmc.Sobol(4, rng=seed)
+    if first:
+        sequence.fast_forward(first)
+    lower, upper = np.transpose([ranges[name] for name in FACTOR_COLUMNS])
+    for begin in range(first, first + points, PIECE):
+        end = min(begin + PIECE, first + points)
+        with warnings.catch_warnings():
+            # Of numbers of points that are no power of two: they fill the box less evenly.
+            warnings.filterwarnings("ignore", message="The balance", category=UserWarning)
+            drawn = lower + (upper - lower) * sequence.random(end - begin)
+        table = plan(**dict(zip(FACTOR_COLUMNS, drawn.T, strict=True)))
+        yield table.assign(point_id=np.arange(begin + 1, end + 1).astype(str))
+
+
+def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
+    """Points drawn evenly from ranges of the factors, to judge a model where it was not fitted.
+
+    Equal seeds give equal points.
+    """
+    lower, upper = np.transpose([ranges[name] for name in FACTOR_COLUMNS])
+    drawn = np.random.default_rng(seed).uniform(lower, upper, size=(points, 4))
+    return plan(**dict(zip(FACTOR_COLUMNS, drawn.T, strict=True)))

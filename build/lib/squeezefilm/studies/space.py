@@ -1,0 +1,111 @@
+"""The space of a study's experiments: its limits, and the points in it that can be simulated.
+
+A point is a row (h0_m, hv_m), or (h0_m, hv_m, phi_r_m, phi_deg) where the finger moves. A point
+can be simulated where surface and finger do not touch and the finger lies on the surface.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from squeezefilm.designs.box import Box, coordinates, grid
+from squeezefilm.film.scene import Scene, check_scene
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.plans import CENTRED, box_of, plan
+from squeezefilm.studies.study import scene_of
+
+Array = NDArray[np.float64]
+
+SECTIONS = ("gas", "actuator", "finger", "screen", "positions")
+
+
+@dataclass(frozen=True)
+class Space:
+    """The limits of a study's factors, and one scene of it, from which others differ by factors.
+
+    box names h0_m and hv_m for a finger that stays at the centre, or all four factors.
+    """
+
+    box: Box
+    scene: Scene
+
+    @classmethod
+    def of(cls, config: Config, *, centred: bool) -> Space:
+        """The space of a study: the screen's ranges and the finger positions'."""
+        box = box_of(config, CENTRED if centred else FACTOR_COLUMNS)
+        middle = ScenePoint("space", box.ranges["h0_m"][1], box.ranges["hv_m"][0], 0.0, 0.0)
+        return cls(box, scene_of(middle, config))
+
+    def allowed(self, points: Array) -> NDArray[np.bool_]:
+        """Which points, shape (n, k), can be simulated, shape (n,)."""
+        fits: dict[tuple[float, ...], bool] = {}
+        for point in map(tuple, points):
+            fits[point] = self._fits(point)
+        return np.array([fits[point] for point in map(tuple, points)], dtype=bool)
+
+    def _fits(self, point: tuple[float, ...]) -> bool:
+        factors: dict[str, Any] = dict(zip(self.box.names, map(float, point), strict=True))
+        try:
+            check_scene(replace(self.scene, **factors))
+        except InputError:
+            return False
+        return True
+
+    def grid(self, most: int, *, distinct: bool) -> Array:
+        """A grid of at most so many points, limits included, without those not allowed.
+
+        With distinct=True the directions of a finger at the centre, which are one and the same
+        scene, come once.
+        """
+        factors = len(self.box.names)
+        levels = max(2, int(most ** (1 / factors) + 1e-9))
+        points = grid(self.box, levels)
+        if distinct and factors == len(FACTOR_COLUMNS):
+            first, last = self.box.lower[3], self.box.upper[3]
+            if last - first == 360:  # the last direction is the first again
+                points = points[points[:, 3] < last]
+            points = points[(points[:, 2] > 0) | (points[:, 3] == first)]
+        return points[self.allowed(points)]
+
+    def sample(self, points: int, *, seed: int) -> Array:
+        """A fair sample of the space: every place is as likely as any other.
+
+        From a scrambled Halton sequence, whose points keep out of each other's way: means over a
+        few of them scatter less than over independent points. Those not allowed are left out.
+        """
+        from scipy.stats import qmc  # slow to import, and only needed here
+
+        sequence = qmc.Halton(len(self.box.names), rng=seed)
+        found = np.empty((0, len(self.box.names)))
+        for _ in range(100):
+            drawn = self.box.from_unit(sequence.random(points))
+            found = np.concatenate([found, drawn[self.allowed(drawn)]])
+            if len(found) >= points:
+                return found[:points]
+        raise InputError("positions: hardly any finger position of the study lies on the surface")
+
+    def coordinates(self, points: Array) -> Array:
+        """Where distances between points are taken: equal for points that are the same scene."""
+        scaling = "scene" if len(self.box.names) == len(FACTOR_COLUMNS) else "unit"
+        return coordinates(scaling, self.box)(points)
+
+    def table(self, points: Array) -> pd.DataFrame:
+        """The points as a plan, numbered from 1; twelve digits, so that a limit reads 2e-06."""
+        rounded = np.array([[float(f"{value:.12g}") for value in row] for row in points])
+        return plan(**dict(zip(self.box.names, rounded.reshape(points.shape).T, strict=True)))
+
+    def points(self, table: pd.DataFrame) -> Array:
+        """The rows of a table of scenes as points.
+
+        Raises InputError where the finger is off the centre of a space in which it stays there.
+        """
+        if len(self.box.names) == 2 and np.any(table["phi_r_m"].to_numpy() != 0):
+            raise InputError("phi_r_m: the finger is moved, in a space in which it is centred")
+        return table[list(self.box.names)].to_numpy(dtype=float)

@@ -1,0 +1,125 @@
+"""From a study's configuration to the things it is about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import atan2, degrees, hypot
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from squeezefilm.film.directions import Directions
+from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
+from squeezefilm.film.vibration.choice import make_profile
+from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.io.errors import naming
+from squeezefilm.io.tables import ScenePoint
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.symmetry import symmetric_directions
+
+if TYPE_CHECKING:
+    from squeezefilm.film.vibration.scans import SmoothedScan
+
+SECTIONS = ("gas", "actuator", "finger")
+
+
+def profile_of(config: Config) -> Profile:
+    """The actuator's vibration shape.
+
+    Raises InputError naming what is wrong with a formula or a measured profile.
+    """
+    smoothed = smoothed_scan_of(config)
+    if smoothed is not None:
+        return smoothed.profile
+    actuator = config["actuator"]
+    return make_profile(surface_radius_m=actuator["surface_radius_m"], **actuator["profile"])
+
+
+def scan_path(config: Config) -> Path | None:
+    """The file that the vibration shape was measured in; None if it is not a measured one."""
+    profile = config["actuator"]["profile"]
+    return config.path.parent / profile["file"] if profile["kind"] == "measured" else None
+
+
+def smoothed_scan_of(config: Config) -> SmoothedScan | None:
+    """The measured vibration shape with all that is known of it; None if it is not measured."""
+    from squeezefilm.film.vibration.scans import smoothed_scan
+
+    path = scan_path(config)
+    if path is None:
+        return None
+    actuator = config["actuator"]
+    return smoothed_scan(
+        path,
+        surface_radius_m=actuator["surface_radius_m"],
+        **{key: value for key, value in actuator["profile"].items() if key not in ("kind", "file")},
+    )
+
+
+def finger_of(config: Config) -> Finger:
+    """The finger pad."""
+    keys = dict(config["finger"])
+    return Finger(gap=GapShape(**keys.pop("gap")), **keys)
+
+
+def directions_of(config: Config) -> Directions:
+    """The sector of finger positions that represents all; from ``actuator`` and ``finger``."""
+    return symmetric_directions(
+        finger_of(config),
+        profile_of(config),
+        surface_radius_m=config["actuator"]["surface_radius_m"],
+    )
+
+
+def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
+    """The scene of one point of a plan on the study's film, checked unless only its terms matter.
+
+    Raises InputError naming the point and the factor that has no physical meaning.
+    """
+    actuator = config["actuator"]
+    scene = Scene(
+        point_id=point.point_id,
+        h0_m=point.h0_m,
+        hv_m=point.hv_m,
+        phi_r_m=point.phi_r_m,
+        phi_deg=point.phi_deg,
+        gas=Gas(**config["gas"]),
+        actuator=Actuator(
+            frequency_hz=actuator["frequency_hz"],
+            surface_radius_m=actuator["surface_radius_m"],
+            profile=profile_of(config),
+        ),
+        finger=finger_of(config),
+    )
+    if check:
+        check_scene(scene)
+    return scene
+
+
+def check_study(config: Config) -> Config:
+    """Check every finger position and film of a study before anything is simulated.
+
+    Raises InputError naming the section and the point that has no physical meaning.
+    """
+    for section, point in _extreme_points(config):
+        with naming(f"{config.path}: {section}"):
+            scene_of(point, config)
+    return config
+
+
+def _extreme_points(config: Config) -> Iterator[tuple[str, ScenePoint]]:
+    """The points of a study at which a film may fail to exist, each with its section."""
+    screen, extrapolation = config["screen"], config["extrapolation"]
+    gap, amplitude = screen["h0_m"]["start"], screen["hv_m"]["stop"]
+    centre = {"phi_r_m": 0.0, "phi_deg": 0.0}
+    yield "screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude, **centre)
+    wanted = ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"], **centre)
+    yield "extrapolation", wanted
+    directions, finger = directions_of(config), finger_of(config)
+    # Designs and control points may lie between the directions given: also where the pad's
+    # farthest point is farthest out.
+    x_m, y_m = max(finger.outline(), key=lambda place: hypot(*place))
+    angles = directions.images(config["positions"]["phi_deg"])
+    for radius in config["positions"]["phi_r_m"]:
+        for angle in (*angles, float(directions.fold(degrees(atan2(y_m, x_m))))):
+            name = f"({radius:g} m, {angle:g}°)"
+            yield "positions", ScenePoint(name, gap, amplitude, radius, angle)

@@ -1,0 +1,95 @@
+"""The symmetry of a study's scenes over the finger's position, found from pad and vibration."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from math import atan2, cos, degrees, pi, radians, sin, sqrt
+
+import numpy as np
+
+from squeezefilm.film.directions import Directions
+from squeezefilm.film.scene import Finger
+from squeezefilm.film.vibration.shapes import Profile
+
+# Places on the disc at which a profile is compared with its image: a sunflower's, so that no two
+# are related by symmetry.
+PROBES = 4000
+GOLDEN_ANGLE = pi * (3 - sqrt(5))
+EQUAL = 1e-9
+"""Values that agree to this, of a maximum of 1, are equal."""
+
+
+@lru_cache(maxsize=16)
+def symmetric_directions(
+    finger: Finger, profile: Profile, *, surface_radius_m: float
+) -> Directions:
+    """The smallest sector found among subgroups of a square's symmetries.
+
+    A mirror or a turn of the finger's centre about the disc's leaves the force as it is where it
+    leaves pad, gap at rest and sliding velocity as they are, and the profile too but for its sign:
+    s and −s are the same vibration half a period apart. Symmetries that are not looked for, such as
+    those of a circular pad on a profile with three nodal diameters, make the sector larger than it
+    need be, never too small.
+    """
+    sectors = []
+    for base_deg in _axes(finger, profile):
+
+        def holds(change: np.ndarray) -> bool:
+            return _keeps_pad(change, finger) and _keeps_profile(
+                change, profile, surface_radius_m=surface_radius_m
+            )
+
+        mirrors = [base_deg + step for step in (0, 45, 90, 135) if holds(_mirror(base_deg + step))]
+        if mirrors:
+            width = 180.0 / len(mirrors)
+            sectors.append(Directions(min(mirrors) % width, width, mirror=True))
+            continue
+        turns = [angle for angle in (90.0, 180.0) if holds(_turn(angle))]
+        sectors.append(Directions(0.0, min(turns, default=360.0), mirror=False))
+    return min(sectors, key=lambda sector: sector.width_deg)
+
+
+def _axes(finger: Finger, profile: Profile) -> Iterator[float]:
+    """Directions at which an axis of the scene may lie: the pad's; a circle's follow the rest."""
+    yield finger.rotation_deg
+    if finger.shape == "ellipse" and finger.length_x_m == finger.length_y_m:
+        gap = finger.gap
+        if gap.tilt_x_m or gap.tilt_y_m:
+            yield finger.rotation_deg + degrees(atan2(gap.tilt_y_m, gap.tilt_x_m))
+        yield float(getattr(profile, "direction_deg", 0.0))
+
+
+def _mirror(axis_deg: float) -> np.ndarray:
+    twice = 2 * radians(axis_deg)
+    return np.array([[cos(twice), sin(twice)], [sin(twice), -cos(twice)]])
+
+
+def _turn(angle_deg: float) -> np.ndarray:
+    c, s = cos(radians(angle_deg)), sin(radians(angle_deg))
+    return np.array([[c, -s], [s, c]])
+
+
+def _keeps_pad(change: np.ndarray, finger: Finger) -> bool:
+    """Whether a mirror or turn leaves outline, gap at rest and velocity as they are.
+
+    In the pad's own axes. A bulge has the outline's symmetry: it grows as the same squares.
+    """
+    turn = _turn(finger.rotation_deg)
+    own = turn.T @ change @ turn
+    sides = np.array([finger.length_x_m, finger.length_y_m])
+    outline = np.diag((sides[0] / sides) ** 2)
+    tilt = np.array([finger.gap.tilt_x_m, finger.gap.tilt_y_m]) / sides
+    velocity = np.array([finger.speed_x_m_per_s, 0.0])
+    return np.allclose(own.T @ outline @ own, outline, rtol=0, atol=EQUAL) and all(
+        np.linalg.norm(own @ vector - vector) <= EQUAL * np.linalg.norm(vector)
+        for vector in (tilt, velocity)
+    )
+
+
+def _keeps_profile(change: np.ndarray, profile: Profile, *, surface_radius_m: float) -> bool:
+    number = np.arange(PROBES) + 0.5
+    radius, angle = surface_radius_m * np.sqrt(number / PROBES), GOLDEN_ANGLE * number
+    x_m, y_m = radius * np.cos(angle), radius * np.sin(angle)
+    s = profile.amplitude(x_m=x_m, y_m=y_m)
+    image_x_m, image_y_m = change @ np.stack([x_m, y_m])
+    image = profile.amplitude(x_m=image_x_m, y_m=image_y_m)
+    return any(bool(np.abs(image - sign * s).max() <= EQUAL) for sign in (1, -1))

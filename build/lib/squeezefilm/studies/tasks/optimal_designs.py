@@ -1,0 +1,307 @@
+"""Optimal designs of a study: certified ones, and how good other plans are beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.designs.box import corners
+from squeezefilm.designs.continuous_design import ContinuousDesign, optimal_in_box, sensitivity
+from squeezefilm.designs.exact_design import exchange
+from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import SCENE_COLUMNS, scene_points
+from squeezefilm.models.fitted import FittedModel
+from squeezefilm.models.fitting.local_fit import local_fit
+from squeezefilm.models.fitting.profile_likelihood import ParameterRange, parameter_ranges
+from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.space import Space
+from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.tasks.physics_limits import with_limits
+
+EVERY = slice(None)
+MAP_LINES = 31
+"""Lines of the sensitivity's map along each factor."""
+
+
+@dataclass(frozen=True, eq=False)
+class FittedSpace:
+    """A fitted model in its space: derivatives at points for all parameter vectors.
+
+    thetas, shape (K, p): the fit first, then the ends of the parameters' ranges. grid are
+    candidates for points, each scene once; everywhere all combinations of factors, with which no
+    plan can be better than the best design.
+    """
+
+    model: ExpressionModel
+    config: Config
+    space: Space
+    ranges: list[ParameterRange]
+    thetas: np.ndarray
+    grid: np.ndarray
+    everywhere: np.ndarray
+
+    @classmethod
+    def of(
+        cls, fit: FittedModel, factors: Factors, force_n: np.ndarray, *, config: Config
+    ) -> FittedSpace:
+        """The space of a study, for a model fitted to these points, with forces in newtons.
+
+        Raises InputError for a model without parameters, or points that do not bound them.
+        """
+        model = fit.force_model
+        if not fit.theta:
+            raise InputError(f"the model {model.name} has no parameters; nothing is to be designed")
+        theta = local_fit(model, factors, force_n, np.array(fit.theta))
+        ranges = parameter_ranges(model, factors, force_n, theta)
+        ends = [
+            each
+            for one in ranges
+            for each, end in ((one.theta_lower, one.lower), (one.theta_upper, one.upper))
+            if np.isfinite(end)
+        ]
+        space = Space.of(config, centred=model.is_centred)
+        most = config["optimal"]["candidates"]
+        return cls(
+            model=model,
+            config=config,
+            space=space,
+            ranges=ranges,
+            thetas=np.array([theta, *ends]),
+            grid=space.grid(most, distinct=True),
+            everywhere=space.grid(most, distinct=False),
+        )
+
+    def derivatives(self, points: np.ndarray, *, layers: slice = slice(0, 1)) -> np.ndarray:
+        """dη/dθ at points for some of the parameter vectors, shape (K, n, p)."""
+        columns: dict[str, np.ndarray] = {}
+        if self.model.column_names:
+            table = self.space.table(points)
+            scenes = [scene_of(point, self.config) for point in scene_points(table)]
+            known = with_limits(table, scenes)
+            columns = {name: known[name].to_numpy() for name in COLUMNS.values()}
+        factors = Factors.of(**dict(zip(self.space.box.names, points.T, strict=True)), **columns)
+        return np.array([self.model.gradient(theta, factors) for theta in self.thetas[layers]])
+
+
+@dataclass(frozen=True, eq=False)
+class NamedDesign:
+    """A design: its points, their weights, and the two as a table.
+
+    certificate is a lower bound of its criterion's efficiency against all designs, where the
+    equivalence theorem gives one.
+    """
+
+    name: str
+    points: np.ndarray
+    weights: np.ndarray
+    table: pd.DataFrame
+    certificate: float | None = None
+
+
+def optimal_designs(
+    study: FittedSpace, settings: Mapping[str, Any], *, existing: pd.DataFrame | None
+) -> list[NamedDesign]:
+    """All designs, the local one first: local, bayesian, maximin, exact-N, augmented.
+
+    settings is the section ``optimal`` of a study, existing a table of scenes to add to.
+    """
+    designs = []
+    for name, layers in (("local", slice(0, 1)), ("bayesian", EVERY)):
+        best = _anywhere(study, layers)
+        designs.append(_design(study, name, best.points, best.weights, best.efficiency_bound))
+    maximin, _ = maximin_design(study.derivatives(study.everywhere, layers=EVERY))
+    used = maximin.support
+    points, weights = study.everywhere[used], maximin.weights[used]
+    designs.append(_design(study, "maximin", points, weights, maximin.efficiency_bound))
+    derivatives = study.derivatives(study.grid)
+    places = study.space.coordinates(study.grid)
+    apart = {"coordinates": places, "separation": settings["separation"], "seed": settings["seed"]}
+    parameters = study.thetas.shape[1]
+    for count in settings["points"]:
+        if count < parameters:
+            continue
+        found = exchange(derivatives, count, **apart)
+        points = study.grid[found.chosen]
+        designs.append(_design(study, f"exact-{count}", points, np.full(count, 1 / count)))
+    if existing is not None:
+        there = study.space.points(existing)
+        found = exchange(
+            derivatives,
+            parameters,
+            existing=study.derivatives(there),
+            existing_coordinates=study.space.coordinates(there),
+            **apart,
+        )
+        points = np.concatenate([there, study.grid[found.chosen]])
+        origins = ["existing"] * len(there) + ["added"] * parameters
+        share = np.full(len(points), 1 / len(points))
+        designs.append(_design(study, "augmented", points, share, origins=origins))
+    return designs
+
+
+def _anywhere(study: FittedSpace, layers: slice) -> ContinuousDesign:
+    """The best weights on the grid; and off it, where derivatives cost no physics and the whole
+    box can be simulated.
+    """
+
+    def gradients(points: np.ndarray) -> np.ndarray:
+        return study.derivatives(points, layers=layers)
+
+    if not study.model.column_names and study.space.allowed(corners(study.space.box)).all():
+        return optimal_in_box(gradients, study.space.box, study.everywhere, gap=1e-8)
+    derivatives = gradients(study.everywhere)
+    found = optimal_weights(derivatives)
+    used = found.support
+    return ContinuousDesign(
+        points=study.everywhere[used],
+        weights=found.weights[used] / found.weights[used].sum(),
+        derivatives=derivatives[:, used],
+        efficiency_bound=found.efficiency_bound,
+    )
+
+
+def _design(
+    study: FittedSpace,
+    name: str,
+    points: np.ndarray,
+    weights: np.ndarray,
+    certificate: float | None = None,
+    *,
+    origins: list[str] | None = None,
+) -> NamedDesign:
+    order = np.arange(len(points)) if origins else np.lexsort(np.round(points, 12).T[::-1])
+    points, weights = points[order], weights[order]
+    table = study.space.table(points)[list(SCENE_COLUMNS)]
+    table["point_id"] = [f"{name}-{number}" for number in table["point_id"]]
+    table = table.assign(design=name, weight=weights, origin=origins or "design")
+    return NamedDesign(name, points, weights, table, certificate)
+
+
+def efficiencies(
+    study: FittedSpace, designs: list[NamedDesign], others: Mapping[str, np.ndarray]
+) -> pd.DataFrame:
+    """Every design and plan: D-efficiency for the fit, its bounds, and over all vectors.
+
+    The lower bounds do not need the best design; others are points of the space, by their names.
+    """
+    candidates = study.derivatives(study.everywhere, layers=EVERY)
+    best = np.array([optimal_weights(layer).log_det[0] for layer in candidates])
+    # Off the grid the best design may be a little better than on it.
+    local = designs[0]
+    rows = []
+    own = study.derivatives(local.points)[0]
+    reference = max(best[0], _log_det(own, local.weights))
+    reference_points = np.concatenate([candidates[0], own])
+    plans = {design.name: (design.points, design.weights) for design in designs}
+    for name, points in others.items():
+        plans[name] = (points, np.full(len(points), 1 / len(points)))
+    for name, (points, weights) in plans.items():
+        derivatives = study.derivatives(points, layers=EVERY)
+        logs = np.array([_log_det(layer, weights) for layer in derivatives])
+        efficiency = np.exp((logs - [reference, *best[1:]]) / study.thetas.shape[1])
+        bound, highest = 0.0, np.inf
+        if np.isfinite(logs[0]):
+            level = sensitivity(derivatives[0], reference_points, weights=weights)
+            highest = float(max(level.max(), 1.0))
+            bound = 1 / highest
+        certificate = local.certificate or 0.0
+        rows.append(
+            {
+                "plan": name,
+                "points": len(points),
+                "scenes": len(np.unique(np.round(study.space.coordinates(points), 9), axis=0)),
+                "d_efficiency": min(float(efficiency[0]), 1.0),
+                "lower_bound": max(bound, min(float(efficiency[0]), 1.0) * certificate),
+                "lower_bound_alone": bound,
+                "largest_sensitivity": highest,
+                "least_over_ranges": min(float(efficiency.min()), 1.0),
+                "mean_over_ranges": min(float(np.mean(efficiency)), 1.0),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _log_det(derivatives: np.ndarray, weights: np.ndarray) -> float:
+    """log det of the information per point; minus infinity where it is singular."""
+    f = np.sqrt(weights)[:, None] * derivatives
+    size = np.linalg.norm(f, axis=0)
+    if len(f) < f.shape[1] or not np.all(np.isfinite(size) & (size > 0)):
+        return -np.inf
+    diagonal = np.abs(np.diagonal(np.linalg.qr(f / size, mode="r")))
+    if diagonal.min() < 1e-12:
+        return -np.inf
+    return float(2 * np.sum(np.log(diagonal * size)))
+
+
+def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
+    """The local design's sensitivity over the space in two panels, and its points."""
+    box = study.space.box
+    own = study.derivatives(local.points)
+    layers = {"design": local.points}
+    lines = np.linspace(0, 1, MAP_LINES)
+    gaps = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    if len(box.names) == 2:
+        layers["gap"] = box.from_unit(gaps)
+    else:
+        ends = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0]]
+        layers["gap"] = box.from_unit(
+            np.concatenate([np.column_stack([gaps, np.tile(end, (len(gaps), 1))]) for end in ends])
+        )
+        narrow = np.tile([0.0, 1.0], (len(gaps), 1))
+        layers["position"] = box.from_unit(np.column_stack([narrow, gaps]))
+    parts = []
+    for layer, points in layers.items():
+        points = points[study.space.allowed(points)]
+        level = sensitivity(own, study.derivatives(points), weights=local.weights)
+        scenes = study.space.table(points)
+        radius_mm, angle = 1e3 * scenes["phi_r_m"], np.radians(scenes["phi_deg"])
+        part = pd.DataFrame(
+            {
+                "layer": layer,
+                "h0_um": np.round(1e6 * scenes["h0_m"], 9),
+                "hv_um": np.round(1e6 * scenes["hv_m"], 9),
+                "x_mm": np.round(radius_mm * np.cos(angle), 9),
+                "y_mm": np.round(radius_mm * np.sin(angle), 9),
+                "sensitivity": level,
+            }
+        )
+        if layer == "design":
+            part["weight"] = local.weights
+        else:
+            # A panel shows the largest value over what it does not show.
+            seen = ["layer", *(["h0_um", "hv_um"] if layer == "gap" else ["x_mm", "y_mm"])]
+            part = part.groupby(seen)[["sensitivity"]].max().reset_index()
+        parts.append(part)
+    note = (
+        f"Model {study.model.name}: sensitivity d(x)/p of the locally D-optimal design, nowhere "
+        "above one and one at its points (circles, their area the weight), as the equivalence "
+        f"theorem asks; D-efficiency at least {np.floor(1e6 * (local.certificate or 0)) / 1e6:.6f}."
+    )
+    if "position" in layers:
+        note += " Left: largest over positions; right: smallest gap, largest amplitude."
+    return pd.concat(parts, ignore_index=True).assign(note=note)
+
+
+def summary_of(
+    study: FittedSpace, designs: list[NamedDesign], table: pd.DataFrame
+) -> dict[str, Any]:
+    """Parameters and their ranges, certificates and efficiencies, ready for JSON."""
+    return {
+        "model": study.model.name,
+        "theta": [float(value) for value in study.thetas[0]],
+        "parameter_vectors": len(study.thetas),
+        "candidates": len(study.everywhere),
+        "scenes_among_them": len(study.grid),
+        "certificates": {
+            design.name: design.certificate for design in designs if design.certificate is not None
+        },
+        "d_efficiency": dict(zip(table["plan"], map(float, table["d_efficiency"]), strict=True)),
+        "lower_bound": dict(zip(table["plan"], map(float, table["lower_bound"]), strict=True)),
+        "parameter_ranges": [each.to_dict() for each in study.ranges],
+    }

@@ -1,0 +1,166 @@
+"""The paper's designs for a study: optimal triplets, and five points with four factors.
+
+Two factors: triplets by criterion (12), searched in each scaling of the distances; the patterns
+found with the study's own scaling are united and extended to the wanted number of points. Four
+factors: the determinant alone, and once more with the points physically distinct.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.designs.box import Box, coordinates, corners
+from squeezefilm.designs.paper_design import (
+    Criterion,
+    Design,
+    Gradient,
+    d_efficiency,
+    exchange_design,
+    search_design,
+)
+from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_regions
+from squeezefilm.io.parallel import parallel_map
+from squeezefilm.io.tables import DESIGN_COLUMNS
+from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.plans import box_of, plan
+
+TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
+TWO_FACTOR_LEVELS, FOUR_FACTOR_LEVELS = 181, 7
+"""Levels per factor of the grid on which the optimum to compare with is sought."""
+
+
+@dataclass(frozen=True, eq=False)
+class PaperDesigns:
+    """Designs as tables, every point of every search, and the patterns found, ready for JSON."""
+
+    tables: list[pd.DataFrame]
+    searches: pd.DataFrame
+    summary: dict[str, Any]
+
+
+def two_factor_designs(
+    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
+) -> PaperDesigns:
+    settings, box = config["design"], box_of(config, model.factor_names)
+    determinant = Criterion(_gradient(model, theta), box)
+    best = exchange_design(determinant, 3, levels=TWO_FACTOR_LEVELS)
+    rows, summary = [], {}
+    for scaling in TWO_FACTOR_SCALINGS:
+        criterion = Criterion(determinant.gradient, box, distance=coordinates(scaling, box))
+        designs = _searches(criterion, 3, settings, processes=processes)
+        patterns = find_patterns(designs, box)
+        rows += _search_rows(scaling, designs, patterns, box, model)
+        summary[scaling] = _pattern_summaries(patterns, determinant, best, model)
+        if scaling == settings["scaling"]:
+            regions = augment(
+                criterion, find_regions(patterns, box), settings["points"], candidates=corners(box)
+            )
+    table = _design_table(
+        [region.point for region in regions], [region.origin for region in regions], model
+    )
+    about = {
+        "scaling": settings["scaling"],
+        "searches": settings["searches"],
+        "scalings": summary,
+        "d_efficiency": d_efficiency(
+            determinant.derivatives(np.array([region.point for region in regions])),
+            determinant.derivatives(best.points),
+        ),
+    }
+    return PaperDesigns([table], pd.DataFrame(rows), about)
+
+
+def four_factor_designs(
+    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
+) -> PaperDesigns:
+    settings, box = config["four_factor_design"], box_of(config, model.factor_names)
+    gradient = _gradient(model, theta)
+    forms = {
+        "paper": Criterion(gradient, box),
+        "distinct": Criterion(
+            gradient, box, apart=coordinates("scene", box), separation=settings["separation"]
+        ),
+    }
+    tables, rows, summary = [], [], {}
+    for form, criterion in forms.items():
+        points = len(model.parameter_names)
+        best = exchange_design(criterion, points, levels=FOUR_FACTOR_LEVELS)
+        designs = _searches(criterion, points, settings, processes=processes)
+        patterns = find_patterns(designs, box)
+        rows += _search_rows(form, designs, patterns, box, model)
+        summary[form] = _pattern_summaries(patterns, criterion, best, model)
+        tables.append(_design_table(patterns[0].design.points, [form] * points, model))
+    about = {"searches": settings["searches"], "forms": summary}
+    return PaperDesigns(tables, pd.DataFrame(rows), about)
+
+
+def _gradient(model: ExpressionModel, theta: np.ndarray) -> Gradient:
+    return lambda points: model.gradient(theta, model.factors(points))
+
+
+def _searches(
+    criterion: Criterion, points: int, settings: dict[str, Any], *, processes: int
+) -> list[Design]:
+    seeds = range(settings["first_seed"], settings["first_seed"] + settings["searches"])
+    return parallel_map(
+        lambda seed: search_design(criterion, points, seed=seed), seeds, processes=processes
+    )
+
+
+def _search_rows(
+    scaling: str,
+    designs: Sequence[Design],
+    patterns: Sequence[Pattern],
+    box: Box,
+    model: ExpressionModel,
+) -> list[dict[str, Any]]:
+    """One row for each point of each search, with the pattern that the search ended in."""
+    rows = []
+    for search, design in enumerate(designs, start=1):
+        name = next(
+            pattern.name
+            for pattern in patterns
+            if len(find_patterns([pattern.design, design], box)) == 1
+        )
+        for point in design.points:
+            about = {"scaling": scaling, "search": search, "pattern": name}
+            rows.append({**about, **_named(point, model), "objective": design.value})
+    return rows
+
+
+def _pattern_summaries(
+    patterns: Sequence[Pattern], criterion: Criterion, best: Design, model: ExpressionModel
+) -> list[dict[str, Any]]:
+    return [
+        {
+            "pattern": pattern.name,
+            "count": pattern.count,
+            "objective": pattern.design.value,
+            "objective_excess": pattern.excess,
+            "inverse_determinant": pattern.design.inverse_determinant,
+            "d_efficiency": d_efficiency(
+                criterion.derivatives(pattern.design.points), criterion.derivatives(best.points)
+            ),
+            "points": [_named(point, model) for point in pattern.design.points],
+        }
+        for pattern in patterns
+    ]
+
+
+def _named(point: Iterable[float], model: ExpressionModel) -> dict[str, float]:
+    """A point with its factors' names; twelve digits, so that a limit reads 2e-06."""
+    return {
+        name: float(f"{value:.12g}") for name, value in zip(model.factor_names, point, strict=True)
+    }
+
+
+def _design_table(
+    points: Iterable[Iterable[float]], origins: Sequence[str], model: ExpressionModel
+) -> pd.DataFrame:
+    factors = pd.DataFrame([_named(point, model) for point in points])
+    scenes = plan(**{name: factors[name].to_numpy() for name in model.factor_names})
+    return scenes.assign(origin=origins)[list(DESIGN_COLUMNS)]

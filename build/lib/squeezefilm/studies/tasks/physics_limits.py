@@ -1,0 +1,129 @@
+"""The physics limits of a study's scenes: forces without solving in time or fitting, and a table.
+
+`fast_limit_n` is the force at infinite squeeze number, `limit_n` the same with the boundary layer
+at the finger's rim, correct to 1/√σ, `limit_error_n` the estimate of what that leaves out. With the
+gas' inertia the next order is ε²/σ, without it ε²/σ^(3/2): there `limit_n` is the composite that
+is exact to ε². A scene whose inertia is `auto` counts as having it, for limits cost the same.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, scene_points
+from squeezefilm.models.force_model import Factors
+from squeezefilm.models.limit_table import (
+    LARGEST_EPSILON_SQUARE,
+    POINTS,
+    POINTS_WITH_INERTIA,
+    LimitTable,
+    coefficients_of,
+    nodes,
+)
+from squeezefilm.reynolds.needs import Needs, needs_of
+from squeezefilm.reynolds.solver import LimitResult, by_limits
+from squeezefilm.reynolds.terms import terms_of
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.plans import box_of, plan
+from squeezefilm.studies.study import scene_of
+
+TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
+"""Of the limits' grids, which are cheap: far below what the limits leave out."""
+METHODS = {"fast_limit_n": "fast-limit", "limit_n": "boundary-layer"}
+METHODS_WITH_INERTIA = METHODS | {"limit_n": "matched-limit"}
+DOES_NOT_HOLD = "the limit of large squeeze numbers does not hold for this scene"
+CHECK_POINTS, CHECK_SEED = 500, 3
+
+
+def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
+    """A table of scenes with its limits in newtons; NaN where they do not hold."""
+    scenes = [_with_inertia(scene) for scene in scenes]
+    needs = [needs_of(scene) for scene in scenes]
+    columns = {"sigma": np.array([scene.sigma for scene in scenes])}
+    errors: dict[str, np.ndarray] = {}
+    for column in METHODS:
+        columns[column], errors[column] = np.full((2, len(scenes)), np.nan)
+        for index, result in _results(scenes, needs, column).items():
+            if np.isfinite(result.error):
+                columns[column][index] = result.mean * scenes[index].force_scale_n
+                errors[column][index] = result.error * scenes[index].force_scale_n
+    status = np.where(np.isfinite(columns["limit_n"]), "ok", DOES_NOT_HOLD)
+    return table.assign(**columns, limit_error_n=errors["limit_n"], status=status)
+
+
+def _results(
+    scenes: Sequence[Scene], needs: Sequence[Needs], column: str
+) -> dict[int, LimitResult]:
+    """What stands in a column, by the scenes' indices, each by its own method."""
+    groups: dict[bool, list[int]] = defaultdict(list)
+    for index, scene in enumerate(scenes):
+        groups[_has_inertia(scene)].append(index)
+    results = {}
+    for inertia, group in groups.items():
+        found = by_limits(
+            [scenes[index] for index in group],
+            [needs[index] for index in group],
+            tolerance=TOLERANCE_WITH_INERTIA if inertia else TOLERANCE,
+            method=(METHODS_WITH_INERTIA if inertia else METHODS)[column],
+        )
+        results.update({group[place]: result for place, result in found.items()})
+    return results
+
+
+def _with_inertia(scene: Scene) -> Scene:
+    """The scene with inertia where that is to be decided."""
+    auto = scene.gas.inertia == "auto"
+    return replace(scene, gas=replace(scene.gas, inertia="included")) if auto else scene
+
+
+def _has_inertia(scene: Scene) -> bool:
+    return any("reynolds" in term.limit_numbers(scene) for term in terms_of(_with_inertia(scene)))
+
+
+def limit_table_of(config: Config) -> LimitTable:
+    """The table of a study's limits, checked at random points.
+
+    Raises InputError where the limits do not hold all over the space.
+    """
+    box = box_of(config).ranges
+    box.pop("hv_m")
+    ranges = box | {"epsilon_square": (0.0, LARGEST_EPSILON_SQUARE)}
+    h0_m = ranges["h0_m"][1]
+    widest = scene_of(ScenePoint("widest", h0_m, 0.1 * h0_m, 0.0, 0.0), config, check=False)
+    at, shape = nodes(ranges, POINTS_WITH_INERTIA if _has_inertia(widest) else POINTS)
+    limits = _limits(config, at)
+    square = at["epsilon_square"].reshape(shape)
+    table = LimitTable(
+        ranges=ranges,
+        coefficients={
+            name: coefficients_of(limits[name].to_numpy().reshape(shape) / square)
+            for name in METHODS
+        },
+        sigma_h0_square=float(limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2),
+        error=np.nan,
+    )
+    random = np.random.default_rng(CHECK_SEED)
+    drawn = {axis: random.uniform(*ranges[axis], CHECK_POINTS) for axis in ranges}
+    drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
+    checked = _limits(config, drawn)
+    found = table.complete(Factors.of(**{name: checked[name] for name in FACTOR_COLUMNS}))
+    errors = [np.abs(found.column(name) / checked[name] - 1).max() for name in METHODS]
+    return replace(table, error=float(max(errors)))
+
+
+def _limits(config: Config, at: dict[str, np.ndarray]) -> pd.DataFrame:
+    table = plan(
+        h0_m=at["h0_m"],
+        hv_m=at["h0_m"] * np.sqrt(at["epsilon_square"]),
+        phi_r_m=at["phi_r_m"],
+        phi_deg=at["phi_deg"],
+    )
+    limits = with_limits(table, [scene_of(point, config) for point in scene_points(table)])
+    if not np.all(np.isfinite(limits[list(METHODS)])):
+        raise InputError(f"{config.path}: {DOES_NOT_HOLD}, or another of the study's space")
+    return limits

@@ -1,0 +1,304 @@
+"""A model refined on a study: the loop's points, their simulations, and what its files tell."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.designs.refine_loop import Goal, Outcome, Pool, Round, refine_loop
+from squeezefilm.io.errors import RunError
+from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, scene_points
+from squeezefilm.models.description import describe
+from squeezefilm.models.fitting.fit import Fit
+from squeezefilm.models.fitting.profile_likelihood import parameter_ranges
+from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
+from squeezefilm.models.trust import Unseen
+from squeezefilm.models.weak_spots import in_words, weak_spots
+from squeezefilm.reynolds import Solution, solve
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.space import Space
+from squeezefilm.studies.study import directions_of, scene_of
+from squeezefilm.studies.tasks.physics_limits import with_limits
+
+TYPICAL = 1000
+"""Points of the fair sample of the space at which nothing is simulated."""
+ESTIMATED = ("global_error", "global_lower", "global_upper", "lack_of_fit", "worst_error")
+SHARES = ("parameter_share", "floor", "simulation_error")
+CLOSE = 0.3
+"""The physics limit maps a model's error if it leaves less than this share of it unexplained."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """How the loop ended, as the tables and files of `squeezefilm refine`."""
+
+    outcome: Outcome
+    rounds: pd.DataFrame
+    forces: pd.DataFrame
+    limits: pd.DataFrame
+    where: pd.DataFrame
+    fit: dict[str, Any]
+    verdict: dict[str, Any]
+
+
+class SimulatedSpace:
+    """The points of a study that the loop knows of, and the means to simulate them."""
+
+    def __init__(self, config: Config, *, centred: bool) -> None:
+        settings = config["refine"]
+        space = Space.of(config, centred=centred)
+        kinds = [
+            space.grid(settings["candidates"], distinct=True),
+            space.sample(settings["verification"], seed=settings["seed"]),
+            space.sample(TYPICAL, seed=settings["seed"] + 1),
+        ]
+        self.config, self.table = config, space.table(np.concatenate(kinds))
+        self.scenes = [scene_of(point, config) for point in scene_points(self.table)]
+        self.known = with_limits(self.table, self.scenes)
+        self.solutions: dict[int, Solution] = {}
+        self.device = device_of(config)
+        names = (*FACTOR_COLUMNS, *COLUMNS.values())
+        self.pool = Pool(
+            Factors.of(**{name: self.known[name].to_numpy() for name in names}),
+            space.coordinates(space.points(self.table)),
+            *np.split(np.arange(len(self.table)), np.cumsum([len(each) for each in kinds])[:-1]),
+        )
+
+    def simulate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Forces and their errors; raises RunError for a scene that has no force."""
+        solver = self.config["solver"]
+        found = solve(
+            [self.scenes[point] for point in points],
+            tolerance=solver["tolerance"],
+            model_tolerance=solver["model_tolerance"],
+            method=solver["method"],
+            device=self.device,
+        )
+        for point, solution in zip(points, found, strict=True):
+            if solution.status != "ok":
+                factors = self.table.loc[point, list(FACTOR_COLUMNS)].to_dict()
+                raise RunError(f"no force at {factors}: {solution.status}")
+            self.solutions[int(point)] = solution
+        return self.forces_and_errors(points)
+
+    def forces(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
+        rows = self.table.loc[points].assign(point_id=labels).reset_index(drop=True)
+        for name in FORCE_COLUMNS:
+            if name not in rows.columns:
+                rows[name] = [getattr(self.solutions[int(point)], name) for point in points]
+        return rows[list(FORCE_COLUMNS)]
+
+    def forces_and_errors(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of points simulated before, in newtons."""
+        found = [self.solutions[int(point)] for point in points]
+        return (
+            np.array([solution.force_n for solution in found]),
+            np.array([solution.force_error_n for solution in found]),
+        )
+
+    def limits(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
+        rows = self.known.loc[points].assign(point_id=labels).reset_index(drop=True)
+        return rows[list(LIMIT_COLUMNS)]
+
+
+def refined_model(
+    model: ExpressionModel,
+    simulated: SimulatedSpace,
+    *,
+    space: str,
+    scan_error: float,
+    report: Callable[[Round], object] = lambda done: None,
+) -> Refinement:
+    """Run the loop by the study's section ``refine``; space is the name of what is simulated.
+
+    scan_error is the share of a force that the scan of a measured profile leaves open.
+    Raises InputError where the section allows too few simulations to begin with. Raises RunError
+    for a scene that has no force.
+    """
+    config, settings = simulated.config, simulated.config["refine"]
+    outcome = refine_loop(
+        model,
+        simulated.pool,
+        Goal(
+            global_error=settings["global_error"],
+            worst_error=settings["worst_error"],
+            most_simulations=settings["simulations"],
+            batch=settings["batch"],
+        ),
+        simulated.simulate,
+        separation=settings["separation"],
+        bound=config["fit"]["bounds"][-1],
+        seed=settings["seed"],
+        report=report,
+    )
+    labels = _labels(outcome, settings["verification"])
+    where, source = _map(model, simulated, outcome)
+    verdict = _verdict(outcome, settings) | {
+        "model": model.name,
+        "space": space,
+        "errors_mapped_by": source,
+        **_weak_spots(simulated.pool, where),
+    }
+    return Refinement(
+        outcome=outcome,
+        rounds=_rounds_table(outcome, model, simulated),
+        forces=simulated.forces(outcome.simulated, labels),
+        limits=simulated.limits(outcome.simulated, labels),
+        where=where,
+        fit=_fit_values(model, simulated, outcome, seed=settings["seed"], scan_error=scan_error),
+        verdict=verdict,
+    )
+
+
+def _verdict(outcome: Outcome, settings: Mapping[str, Any]) -> dict[str, Any]:
+    last = outcome.rounds[-1]
+    estimated = ("global_error", "global_lower", "global_upper", "worst_error")
+    return {
+        "verdict": outcome.verdict,
+        "reason": outcome.reason,
+        "mean_force_n": outcome.scale_n,
+        "theta_of_all_points": [float(value) for value in outcome.hindsight],
+        "simulations": last.simulations,
+        "fitted_points": len(last.design),
+        "verification_points": settings["verification"],
+        "lack_of_fit_n": last.lack_of_fit * outcome.scale_n,
+        "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
+        "estimated": _finite({key: getattr(last, key) for key in estimated}),
+        "settings": dict(settings),
+    }
+
+
+def _weak_spots(pool: Pool, where: pd.DataFrame) -> dict[str, Any]:
+    """Where the fair sample of the space has its errors."""
+    spots = weak_spots(pool.factors.take(pool.typical), where["error_n"].to_numpy()[-TYPICAL:])
+    return {"weak_spots": spots.to_dict("records"), "weak_spots_in_words": in_words(spots)}
+
+
+def _labels(outcome: Outcome, checks: int) -> list[str]:
+    """What each simulation was for: verification-3, or design-2-5, the fifth, of round two."""
+    labels = [f"verification-{number}" for number in range(1, checks + 1)]
+    for done in outcome.rounds:
+        before = len(labels) - checks
+        labels += [
+            f"design-{done.number}-{number}" for number in range(before + 1, len(done.design) + 1)
+        ]
+    return labels
+
+
+def _map(
+    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome
+) -> tuple[pd.DataFrame, str]:
+    """The error of the best fit over the space: candidates, then the fair sample.
+
+    Where the physics limit explains it at the simulated points it does so in between; otherwise
+    the errors at these points are interpolated.
+    """
+    pool = space.pool
+    places = np.concatenate([pool.candidates, pool.typical])
+    own = model.evaluate(outcome.hindsight, pool.factors)
+    seen = own[outcome.simulated] - outcome.force_n
+    limit = space.known["limit_n"].to_numpy()
+    left = outcome.force_n - limit[outcome.simulated]
+    if not model.column_names and np.linalg.norm(left) < CLOSE * np.linalg.norm(seen):
+        error, source = own[places] - limit[places], "physics limit"
+    else:
+        error, source = _interpolated(pool, outcome.simulated, seen, places), "interpolation"
+    rows = space.table.loc[places, list(FACTOR_COLUMNS)].reset_index(drop=True)
+    kinds = np.repeat(["candidate", "sample"], [len(pool.candidates), len(pool.typical)])
+    return rows.assign(layer=kinds, error_n=error), source
+
+
+def _interpolated(
+    pool: Pool, points: np.ndarray, values: np.ndarray, places: np.ndarray
+) -> np.ndarray:
+    from scipy.interpolate import RBFInterpolator  # slow to import, and only needed here
+
+    degree = 1 if len(points) > pool.coordinates.shape[1] + 1 else 0
+    surface = RBFInterpolator(pool.coordinates[points], values, kernel="linear", degree=degree)
+    return np.asarray(surface(pool.coordinates[places]))
+
+
+def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpace) -> pd.DataFrame:
+    rows = []
+    for done in outcome.rounds:
+        worst = space.table.loc[done.worst_at, list(FACTOR_COLUMNS)]
+        theta = zip(model.parameter_names, done.theta, strict=True)
+        rows.append(
+            {
+                "round": done.number,
+                "simulations": done.simulations,
+                "fitted_points": len(done.design),
+                **{name: getattr(done, name) for name in ESTIMATED},
+                **{f"worst_{name}": worst[name] for name in FACTOR_COLUMNS},
+                **{name: getattr(done, name) for name in SHARES},
+                **{f"parameter_{name}": value for name, value in theta},
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _fit_values(
+    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, *, seed: int, scan_error: float
+) -> dict[str, Any]:
+    """The last fit as its file tells it, with the range of each parameter."""
+    last = outcome.rounds[-1]
+    # A model without parameters is fitted to nothing, and described on what verifies it.
+    points = last.design if len(last.design) else outcome.simulated
+    factors = space.pool.factors.take(points)
+    force, error = space.forces_and_errors(points)
+    misses = model.evaluate(last.theta, factors) - force
+    fit = Fit(
+        model=model.name,
+        theta=tuple(float(value) for value in last.theta),
+        sum_of_squares=float(np.sum(misses**2)),
+        global_error=float(np.linalg.norm(misses) / np.linalg.norm(force)),
+        points=len(last.design),
+        method="closed loop",
+        bound=0.0,
+        seed=seed,
+        searches=0,
+        evaluations=0,
+        search_theta=tuple(float(value) for value in last.theta),
+    )
+    ranges = parameter_ranges(model, factors, force, last.theta) if len(last.theta) else []
+    return {
+        **fit.to_dict(),
+        **describe(
+            model,
+            factors,
+            force,
+            fit,
+            force_error_n=error,
+            scan_error=scan_error,
+            control=_verified(model, space, last),
+        ),
+        "directions": directions_of(space.config).to_dict(),
+        "parameter_ranges": [each.to_dict() for each in ranges],
+        "parameter_ranges_note": (
+            "95 % profile-likelihood intervals; residuals are the model's lack of fit, the same "
+            "each time, so a range says how far a parameter can go while the model describes these "
+            "points about as well, and nothing of a scatter; null is open"
+        ),
+        "error": {
+            "held_out_global": last.global_error,
+            "held_out_global_upper": last.global_upper,
+            "verification_points": len(space.pool.verification),
+        },
+    }
+
+
+def _verified(model: ExpressionModel, space: SimulatedSpace, last: Round) -> Unseen:
+    """The model's errors at the verification points, which are never fitted."""
+    checks = space.pool.verification
+    factors = space.pool.factors.take(checks)
+    force, error = space.forces_and_errors(checks)
+    predicted = model.evaluate(last.theta, factors)
+    return Unseen.of(factors, model_n=predicted, force_n=force, force_error_n=error)
+
+
+def _finite(values: dict[str, float]) -> dict[str, float | None]:
+    """Numbers for JSON, which knows no infinity."""
+    return {key: float(value) if np.isfinite(value) else None for key, value in values.items()}

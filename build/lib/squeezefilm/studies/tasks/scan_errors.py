@@ -1,0 +1,151 @@
+"""What a scan leaves open in the forces that are simulated with its profile."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.scans import SmoothedScan
+from squeezefilm.io.errors import RunError
+from squeezefilm.io.tables import ScenePoint
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.limits.forces import fast_limit, limit_axis
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.study import directions_of, scene_of
+
+# The spread is a few per cent at most: forces need not be finer than this to show it.
+TOLERANCE = 1e-3
+DRAWS, SEED = 50, 1
+COVERAGE = 0.95
+LIMIT_POINTS, LARGE_SIGMA = 15, 1e6
+
+
+@dataclass(frozen=True)
+class ScanErrors:
+    """Errors of the forces of B scenes, in newtons, shape (B,).
+
+    Attributes:
+        force_n: with the profile, to TOLERANCE.
+        spread_n: standard deviation over profiles with other noise.
+        noise_n: half of the interval that holds the noise's part with COVERAGE: the spread's, and
+            all that was taken off the profile's maximum as the noise's.
+        out_of_phase_n: by what the force is low without the motion out of phase.
+        lowest_n, highest_n: over the profiles with other noise.
+    """
+
+    force_n: np.ndarray
+    spread_n: np.ndarray
+    noise_n: np.ndarray
+    out_of_phase_n: np.ndarray
+    lowest_n: np.ndarray
+    highest_n: np.ndarray
+
+    @property
+    def total_n(self) -> np.ndarray:
+        """All that the scan leaves open."""
+        total: np.ndarray = self.noise_n + self.out_of_phase_n
+        return total
+
+
+def scan_errors(
+    scenes: Sequence[Scene],
+    smoothed: SmoothedScan,
+    *,
+    device: Device,
+    draws: int = DRAWS,
+    seed: int = SEED,
+) -> ScanErrors:
+    """Solve the scenes again with profiles of other noise, and estimate what was left out.
+
+    Raises RunError naming a scene that has no force.
+    """
+    from scipy.special import stdtrit
+
+    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=seed)]
+    every = [
+        replace(scene, actuator=replace(scene.actuator, profile=profile))
+        for profile in profiles
+        for scene in scenes
+    ]
+    solutions = solve(every, tolerance=TOLERANCE, device=device)
+    for scene, solution in zip(every, solutions, strict=True):
+        if solution.status != "ok":
+            raise RunError(f"point {scene.point_id}: {solution.status}")
+    forces = np.array([solution.force_n for solution in solutions]).reshape(len(profiles), -1)
+    force_n = np.abs(forces[0])
+    spread = forces[1:].std(axis=0, ddof=1)
+    quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
+    # Small forces go as the square of the amplitude over its maximum, large ones faster.
+    bias = np.array([2 * (smoothed.profile.largest - 1) / (1 - scene.epsilon) for scene in scenes])
+    effect = np.array([out_of_phase_effect(scene, smoothed) for scene in scenes])
+    return ScanErrors(
+        force_n=forces[0],
+        spread_n=spread,
+        noise_n=quantile * spread + bias * force_n,
+        out_of_phase_n=effect * force_n,
+        lowest_n=forces[1:].min(axis=0),
+        highest_n=forces[1:].max(axis=0),
+    )
+
+
+def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
+    """By which share the scene's force is low without the motion out of phase: an estimate.
+
+    For σ → ∞ the film takes both motions as one of amplitude √(s₁² + s₂²): the pressure is
+    harmonic from the rim's ψ² = 1 + (3/2) ε² (s₁² + s₂²), and the mean density has their sum too
+    (the derivation of the paper's eq. (6) with H = 1 + ε (s₁ sin T + s₂ cos T)). Taken on the
+    finger's rectangle at an even gap; of an ellipse on the largest rectangle within.
+    """
+    nodes = limit_axis(LIMIT_POINTS).all_nodes
+    within = 1 / math.sqrt(2) if scene.finger.shape == "ellipse" else 1.0
+    x, y = np.meshgrid(*2 * [0.5 + within * (nodes - 0.5)], indexing="ij")
+    first = scene.amplitude(x, y)
+    second = replace(
+        scene, actuator=replace(scene.actuator, profile=smoothed.out_of_phase)
+    ).amplitude(x, y)
+    both = np.hypot(first, second)
+    # Just below contact, where the sum of both would be beyond it.
+    epsilon = min(scene.epsilon, 0.999 / float(both.max())) if both.any() else 0.0
+    if epsilon == 0:
+        return 0.0
+    mean = fast_limit(
+        epsilon=np.full(2, epsilon),
+        sigma=np.full(2, LARGE_SIGMA),
+        amplitude=np.stack([first, both]),
+        aspect=scene.aspect,
+    ).mean
+    return max(float(mean[1] / mean[0] - 1), 0.0) if mean[0] > 0 else math.inf
+
+
+def errors_in_study(
+    config: Config, smoothed: SmoothedScan, *, draws: int, seed: int
+) -> pd.DataFrame:
+    """Forces of some of a study's scenes, and what the scan leaves open in them."""
+    points = _points(config)
+    scenes = [scene_of(point, config) for point in points]
+    errors = scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
+    force_n = np.abs(errors.force_n)
+    return pd.DataFrame([asdict(point) for point in points]).assign(
+        **asdict(errors),
+        noise_share=errors.noise_n / force_n,
+        scan_error_n=errors.total_n,
+        scan_error_share=errors.total_n / force_n,
+    )
+
+
+def _points(config: Config) -> list[ScenePoint]:
+    """The largest amplitude over the smallest and the largest gap, and farthest from the centre."""
+    gaps, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
+    radius = max(config["positions"]["phi_r_m"])
+    places = [(gaps["start"], 0.0, 0.0), (gaps["stop"], 0.0, 0.0)]
+    angles = directions_of(config).images(config["positions"]["phi_deg"])
+    places += [(gaps["start"], radius, angle) for angle in angles]
+    return [
+        ScenePoint(str(number), gap, amplitude, r, angle)
+        for number, (gap, r, angle) in enumerate(places, start=1)
+    ]

@@ -1,0 +1,208 @@
+"""The door of the library: ``import squeezefilm as sf``."""
+
+import ast
+import importlib
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import squeezefilm as sf
+from squeezefilm.cli.main import main
+from squeezefilm.reynolds import solve
+
+DISC = {"frequency_hz": 43270, "surface_radius_m": 0.01, "profile": {"kind": "piston"}}
+PAD = {"length_x_m": 0.01, "length_y_m": 0.008}
+
+
+@pytest.fixture(scope="module")
+def study(repository):
+    return sf.load(repository / "config" / "quick.yaml")
+
+
+@pytest.fixture(scope="module")
+def fit(study):
+    return study.fit("limit_1")
+
+
+def test_every_name_is_there_and_is_told_to_type_checkers_alike(repository):
+    text = (repository / "workflow" / "squeezefilm" / "__init__.py").read_text(encoding="utf-8")
+    (told,) = (node.body for node in ast.parse(text).body if isinstance(node, ast.If))
+    found = {name.name: node.module for node in told for name in node.names}
+    assert sorted(found) == sf.__all__
+    for name, place in found.items():
+        assert getattr(sf, name) is getattr(importlib.import_module(place), name)
+        assert getattr(sf, name).__doc__
+    with pytest.raises(AttributeError, match="no attribute 'lod'"):
+        _ = sf.lod
+
+
+def test_to_import_it_loads_nothing_heavy():
+    code = "import sys, squeezefilm; print(*{'numpy', 'pandas', 'pyopencl'} & sys.modules.keys())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
+
+
+def test_a_force_has_its_error_and_what_its_equation_leaves_out(study):
+    force = study.force(h0="5 um", hv="2.2 um")
+    assert float(force) == pytest.approx(0.962042, abs=force.error_n + 5e-7)
+    assert 0 < force.error_n < 1e-4 * float(force)  # the study's tolerance
+    least, most = force.left_out_percent
+    assert 0.1 < least < most < 0.5  # README: +0.22 to +0.39 %
+    assert force.scene.epsilon == pytest.approx(0.44)
+    assert force.status == "ok"
+    for word in ("force 0.962", "h0 5 µm", "x 0 mm", "beyond the equation: inertia +2.1 %"):
+        assert word in str(force)
+
+
+def test_the_command_line_says_what_the_library_says(study, capsys):
+    words = ["--config", str(study.config.path), "--h0=5um", "--hv=1.5um"]
+    assert main(["simulate", *words, "--x", "-1mm", "--y", "0.5mm"]) == 0
+    told = capsys.readouterr().out
+    assert told.strip() == str(study.force("5 um", 1.5e-6, x=-1e-3, y="0.5 mm"))
+
+
+def test_a_range_makes_a_curve_by_either_door(study, tmp_path):
+    path = tmp_path / "curve.csv"
+    words = ["--config", str(study.config.path), "--h0", "5um", "--hv", "0.5:2:3um"]
+    assert main(["simulate", *words, "--x", "-1,1mm", "--output", str(path)]) == 0
+    written = pd.read_csv(path)
+    curve = study.curve("5 um", [0.5e-6, 1.25e-6, 2e-6], x="-1, 1 mm")
+    pd.testing.assert_frame_equal(written, curve, check_dtype=False)
+    assert list(written["hv_m"]) == [5e-7, 5e-7, 1.25e-6, 1.25e-6, 2e-6, 2e-6]
+    pairs = written["force_n"].to_numpy().reshape(3, 2)
+    # The paper's film is symmetric: left and right are alike.
+    np.testing.assert_allclose(pairs[:, 0], pairs[:, 1], rtol=2e-6)
+    single = study.force("5 um", "2 um", x="1 mm")
+    assert pairs[2, 1] == pytest.approx(float(single), rel=1e-12)
+
+
+def test_polar_and_cartesian_places_are_one(study):
+    polar = study.scene("5 um", "1 um", phi_r="2 mm", phi="30 deg")
+    cartesian = study.scene("5 um", "1 um", x=polar.x_m, y=polar.y_m)
+    assert cartesian.phi_r_m == pytest.approx(2e-3)
+    assert cartesian.phi_deg == pytest.approx(30)
+
+
+def test_a_film_needs_no_file():
+    film = sf.Film.of(actuator=DISC, finger=PAD)
+    force = film.force(h0=5e-6, hv=1e-6, tolerance=1e-4)
+    assert force.scene.gas.inertia == "included"  # air, whose inertia counts here
+    (again,) = solve([force.scene], tolerance=1e-4)
+    assert float(force) == again.force_n
+    slow = sf.Film.of(actuator=DISC | {"frequency_hz": 20}, finger=PAD)
+    assert slow.force(h0=5e-6, hv=1e-6).scene.gas.inertia == "none"
+
+
+@pytest.mark.parametrize("inertia", ["none", "included"])
+def test_the_mean_of_the_pressure_is_the_force(inertia):
+    film = sf.Film.of(actuator=DISC, finger=PAD, gas={"inertia": inertia})
+    field = film.pressure("5 um", "2 um", places=401, instants=16, tolerance=1e-3)
+    assert field.overpressure.dims == ("phase", "y", "x")
+    assert field.overpressure.attrs["units"] == "Pa"
+    mean_n = float(field.overpressure.mean("phase").integrate(["x", "y"]))
+    # The rim's layer is a hundredth of the pad: the trapezoidal rule misses little on 401 places.
+    assert mean_n == pytest.approx(float(film.force("5 um", "2 um")), rel=3e-3)
+    assert float(field.gap.min()) == pytest.approx(3e-6)
+    assert float(field.gap.max()) == pytest.approx(7e-6)
+    assert field.attrs["change_pa"] <= 1e-3 * float(abs(field.overpressure).max())
+
+
+def test_the_pressure_under_an_ellipse_ends_at_its_rim():
+    film = sf.Film.of(actuator=DISC, finger=PAD | {"shape": "ellipse"}, gas={"inertia": "none"})
+    field = film.pressure("5 um", "1 um", places=21, instants=8, tolerance=1e-2)
+    assert np.isnan(field.overpressure.values[:, 0, 0]).all()
+    assert field.overpressure.values[:, 10, 0] == pytest.approx(0, abs=1e-6)
+    assert float(field.overpressure.isel(x=10, y=10).max()) > 1e3
+
+
+@pytest.mark.parametrize("suffix", ["csv", "nc"])
+def test_a_pressure_field_is_a_file(suffix, study, tmp_path):
+    import xarray
+
+    path = tmp_path / f"field.{suffix}"
+    words = ["--config", str(study.config.path), "--h0=5um", "--hv=1um", "--x", "-1mm"]
+    more = ["--places", "5", "--instants", "8", "--output", str(path)]
+    assert main(["pressure", *words, *more]) == 0
+    field = study.pressure("5 um", "1 um", x="-1 mm", places=5, instants=8)
+    if suffix == "nc":
+        with xarray.open_dataset(path, engine="scipy") as found:
+            xarray.testing.assert_allclose(found, field)
+            assert found.attrs["finger_x_m"] == pytest.approx(-1e-3)
+        return
+    table = pd.read_csv(path)
+    assert len(table) == 5 * 5 * 8
+    row = table[(table["phase_deg"] == 90) & (table["x_m"] == 0) & (table["y_m"] == 0)]
+    found = float(field.overpressure.sel(phase=90, x=0, y=0))
+    assert float(row["overpressure_pa"].iloc[0]) == pytest.approx(found)
+
+
+def test_a_fit_predicts_what_is_simulated(study, fit):
+    predicted = fit.predict("6 um", "1.5 um", x="1 mm", y="-0.5 mm").iloc[0]
+    force = float(study.force("6 um", "1.5 um", x="1 mm", y="-0.5 mm"))
+    assert abs(predicted["force_n"] / force - 1) <= predicted["within_percent"] / 100 < 0.01
+    assert predicted["note"] == ""
+    outside = fit.predict("6 um", "4 um").iloc[0]
+    assert np.isnan(outside["force_error_n"])
+    assert "hv_m outside" in outside["note"]
+
+
+def test_a_working_point_gives_the_force_that_was_wanted(study, fit):
+    row = fit.working_point("0.5 N", "5 um").iloc[0]
+    force = float(study.force("5 um", float(row["hv_m"])))
+    assert abs(force / 0.5 - 1) <= row["within_percent"] / 100 < 0.01
+    assert len(fit.working_point(0.2)) == 6
+
+
+def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsys):
+    path = tmp_path / "fit.json"
+    fit.save(path)
+    assert sf.Fit.read(path).predict(6e-6, 1e-6).equals(fit.predict(6e-6, 1e-6))
+    assert main(["predict", str(path), "--h0=6um", "--hv=1um", "--output", f"{path}.csv"]) == 0
+    table = pd.read_csv(f"{path}.csv")
+    assert table["force_n"].iloc[0] == fit.predict(6e-6, 1e-6)["force_n"].iloc[0]
+    assert fit.name in fit.code("c")
+    assert "limit_1: limit + t0" in str(fit)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"h0": "5", "hv": 1e-6}, "h0 '5' must be a number with a unit of m"),
+        ({"h0": "5 furlong", "hv": 1e-6}, "h0 '5 furlong' must be"),
+        ({"h0": 5e-6, "hv": float("nan")}, "hv: nan is no finite number"),
+        ({"h0": 5e-6, "hv": []}, "is no finite number"),
+        ({"h0": 5e-6, "hv": "1, 2 um"}, "one scene is asked for, not 2"),
+        ({"h0": 5e-6, "hv": 5e-6}, "surface and finger touch"),
+        ({"h0": 5e-6, "hv": 1e-6, "x": 0.0, "phi_r": 0.0}, "as x and y or as phi-r and phi"),
+        ({"h0": 5e-6, "hv": 1e-6, "x": "9 mm"}, "off the actuator's"),
+        ({"h0": 5e-6, "hv": 1e-6, "tolerance": 2.0}, "tolerance 2 must lie between"),
+        ({"h0": 5e-6, "hv": 1e-6, "method": "magic"}, "method 'magic' is none of"),
+    ],
+)
+def test_what_means_nothing_is_refused_with_a_reason(given, message, study):
+    with pytest.raises(sf.InputError, match=message):
+        study.force(**given)
+
+
+def test_a_wrong_key_is_named_without_a_file_too():
+    with pytest.raises(sf.InputError, match=r"film: finger: unknown key 'lenght_x_m'; did you"):
+        sf.Film.of(actuator=DISC, finger=PAD | {"lenght_x_m": 0.01})
+    with pytest.raises(sf.InputError, match=r"film: actuator: missing 'profile'"):
+        sf.Film.of(actuator={"frequency_hz": 1e4, "surface_radius_m": 0.01}, finger=PAD)
+
+
+def test_a_model_that_is_unknown_is_refused(study):
+    with pytest.raises(sf.InputError, match="model 'limit_9' is unknown; known are"):
+        study.fit("limit_9")
+
+
+def test_a_film_without_a_force_says_why():
+    film = sf.Film.of(actuator=DISC, finger=PAD | {"speed_x_m_per_s": 1e4}, gas={"inertia": "none"})
+    with pytest.raises(sf.RunError):
+        film.force(1e-6, 0.99e-6)
+    table = film.curve(1e-6, [0.99e-6])
+    assert np.isnan(table["force_n"].iloc[0])
+    assert table["status"].iloc[0] != "ok"

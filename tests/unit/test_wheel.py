@@ -1,0 +1,120 @@
+"""The library as it is installed: the wheel, outside the checkout, without the workflow."""
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+SOURCES = ("pyproject.toml", "README.md", "LICENSE", "workflow/squeezefilm")
+# What the extras bring: the library must do without.
+EXTRAS = ("matplotlib", "markdown_it", "plotly", "pyarrow", "pygments", "pymoo", "skfem", "xarray")
+ALONE = f"""
+import sys
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {(*EXTRAS, "snakemake")}:
+            raise ImportError(f"{{name}} is not installed here")
+sys.meta_path.insert(0, Absent())
+sys.path = [sys.argv[1], *(place for place in sys.path if not place.endswith("/workflow"))]
+import squeezefilm as sf
+assert sf.__file__.startswith(sys.argv[1]), sf.__file__
+"""
+
+
+@pytest.fixture(scope="module")
+def installed(repository, tmp_path_factory):
+    """The wheel's content in a folder, as an installer lays it out."""
+    source = tmp_path_factory.mktemp("source")
+    for name in SOURCES:
+        target = source / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if (repository / name).is_dir():
+            shutil.copytree(repository / name, target, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(repository / name, target)
+    build = "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])"
+    folder = tmp_path_factory.mktemp("wheel")
+    subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", build, str(folder)],
+        cwd=source,
+        check=True,
+        capture_output=True,
+    )
+    (wheel,) = folder.glob("squeezefilm-*.whl")
+    site = tmp_path_factory.mktemp("site")
+    zipfile.ZipFile(wheel).extractall(site)
+    return site
+
+
+def alone(site: Path, code: str, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run code after importing the library from the wheel, isolated, outside the checkout."""
+    return subprocess.run(
+        [sys.executable, "-I", "-c", ALONE + code, str(site), *words],
+        cwd=site,
+        env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_the_wheel_is_the_library_with_all_its_data_and_nothing_else(installed, repository):
+    library = repository / "workflow" / "squeezefilm"
+    wanted = {
+        path.relative_to(library)
+        for path in library.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    found = {
+        path.relative_to(installed / "squeezefilm")
+        for path in installed.rglob("squeezefilm/**/*")
+        if path.is_file()
+    }
+    assert found == wanted
+    assert {path.suffix for path in found} == {".py", ".cl", ".csv", ".yaml"}
+    assert {path.name.partition("-")[0] for path in installed.iterdir()} == {"squeezefilm"}
+
+
+def test_a_force_needs_no_checkout_and_no_workflow(installed):
+    code = (
+        "film = sf.Film.of(actuator={'frequency_hz': 43270, 'surface_radius_m': 0.01,\n"
+        "    'profile': {'kind': 'sinc', 'wave_number_per_m': 109.8}},\n"
+        "    finger={'length_x_m': 0.01, 'length_y_m': 0.01}, gas={'inertia': 'none'})\n"
+        "print(float(film.force('5 um', '2.2 um', tolerance=1e-4)))"
+    )
+    done = alone(installed, code)
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) == pytest.approx(0.962042, rel=1e-4)
+
+
+def test_its_command_line_has_its_own_commands_and_says_what_is_missing(installed):
+    code = "from squeezefilm.cli.main import main\nsys.exit(main(sys.argv[2:]))"
+    assert "figure" not in alone(installed, code, "--help").stdout
+    done = alone(installed, code, "simulate", "--h0=5um", "--hv=1um")
+    assert done.returncode == 2
+    assert "give a study by --config" in done.stderr
+
+
+def test_what_needs_an_extra_names_it(installed):
+    code = (
+        "film = sf.Film.of(actuator={'frequency_hz': 43270, 'surface_radius_m': 0.01,\n"
+        "    'profile': {'kind': 'piston'}}, finger={'length_x_m': 0.01, 'length_y_m': 0.01})\n"
+        "try:\n    film.pressure(5e-6, 1e-6)\n"
+        "except sf.InputError as error:\n    print(error)\n"
+        "from squeezefilm.io.tables import read_scenes\n"
+        "try:\n    read_scenes('some.parquet')\n"
+        "except sf.InputError as error:\n    print(error)\n"
+        "from squeezefilm.models.fitting.search import genetic_search\n"
+        "try:\n    genetic_search(lambda x: x[:, 0] ** 2, lower=[0.0], upper=[1.0], seed=1)\n"
+        "except sf.InputError as error:\n    print(error)\n"
+    )
+    done = alone(installed, code)
+    told = done.stdout.splitlines()
+    assert [
+        f"squeezefilm[{extra}]" in line
+        for extra, line in zip(("fields", "workflow", "fits"), told, strict=True)
+    ] == [True] * 3, done

@@ -1,0 +1,212 @@
+"""A fitted model: its forces, the amplitude for a wanted force, its file and its code."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.api.points import COLUMNS as FACTOR_COLUMNS
+from squeezefilm.api.points import Values, points_of
+from squeezefilm.io.errors import InputError, naming
+from squeezefilm.io.tables import write_json
+from squeezefilm.io.typed_units import quantity
+from squeezefilm.models.fitted import FittedModel, expected_error, read_judged_fit
+from squeezefilm.models.force_model import CARTESIAN, COLUMNS, POLAR, Factors
+from squeezefilm.models.generated_code import source
+from squeezefilm.models.working_point import working_point
+
+GAPS = 6
+"""Evenly spaced over the range of the fit, where a working point's gap is not said."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A force model with its parameters and the evidence by which it is trusted at a point or not.
+
+    Attributes:
+        model: all that its file tells.
+        error_n: the error to expect in newtons, root mean square at simulations that the fit never
+            saw; NaN where there are none.
+    """
+
+    model: FittedModel
+    error_n: float
+
+    @classmethod
+    def read(
+        cls,
+        path: Path | str,
+        *,
+        control: Sequence[str] | None = None,
+        validation: str | None = None,
+    ) -> Fit:
+        """The fit in a file that ``squeezefilm fit`` or ``save`` wrote.
+
+        Args:
+            control: tables of simulated forces to judge the fit by.
+            validation: what ``squeezefilm validate`` wrote, for the error to expect.
+
+        Raises InputError naming the file, for one that cannot be read or is none.
+        """
+        model = read_judged_fit(path, control=control)
+        return cls(model, expected_error(model, validation))
+
+    @property
+    def name(self) -> str:
+        """The model's name."""
+        return self.model.model
+
+    @property
+    def theta(self) -> dict[str, float]:
+        """The parameters by name, in the units of ``model.force_model.parameter_units``."""
+        return dict(zip(self.model.force_model.parameter_names, self.model.theta, strict=True))
+
+    def predict(
+        self,
+        h0: Values,
+        hv: Values,
+        *,
+        x: Values | None = None,
+        y: Values | None = None,
+        phi_r: Values | None = None,
+        phi: Values | None = None,
+    ) -> pd.DataFrame:
+        """The model's forces at every combination of gaps, amplitudes and positions.
+
+        The columns are those of ``predict_at``.
+        Raises InputError as ``Film.curve`` does.
+        """
+        points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
+        return self.predict_at(points)
+
+    def predict_at(self, points: pd.DataFrame, *, place: object = "predict") -> pd.DataFrame:
+        """The model's forces at a table of points: h0_m, hv_m and a position, if any.
+
+        ``force_error_n`` is the error to expect, ``within_percent`` by how much the force may be
+        off at that point; where both are empty it is not to be trusted, and ``note`` says why.
+        Raises InputError naming the place, for values without physical meaning.
+        """
+        fit = self.model
+        factors = fit.represented(factors_of_points(points, place=place))
+        force_n = fit.force_model.evaluate(fit.theta, fit.complete(factors))
+        verdict = fit.judge(factors, force_n)
+        error_n = self.error_n + fit.scan_error * np.abs(force_n)
+        return points.assign(
+            force_n=force_n,
+            force_error_n=np.where(verdict.trusted, error_n, np.nan),
+            within_percent=verdict.within_percent(force_n),
+            **fit.scan_percent,
+            note=verdict.reasons,
+        )
+
+    def working_point(
+        self,
+        force: str | float,
+        h0: Values | None = None,
+        *,
+        x: Values | None = None,
+        y: Values | None = None,
+        phi_r: Values | None = None,
+        phi: Values | None = None,
+    ) -> pd.DataFrame:
+        """The smallest amplitude that gives a force, a row for each gap and position.
+
+        Args:
+            force: wanted, in newtons or with its unit.
+            h0: gaps; evenly spaced over the range of the fit if left out.
+
+        ``hv_error_m`` is the error to expect, ``within_percent`` by how much the force there may be
+        off; where both are empty the point is not to be trusted, and ``note`` says why.
+        Raises InputError as ``predict`` does.
+        """
+        gaps = self.gaps() if h0 is None else h0
+        points = points_of({"h0": gaps, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
+        return self.working_points_at(points, force_n=newtons(force))
+
+    def working_points_at(
+        self, points: pd.DataFrame, *, force_n: float, place: object = "working-point"
+    ) -> pd.DataFrame:
+        """The same for a table of points: h0_m and a position, if any."""
+        factors = factors_of_points(points.assign(hv_m=0.0), place=place)
+        rows = [
+            working_point(self.model, factors.take([index]), force_n=force_n, error_n=self.error_n)
+            for index in range(len(factors))
+        ]
+        return pd.concat([points, pd.DataFrame(rows)], axis=1)
+
+    def gaps(self) -> list[float]:
+        """A few gaps in metres, evenly spaced over those of the fit.
+
+        Raises InputError where the fit tells none.
+        """
+        ranges = self.model.ranges
+        if "h0_m" not in ranges:
+            raise InputError(f"{self.model.place}: tells no range of gaps; give them")
+        low, high = ranges["h0_m"]
+        gaps = np.linspace(low, high, GAPS if high > low else 1)
+        return [float(f"{gap:.12g}") for gap in gaps]
+
+    def code(self, language: str) -> str:
+        """The model as code without dependencies; ``c`` or ``python``.
+
+        Raises InputError for a model of physics whose file has no table of it.
+        """
+        fit = self.model
+        if fit.force_model.column_names and "limit_table" not in fit.values:
+            raise InputError(
+                f"{fit.place}: the model {fit.model} uses the physics limit, which code without "
+                "dependencies cannot solve for; fit it with --limit-table, and its table is "
+                "exported"
+            )
+        return source(fit, language)
+
+    def save(self, path: Path | str) -> None:
+        """Write the fit's file, which ``Fit.read`` and the command line read."""
+        write_json(dict(self.model.values), path)
+
+    def __str__(self) -> str:
+        fit = self.model
+        units = fit.force_model.parameter_units
+        theta = ", ".join(
+            f"{name} = {value:.6g}" + (f" {unit}" if unit != "1" else "")
+            for (name, value), unit in zip(self.theta.items(), units, strict=True)
+        )
+        unseen = "no unseen points" if np.isnan(self.error_n) else f"{self.error_n:.1g} N"
+        return (
+            f"{fit.model}: {fit.force_model.expression}\n{theta or 'no parameters'}\n"
+            f"fitted to {fit.points} points, {100 * fit.global_error:.2g} % off over all of them; "
+            f"error to expect: {unseen}"
+        )
+
+    __repr__ = __str__
+
+
+def newtons(force: str | float, *, option: str = "force") -> float:
+    """A wanted force; a plain number is in newtons.
+
+    Raises InputError for one without meaning.
+    """
+    try:
+        value = float(force)
+    except ValueError:
+        return quantity(str(force), option=option, unit="N")
+    if not np.isfinite(value):
+        raise InputError(f"{option} {force!r} must be a finite force, such as 1.0N")
+    return value
+
+
+def factors_of_points(points: pd.DataFrame, *, place: object) -> Factors:
+    """The factors of a table of points, with the results of physics that it has.
+
+    Raises InputError naming the place, for values without physical meaning.
+    """
+    known = (*FACTOR_COLUMNS.values(), *COLUMNS.values())
+    names = [name for name in known if name in points]
+    if any(name in names for name in POLAR):  # a table may have both; one says it all
+        names = [name for name in names if name not in CARTESIAN]
+    with naming(place):
+        return Factors.of(**{name: points[name].to_numpy(dtype=float) for name in names})

@@ -1,0 +1,203 @@
+"""Forces of scenes with all that is known of their errors, for people."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.folds import FOLDED
+from squeezefilm.film.vibration.scans import SmoothedScan
+from squeezefilm.io.errors import RunError
+from squeezefilm.io.typed_units import with_error
+from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.budget import Budget, budgets
+from squeezefilm.reynolds.effects.words import budget_text
+from squeezefilm.reynolds.terms import notes_of
+from squeezefilm.studies.solver_settings import SolverSettings
+from squeezefilm.studies.tasks.scan_errors import scan_errors
+
+# Motion out of phase is spoken of where it is more than this share of the noise.
+LEAST_OUT_OF_PHASE = 0.01
+
+
+@dataclass(frozen=True)
+class ScanPart:
+    """What the scan of a measured profile leaves open in one force, in newtons.
+
+    Attributes:
+        noise_n: half of the interval that holds the noise's part in 95 % of all scans.
+        out_of_phase_n: by what the force is low without the motion out of phase, an estimate.
+        folded: whether the scan may show less motion than there was (film/vibration/folds.py).
+    """
+
+    noise_n: float
+    out_of_phase_n: float
+    folded: bool
+
+
+@dataclass(frozen=True)
+class Force:
+    """The mean force of one scene, its error, and what its equation leaves out.
+
+    ``print(force)`` says all of it in words, ``float(force)`` is the force in newtons.
+
+    Attributes:
+        scene: what was solved.
+        solution: the force and how it was obtained; its error is the solver's alone.
+        budget: what the film equation leaves out of the force, effect by effect.
+        scan: what the scan of a measured profile leaves open; None without one.
+        device: the name of the OpenCL device.
+    """
+
+    scene: Scene
+    solution: Solution
+    budget: Budget
+    scan: ScanPart | None
+    device: str
+
+    @property
+    def force_n(self) -> float:
+        """The mean force in newtons."""
+        return self.solution.force_n
+
+    @property
+    def error_n(self) -> float:
+        """The solver's error estimate and what a scan leaves open, in newtons.
+
+        What the film equation itself leaves out is not in it: see ``left_out_percent``.
+        """
+        scan = self.scan
+        return self.solution.force_error_n + (scan.noise_n + scan.out_of_phase_n if scan else 0.0)
+
+    @property
+    def left_out_percent(self) -> tuple[float, float]:
+        """What the equation leaves out of the force at first order, least and most, in per cent.
+
+        NaN where an effect is not known; ``print(force)`` says where a first order is not enough.
+        """
+        return self.budget.sums(left_out_only=True)
+
+    @property
+    def status(self) -> str:
+        """``ok``, or by what the error misses the tolerance."""
+        return self.solution.status
+
+    def __float__(self) -> float:
+        return self.force_n
+
+    def __str__(self) -> str:
+        return "\n".join([*self._force(), self._scene(), self._way(), *self._beyond()])
+
+    __repr__ = __str__
+
+    def _force(self) -> list[str]:
+        text = f"force {with_error(self.force_n, self.error_n)}"
+        if self.scan is None:
+            return [text]
+        parts = [f"scan's noise {self.scan.noise_n:.2g} N at 95 %"]
+        if self.scan.out_of_phase_n > LEAST_OUT_OF_PHASE * self.scan.noise_n:
+            parts.append(f"motion out of phase, left out, about {self.scan.out_of_phase_n:.2g} N")
+        parts.append(f"solver {self.solution.force_error_n:.1g} N")
+        return [f"{text} ({', '.join(parts)})", *[f"warning: {FOLDED}"] * self.scan.folded]
+
+    def _scene(self) -> str:
+        scene = self.scene
+        return (
+            f"h0 {1e6 * scene.h0_m:g} µm, hv {1e6 * scene.hv_m:g} µm, "
+            f"x {_tidy(1e3 * scene.x_m)} mm, y {_tidy(1e3 * scene.y_m)} mm; "
+            f"epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}"
+        )
+
+    def _way(self) -> str:
+        found = self.solution
+        return (
+            f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
+            f"{found.krylov_iterations} Krylov iterations; left out: {found.left_out}; "
+            f"{self.device}"
+        )
+
+    def _beyond(self) -> list[str]:
+        lines = [f"beyond the equation: {budget_text(self.budget)}"]
+        lines += [f"note: {note}" for note in notes_of(self.scene)]
+        return lines + [f"note: {self.status}"] * (self.status != "ok")
+
+
+def force_of(
+    scene: Scene, *, settings: SolverSettings, device: Device, smoothed: SmoothedScan | None
+) -> Force:
+    """One scene's force; ``smoothed`` is the scan that its profile was measured in.
+
+    Raises RunError saying why there is none.
+    """
+    (force,) = forces_of([scene], settings=settings, device=device, smoothed=smoothed)
+    if not isfinite(force.force_n):
+        raise RunError(force.status)
+    return force
+
+
+def forces_of(
+    scenes: Sequence[Scene],
+    *,
+    settings: SolverSettings,
+    device: Device,
+    smoothed: SmoothedScan | None,
+) -> list[Force]:
+    """The force of each scene, NaN with its reason as ``status`` where there is none."""
+    scenes = decided(
+        scenes,
+        model_tolerance=settings.model_tolerance,
+        method=settings.method,
+        device=device,
+    )
+    solutions = solve(scenes, tolerance=settings.tolerance, method=settings.method, device=device)
+    known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
+    with_force = [scenes[k] for k in known]
+    beyond = dict(zip(known, budgets(with_force, device=device), strict=True))
+    scans: dict[int, ScanPart] = {}
+    if smoothed is not None and known:
+        errors = scan_errors(with_force, smoothed, device=device)
+        parts = zip(errors.noise_n, errors.out_of_phase_n, strict=True)
+        scans = {
+            k: ScanPart(float(noise), float(dropped), smoothed.folded)
+            for k, (noise, dropped) in zip(known, parts, strict=True)
+        }
+    return [
+        Force(
+            scene,
+            solution,
+            beyond.get(k, Budget(status="no force to compare with")),
+            scans.get(k),
+            device.name,
+        )
+        for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
+    ]
+
+
+def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
+    """Forces of some points as a table, a row for each.
+
+    ``force_error_n`` is all that is known of the numbers' error, a scan's part too;
+    ``left_out_least_percent`` and ``…_most_percent`` are what the film equation leaves out, at
+    first order; ``status`` is ``ok``, or why there is no force.
+    """
+    left_out = np.array([force.left_out_percent for force in forces]).reshape(-1, 2)
+    return points.assign(
+        force_n=[force.force_n for force in forces],
+        force_error_n=[force.error_n for force in forces],
+        left_out_least_percent=left_out[:, 0],
+        left_out_most_percent=left_out[:, 1],
+        method=[force.solution.method for force in forces],
+        status=[force.status for force in forces],
+    )
+
+
+def _tidy(value: float) -> str:
+    """A coordinate without what its way through polar ones has added."""
+    return f"{round(value, 9) + 0.0:g}"
