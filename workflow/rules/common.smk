@@ -15,6 +15,7 @@ from squeezefilm.runs.basis import basis_file, forget_others
 from squeezefilm.runs.checked import checked_study
 from squeezefilm.runs.code import Code
 from squeezefilm.studies import given
+from squeezefilm.studies.effective import write_effective
 
 
 def refuse(message):
@@ -196,10 +197,10 @@ def begin_run():
             CARDS,
             OWNER,
             config=CONFIG,
-            config_path=Path(CONFIG_FILE),
             command=sys.argv,
             cores=workflow.cores,
         )
+        write_effective(CONFIG, CARDS.parent)
     except (InputError, RunError) as error:
         refuse(error)
 
