@@ -6,9 +6,9 @@ import re
 import pytest
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.studies import schema as schemas
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.keys import key_table, with_key_table
-from squeezefilm.studies import schema as schemas
 
 UNITS = {"pa_s": "Pa s", "pa": "Pa", "hz": "Hz", "deg": "°", "n": "N", "m": "m"}
 """What the end of a key's name says, and the unit that goes with it."""
