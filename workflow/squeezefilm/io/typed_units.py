@@ -87,7 +87,7 @@ def compound(text: str) -> Unit | None:
 
 
 def in_unit(text: str, unit: str) -> float | None:
-    """The number of a text such as ``43.27 kHz`` in another unit of its kind; None if it is none."""
+    """The number of a text such as ``43.27 kHz`` in another unit; None if it has no such unit."""
     match = NUMBER.match(text)
     own, wanted = compound(text[match.end() :]) if match else None, compound(unit)
     if not match or not own or not wanted or own.exponents != wanted.exponents:

@@ -14,17 +14,18 @@ from squeezefilm.io.errors import InputError
 FACTORS = ("h0_m", "hv_m")
 ENDS = ("start", "stop")
 FINER, MOST_LEVELS = 2, 1000
-"""The error map has so many times the screen's levels: of its points only the corners are shared."""
+"""The error map's levels over the screen's: they share no points but the corners."""
 FARTHER = 1.1
 """An amplitude beyond the screen at which its models are tried, over the screen's largest."""
-MODELS = {
-    # By whether the limit of large squeeze numbers is known for the pad and its gas.
-    True: {"comparison": (["two_factor", "polynomial_3", "limit", "limit_1"],
-                          ["four_factor", "polynomial_5", "limit", "limit_1", "limit_2"]),
-           "refine": (["limit_1"], ["limit_2"])},
-    False: {"comparison": (["two_factor", "polynomial_3"], ["four_factor", "polynomial_5"]),
-            "refine": (["polynomial_3"], ["polynomial_5"])},
-}  # fmt: skip
+FORMULAS = {
+    "comparison": (["two_factor", "polynomial_3"], ["four_factor", "polynomial_5"]),
+    "refine": (["polynomial_3"], ["polynomial_5"]),
+}
+PHYSICS = {
+    "comparison": (["limit", "limit_1"], ["limit", "limit_1", "limit_2"]),
+    "refine": (["limit_1"], ["limit_2"]),
+}
+"""Models for a finger at the centre and anywhere, by section; physics where its limit is known."""
 
 
 def with_derived(values: dict[str, Any]) -> dict[str, Any]:
@@ -44,9 +45,12 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
         wanted["hv_m"] = screen["hv_m"]["stop"] if contact else farthest
     if "phi_r_m" not in values["positions"]:
         values["positions"]["phi_r_m"] = _radii(values["actuator"], values["finger"])
-    for section, models in MODELS[_limit_is_known(values)].items():
-        for space, names in zip(("two_factor", "four_factor"), models, strict=True):
-            values[section].setdefault(space, list(names))
+    known = _limit_is_known(values)
+    for place, space in enumerate(("two_factor", "four_factor")):
+        formulas, physics = FORMULAS["comparison"][place], PHYSICS["comparison"][place]
+        values["comparison"].setdefault(space, formulas + physics * known)
+        best = (PHYSICS if known else FORMULAS)["refine"][place]
+        values["refine"].setdefault(space, list(best))
     return values
 
 

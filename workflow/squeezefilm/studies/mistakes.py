@@ -20,7 +20,7 @@ def mistakes(values: Mapping[str, Any]) -> Iterator[str]:
         Draft202012Validator(schema()).iter_errors(values),
         key=lambda error: [str(each) for each in error.absolute_path],
     )
-    told = set()
+    told: set[Any] = set()
     for error in found:
         place = tuple(error.absolute_path)
         where = ".".join(map(str, place)) or "top level"
