@@ -71,6 +71,8 @@ def read_smoothed(path: Path, scan: Path, *, settings: Mapping[str, Any]) -> Smo
             f"{path}: was smoothed from another {scan.name}, or with other settings of "
             "actuator.profile; `snakemake profile` makes it anew"
         )
+    numbers: dict[str, Any] = {name: facts[name] for name in NUMBERS}
+    values: dict[str, Any] = {name: arrays[name] for name in ARRAYS}
     return SmoothedScan(
         scan=Scan(
             path=scan,
@@ -84,8 +86,8 @@ def read_smoothed(path: Path, scan: Path, *, settings: Mapping[str, Any]) -> Smo
         profile=_modes(facts["profile"]),
         out_of_phase=_modes(facts["out_of_phase"]),
         scores={int(degree): score for degree, score in facts["scores"]},
-        **{name: facts[name] for name in NUMBERS},
-        **{name: arrays[name] for name in ARRAYS},
+        **numbers,
+        **values,
     )
 
 
