@@ -62,9 +62,9 @@ def test_a_study_is_checked_again_when_it_or_its_scan_is_another(study, checks, 
     with pytest.raises(InputError, match="there is no such scan"):
         ask()
     first.scan.write_text(scan)
-    study.write_text(study.read_text().replace("viscosity_pa_s", "viscosity"))
+    study.write_text(study.read_text().replace("length_x", "length_z"))
     for _ in range(2):
-        with pytest.raises(InputError, match="viscosity"):
+        with pytest.raises(InputError, match="length_z"):
             ask()
 
 

@@ -238,4 +238,5 @@ def test_every_module_that_a_command_loads_is_among_its_code(command, loaded_by_
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_that_reads_a_study_says_which_sections(command):
     text = Path(CODE.root / f"{COMMANDS[command].replace('.', '/')}.py").read_text("utf-8")
-    assert ("load_config(" in text) == ("SECTIONS" in text)
+    # Or makes nothing, and shows all of them.
+    assert ("load_config(" in text and command != "config") == ("SECTIONS" in text)

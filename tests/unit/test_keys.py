@@ -1,12 +1,13 @@
 """The table of keys in config/README.md says what the schema says."""
 
+import copy
 import re
 
 import pytest
-import yaml
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import SCHEMA_PATH, load_config
+from squeezefilm.studies import schema as schemas
+from squeezefilm.studies.config import load_config
 from squeezefilm.studies.keys import key_table, with_key_table
 
 UNITS = {"pa_s": "Pa s", "pa": "Pa", "hz": "Hz", "deg": "°", "n": "N", "m": "m"}
@@ -15,7 +16,7 @@ UNITS = {"pa_s": "Pa s", "pa": "Pa", "hz": "Hz", "deg": "°", "n": "N", "m": "m"
 
 @pytest.fixture
 def schema():
-    return yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8"))
+    return copy.deepcopy(schemas.schema())
 
 
 def rows(table: str) -> list[list[str]]:

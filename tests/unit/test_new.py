@@ -6,7 +6,6 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main as cli
-from squeezefilm.cli.use.new import EQUATION_OF_A_STUDY, EQUATION_OF_THE_EXAMPLE
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study, scan_path, smoothed_scan_of
 
@@ -28,8 +27,7 @@ def test_its_texts_are_the_examples(tmp_path, repository):
     assert cli.main(["new", "vibrometer", "--folder", str(tmp_path)]) == 0
     example, new = repository / "config" / "vibrometer.yaml", tmp_path / "vibrometer.yaml"
     body = example.read_text(encoding="utf-8").split("\nstudy:")[1]
-    body = body.replace(EQUATION_OF_THE_EXAMPLE, EQUATION_OF_A_STUDY)
-    assert "inertia: auto" in body
+    assert len(new.read_text(encoding="utf-8").splitlines()) <= 25
     assert new.read_text(encoding="utf-8").split("\nstudy:")[1] == body
     scan = (repository / "config" / "vibrometer.csv").read_bytes()
     assert (tmp_path / "vibrometer.csv").read_bytes() == scan

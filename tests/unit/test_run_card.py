@@ -27,9 +27,7 @@ def start(cards, quick, monkeypatch):
         one = locks.new_owner()
         owner = locks.Owner(f"{next(numbers):03}", one.host, one.process, one.started)
         locks.hold(cards, owner).close()
-        run_card.begin(
-            cards, owner, config=quick, config_path=quick.path, command=["snakemake"], cores=2
-        )
+        run_card.begin(cards, owner, config=quick, command=["snakemake"], cores=2)
         monkeypatch.setenv(this_job.RUN_VARIABLE, str(cards / owner.run))
         return owner
 

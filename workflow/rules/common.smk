@@ -16,6 +16,7 @@ from squeezefilm.runs.basis import basis_file, forget_others
 from squeezefilm.runs.checked import checked_study
 from squeezefilm.runs.code import Code
 from squeezefilm.studies import given
+from squeezefilm.studies.effective import write_effective
 
 
 def refuse(message):
@@ -99,9 +100,13 @@ def code(command, *modules, key=None):
     except InputError as error:
         refuse(error)
     BASES.add(basis)
+    if SCAN and "actuator" in sections and command != "smooth":
+        return [relative(basis), SMOOTHED]
     return relative(basis)
 
 
+# A scan is smoothed once, and every command that reads the actuator reads what came of it.
+SMOOTHED = "<results>/profile/smoothed.npz"
 # What a scan leaves open is part of a fit's error.
 SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
 WITH_SCAN = "--scan {input.scan} " if SCAN else ""
@@ -143,7 +148,9 @@ shell.prefix(
     "set -euo pipefail; "
     + ("export SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}}; " if workflow.remote_exec else "")
     + f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
-    f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}} SQUEEZEFILM_RUN={quote(RUN)}; "
+    f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}} SQUEEZEFILM_RUN={quote(RUN)} "
+    + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.npz')}" if SCAN else "")
+    + "; "
 )
 
 
@@ -207,10 +214,10 @@ def begin_run():
             CARDS,
             OWNER,
             config=CONFIG,
-            config_path=Path(CONFIG_FILE),
             command=sys.argv,
             cores=workflow.cores,
         )
+        write_effective(CONFIG, CARDS.parent)
     except (InputError, RunError) as error:
         refuse(error)
 

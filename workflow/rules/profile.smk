@@ -2,6 +2,27 @@
 
 if SCAN:
 
+    # Refusals are for the terminal: everything else waits for this.
+    rule smooth:
+        input:
+            code=code("smooth"),
+            config=ancient(CONFIG_FILE),
+            scan=relative(SCAN),
+        output:
+            SMOOTHED,
+        log:
+            "<logs>/smooth.log",
+        conda:
+            "../../envs/tables.yaml"
+        resources:
+            mem_mb=4000,
+            runtime=30,
+        message:
+            "Make a smooth profile of the scan"
+        shell:
+            "python -m squeezefilm smooth --config {input.config} --output {output} >{log} 2>&1 "
+            "|| {{ cat {log} >&2; exit 1; }}"
+
     rule smooth_profile:
         input:
             code=code("profile"),

@@ -24,25 +24,6 @@ if TYPE_CHECKING:
     import xarray
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
-AIR_AT_20_DEGREES = {
-    "viscosity_pa_s": 1.81e-5,
-    "ambient_pressure_pa": 101325,
-    "density_kg_per_m3": 1.204,
-    "mean_free_path_m": 67e-9,
-    "rarefaction": "none",
-    "polytropic_exponent": 1,
-    "inertia": "auto",
-    "prandtl": 0.71,
-    "heat_capacity_ratio": 1.4,
-    "viscosity_exponent": 0.7,
-}
-FLAT_AT_REST = {
-    "shape": "rectangle",
-    "rotation_deg": 0,
-    "speed_x_m_per_s": 0,
-    "gap": {"tilt_x_m": 0, "tilt_y_m": 0, "bulge_m": 0},
-}
-SOLVER = {"method": "auto", "tolerance": 1e-6, "model_tolerance": 1e-3, "device": "auto"}
 
 
 @dataclass(frozen=True, repr=False)
@@ -74,12 +55,8 @@ class Film:
         profile's file counts from the working directory.
         Raises InputError naming the key, what is wrong with it and what is allowed.
         """
-        sections = {
-            "gas": AIR_AT_20_DEGREES | dict(gas or {}),
-            "actuator": dict(actuator),
-            "finger": FLAT_AT_REST | dict(finger),
-            "solver": SOLVER | dict(solver or {}),
-        }
+        given = {"gas": gas, "actuator": actuator, "finger": finger, "solver": solver}
+        sections = {name: dict(keys or {}) for name, keys in given.items()}
         place = Path("film")
         return Film(Config(place, parse_sections(sections, place=place)))
 

@@ -8,12 +8,11 @@ from squeezefilm.io.errors import InputError
 
 
 def read_cells(
-    path: Path, *, what: str, needs: str, comments: bool = False
+    path: Path, *, what: str, needs: str
 ) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """The header, and each row's line in the file with its cells; blank lines are left out.
 
-    With ``comments`` so are rows that begin with # and rows of empty cells. ``what`` the file is
-    and what it ``needs`` are for messages.
+    ``what`` the file is and what it ``needs`` are for messages.
     Raises InputError naming the file, and the line where a row is longer or shorter than the
     header.
     """
@@ -27,8 +26,6 @@ def read_cells(
         raise InputError(f"{path}: there is no such {what}") from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: the {what} cannot be read: {error}") from None
-    if comments:
-        rows = [row for row in rows if any(row[1]) and not row[1][0].startswith("#")]
     if not rows:
         raise InputError(f"{path}: the {what} is empty; it needs {needs}")
     (_, header), *rows = rows

@@ -16,7 +16,12 @@ MOST_PLACES, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 SHARED_UNIT = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
 """Numbers without units, and the unit at the end that is that of all."""
+PRODUCT = re.compile(
+    r"(?P<sign>[/*·\s]*)(?P<name>[^\d\s/*·^²³]+|1)(?:(?:\^|\*\*)?(?P<power>[1-4²³]))?"
+)
+POWERS = {"²": 2, "³": 3}
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s]+)\s*", re.ASCII)
+NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -42,8 +47,19 @@ UNITS = {
     "rad": Unit(180 / math.pi, (0, 0, 0, 1)),
     "Pa": Unit(1.0, (1, -2, 0, 0)),
     "Hz": Unit(1.0, (0, 0, -1, 0)),
-    "kHz": Unit(1e3, (0, 0, -1, 0)),
     "kg": Unit(1.0, (1, -1, 2, 0)),
+    "cm": Unit(1e-2, (0, 1, 0, 0)),
+    "pm": Unit(1e-12, (0, 1, 0, 0)),
+    "ms": Unit(1e-3, (0, 0, 1, 0)),
+    "µPa": Unit(1e-6, (1, -2, 0, 0)),
+    "uPa": Unit(1e-6, (1, -2, 0, 0)),
+    "mPa": Unit(1e-3, (1, -2, 0, 0)),
+    "hPa": Unit(1e2, (1, -2, 0, 0)),
+    "kPa": Unit(1e3, (1, -2, 0, 0)),
+    "MPa": Unit(1e6, (1, -2, 0, 0)),
+    "bar": Unit(1e5, (1, -2, 0, 0)),
+    "kHz": Unit(1e3, (0, 0, -1, 0)),
+    "MHz": Unit(1e6, (0, 0, -1, 0)),
     "g": Unit(1e-3, (1, -1, 2, 0)),
 }
 
@@ -52,6 +68,42 @@ def sizes(base: str) -> dict[str, float]:
     """The units that measure what one of BASES does, each with its size in it."""
     exponents = UNITS[base].exponents
     return {name: unit.size for name, unit in UNITS.items() if unit.exponents == exponents}
+
+
+def compound(text: str) -> Unit | None:
+    """A unit made of others, such as ``kg/m³``, ``Pa s`` or ``1/mm``; None for anything else."""
+    size, exponents, end = 1.0, (0, 0, 0, 0), 0
+    for match in PRODUCT.finditer(text.strip()):
+        unit = Unit(1.0, (0, 0, 0, 0)) if match["name"] == "1" else UNITS.get(match["name"])
+        sign = match["sign"].strip()
+        if match.start() != end or unit is None or sign not in ("", "/", "*", "·"):
+            return None
+        power = POWERS.get(match["power"] or "1") or int(match["power"] or 1)
+        power = -power if sign == "/" else power
+        size *= unit.size**power
+        first, second, third, fourth = unit.exponents
+        a, b, c, d = exponents
+        exponents = (a + power * first, b + power * second, c + power * third, d + power * fourth)
+        end = match.end()
+    return Unit(size, exponents) if end == len(text.strip()) and end else None
+
+
+def in_unit(text: str, unit: str) -> float | None:
+    """The number of a text such as ``43.27 kHz`` in another unit; None if it has no such unit."""
+    match = NUMBER.match(text)
+    own, wanted = compound(text[match.end() :]) if match else None, compound(unit)
+    if not match or not own or not wanted or own.exponents != wanted.exponents:
+        return None
+    # Fifteen digits: 2.2 µm is 2.2e-6 m and not 2.1999999999999997e-6 m.
+    value = float(f"{float(match[0]) * own.size / wanted.size:.15g}")
+    return value if math.isfinite(value) else None
+
+
+def examples(unit: str) -> str:
+    """Two ways to write a quantity with its unit."""
+    wanted = compound(unit)
+    known = [name for name, each in UNITS.items() if wanted and each.exponents == wanted.exponents]
+    return " or ".join(f"1 {name}" for name in (known or [unit])[:2])
 
 
 def quantity(text: str, *, option: str, unit: str) -> float:

@@ -38,12 +38,21 @@ def basis_file(
     lines = [f"{path.relative_to(code.root)} {code.parts[path].digest}" for path in files]
     lines += [f"{path.name} {digest(path)}" for path in data]
     # Sorted, so that the order of keys in the study's file does not matter.
-    lines += [f"{key} {json.dumps(value, sort_keys=True)}" for key, value in sections.items()]
+    lines += [f"{key} {json.dumps(_plain(v), sort_keys=True)}" for key, v in sections.items()]
     text = "\n".join(lines) + "\n"
     path = folder / f"{name}-{hashlib.sha256(text.encode()).hexdigest()[:DIGITS]}.txt"
     if not path.exists():
         write_text(text, path)
     return path
+
+
+def _plain(value: Any) -> Any:
+    """The same however a number was written: 43270, 43270.0 or 43.27 kHz."""
+    if isinstance(value, Mapping):
+        return {name: _plain(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def forget_others(path: Path) -> None:

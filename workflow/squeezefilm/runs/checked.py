@@ -15,7 +15,8 @@ from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.job import remembered
 from squeezefilm.runs.code import Code
-from squeezefilm.studies.config import SCHEMA_PATH, Config, load_config
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.schema import SCHEMA_PATH
 
 CHECKS = ("squeezefilm.studies.study", "squeezefilm.studies.chunks", "squeezefilm.models.library")
 
@@ -38,11 +39,13 @@ def checked_study(path: Path, *, code: Code, memory: Path) -> CheckedStudy:
     known = remembered(kept)
     scan = Path(known["scan"]) if known.get("scan") else None
     if known.get("key") and known["key"] == _key(path, scan, code):
-        return CheckedStudy(Config(path, known["sections"]), known["chunks"], scan)
+        config = Config(path, known["sections"], known["origins"])
+        return CheckedStudy(config, known["chunks"], scan)
     study = _check(path)
     known = {
         "key": _key(path, study.scan, code),
         "sections": study.config.sections,
+        "origins": study.config.origins,
         "chunks": study.chunks,
         "scan": study.scan and str(study.scan),
     }

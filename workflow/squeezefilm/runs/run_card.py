@@ -21,6 +21,7 @@ from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.io.job import jobs_folder, remembered
 from squeezefilm.runs.locks import Owner
 from squeezefilm.runs.provenance import timestamp, versions
+from squeezefilm.studies.config import Config
 
 LIBRARY = Path(__file__).resolve().parents[1]
 CODE = LIBRARY.parent
@@ -42,8 +43,7 @@ def begin(
     cards: Path,
     owner: Owner,
     *,
-    config: Mapping[str, Any],
-    config_path: Path,
+    config: Config,
     command: list[str],
     cores: int | None,
 ) -> None:
@@ -71,9 +71,10 @@ def begin(
         "cores": cores,
         "code": code_state(),
         "config": {
-            "path": str(config_path),
-            "sha256": digest(config_path),
+            "path": str(config.path),
+            "sha256": digest(config.path),
             "sections": dict(config),
+            "not_written": config.origins,
         },
         "seeds": dict(_seeds(config)),
         "versions": versions(),

@@ -10,7 +10,7 @@ from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import planned_profile_of, scene_of
 
 # One thread of the processor that docs/cluster.md was measured on.
 MFLOP_PER_SECOND = 20_000.0
@@ -44,7 +44,8 @@ def expected_seconds(config: Config, *, centred: bool) -> float:
     sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
     if centred:
         sample = sample.assign(phi_r_m=0.0, phi_deg=0.0)
-    scenes = [scene_of(point, config) for point in scene_points(sample)]
+    profile = planned_profile_of(config)
+    scenes = [scene_of(point, config, profile=profile) for point in scene_points(sample)]
     solver = config["solver"]
     explained = explain(scenes, tolerance=solver["tolerance"], method=solver["method"])
     mflop = sum(each.expected_mflop for each in explained) / SAMPLE

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
+from squeezefilm.studies.derived import ENDS, with_derived
+from squeezefilm.studies.mistakes import mistakes
+from squeezefilm.studies.schema import Part, filled, in_si, schema
 
-SCHEMA_PATH = Path(__file__).with_name("config.schema.yaml")
+DEFAULT, DERIVED = "default", "derived"
 LARGEST_INTEGER = 2**53
 """Integers up to here are the same number when they are used as a float."""
 
-ENDS = ("start", "stop")
 FARTHEST = 1.5
 """An amplitude at which an extrapolation is checked, over the screen's largest."""
 SLACK = 1e-9
@@ -70,10 +71,14 @@ for _tag, _pattern, _first in (
 
 @dataclass(frozen=True)
 class Config(Mapping[str, Any]):
-    """The validated sections of one study; a section that was not asked for cannot be read."""
+    """The whole of one study, defaults included; a section not asked for cannot be read.
+
+    ``origins`` names every key that was not written, by its dotted place, with DEFAULT or DERIVED.
+    """
 
     path: Path
     sections: dict[str, Any]
+    origins: dict[str, str] = field(default_factory=dict)
 
     def __getitem__(self, section: str) -> Any:
         return self.sections[section]
@@ -90,7 +95,7 @@ class Config(Mapping[str, Any]):
 
 
 def load_config(path: Path | str) -> Config:
-    """Read and validate a configuration file.
+    """Read and validate a configuration file; what it lacks has its default.
 
     Raises InputError naming the file, the key, what is wrong with it and what is allowed.
     """
@@ -117,56 +122,52 @@ def parse_config(text: str, *, path: Path) -> Config:
         raise InputError(f"{path}: nested too deeply") from None
     if not isinstance(values, dict):
         raise InputError(f"{path}: a configuration is a mapping of keys to values")
-    _refuse_non_finite(values, path=path, place="")
-    _validate(values, path=path)
-    values.setdefault("paper", False)
-    for factor, levels in values["error_map"].items():
-        ends = {end: values["screen"][factor][end] for end in ENDS}
-        values["error_map"][factor] = ends | levels
-    _check_relations(values, path=path)
-    return Config(path=path, sections=values)
+    values = _checked(values, schema(), path=path)
+    with_defaults = filled(values, schema())
+    defaults = _places(with_defaults)
+    with naming(path):
+        whole = with_derived(with_defaults)
+    _check_relations(whole, path=path)
+    origins = {
+        place: DEFAULT if place in defaults else DERIVED
+        for place in sorted(_places(whole) - _places(values))
+    }
+    return Config(path=path, sections=whole, origins=origins)
 
 
 def parse_sections(values: dict[str, Any], *, place: Path) -> dict[str, Any]:
-    """Some sections of a study, checked each by itself as a file's are.
+    """Some sections of a study, checked and filled with defaults as a file's are.
 
     Raises InputError naming the place, the key, what is wrong with it and what is allowed.
     """
-    _refuse_non_finite(values, path=place, place="")
-    _validate(values, path=place, sections=tuple(values))
+    whole = schema()
+    part = {
+        **whole,
+        "properties": {name: whole["properties"][name] for name in values},
+        "required": list(values),
+    }
+    return dict(filled(_checked(values, part, path=place), part))
+
+
+def _checked(values: dict[str, Any], part: Part, *, path: Path) -> dict[str, Any]:
+    """Values in SI units, without a mistake."""
+    _refuse_non_finite(values, path=path, place="")
+    values = in_si(values, part)
+    wrong = [f"{path}: {each}" for each in mistakes(values, part)]
+    if wrong:
+        raise InputError("\n".join(wrong))
     return values
 
 
-def _validate(
-    values: dict[str, Any], *, path: Path, sections: tuple[str, ...] | None = None
-) -> None:
-    from jsonschema import Draft202012Validator  # slow to import, and only needed here
-
-    # By libyaml, where PyYAML has it: in Python alone it takes as long as all else here.
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    schema = yaml.load(SCHEMA_PATH.read_text(encoding="utf-8"), Loader=loader)
-    if sections is not None:
-        schema["required"] = list(sections)
-    errors = sorted(Draft202012Validator(schema).iter_errors(values), key=lambda e: list(e.path))
-    if errors:
-        raise InputError("\n".join(f"{path}: {_message(error)}" for error in errors))
-
-
-def _message(error: Any) -> str:
-    place = ".".join(str(part) for part in error.absolute_path) or "top level"
-    if error.validator == "additionalProperties":
-        allowed = sorted(error.schema.get("properties", {}))
-        unknown = [key for key in error.instance if key not in allowed]
-        return "; ".join(f"{place}: unknown key {key!r}{_hint(key, allowed)}" for key in unknown)
-    if error.validator == "required":
-        missing = [key for key in error.validator_value if key not in error.instance]
-        return f"{place}: missing {', '.join(map(repr, missing))}"
-    return f"{place}: {error.message}"
-
-
-def _hint(key: Any, allowed: list[str]) -> str:
-    close = difflib.get_close_matches(str(key), allowed, n=1)
-    return f"; did you mean {close[0]!r}?" if close else f"; allowed are {', '.join(allowed)}"
+def _places(values: Mapping[str, Any], place: str = "") -> set[str]:
+    """Every key that has a value, by the names that lead to it with dots between."""
+    found = set()
+    for name, value in values.items():
+        if isinstance(value, Mapping) and value:
+            found |= _places(value, f"{place}{name}.")
+        else:
+            found.add(f"{place}{name}")
+    return found
 
 
 def _refuse_non_finite(value: Any, *, path: Path, place: str) -> None:

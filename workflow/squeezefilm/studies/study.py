@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from math import atan2, degrees, hypot
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from squeezefilm.film.directions import Directions
 from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.film.vibration.shapes import Profile, Sinc, StandingWave
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from squeezefilm.film.vibration.scans import SmoothedScan
 
 SECTIONS = ("gas", "actuator", "finger")
+SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
+"""Of the environment: where a run keeps the smooth profile of its study's scan."""
 
 
 def profile_of(config: Config) -> Profile:
@@ -40,18 +43,58 @@ def scan_path(config: Config) -> Path | None:
     return config.path.parent / profile["file"] if profile["kind"] == "measured" else None
 
 
-def smoothed_scan_of(config: Config) -> SmoothedScan | None:
-    """The measured vibration shape with all that is known of it; None if it is not measured."""
+def smoothing_settings(config: Config) -> dict[str, Any]:
+    """What decides how a scan is smoothed, besides its file: arguments of ``smoothed_scan``."""
+    actuator = config["actuator"]
+    return {
+        "surface_radius_m": actuator["surface_radius_m"],
+        "frequency_hz": actuator["frequency_hz"],
+        **{key: value for key, value in actuator["profile"].items() if key not in ("kind", "file")},
+    }
+
+
+def smoothed_anew(config: Config) -> SmoothedScan:
+    """The smooth profile of a study's scan."""
     from squeezefilm.film.vibration.scans import smoothed_scan
 
     path = scan_path(config)
+    assert path is not None
+    return smoothed_scan(path, **smoothing_settings(config))
+
+
+def smoothed_scan_of(config: Config) -> SmoothedScan | None:
+    """The measured vibration shape with all that is known of it; None if it is not measured.
+
+    In a run of the workflow as its rule `smooth` wrote it, under the name in SMOOTHED_VARIABLE.
+    """
+    path = scan_path(config)
     if path is None:
         return None
+    kept = Path(os.environ.get(SMOOTHED_VARIABLE, ""))
+    if not kept.is_file():
+        return smoothed_anew(config)
+    from squeezefilm.film.vibration.smoothed_file import read_smoothed
+
+    return read_smoothed(kept, path, settings=smoothing_settings(config))
+
+
+def planned_profile_of(config: Config) -> Profile:
+    """The vibration shape as far as plans need it: of a scan a usual one, for it is not smoothed.
+
+    By it the work is divided into jobs, whose number may not depend on whether the scan has been
+    smoothed: a mode with a node line within the disc, of no symmetry where the scan need have none.
+    """
     actuator = config["actuator"]
-    return smoothed_scan(
-        path,
-        surface_radius_m=actuator["surface_radius_m"],
-        **{key: value for key, value in actuator["profile"].items() if key not in ("kind", "file")},
+    if actuator["profile"]["kind"] != "measured":
+        return profile_of(config)
+    radius_m = actuator["surface_radius_m"]
+    if actuator["profile"]["axisymmetric"]:
+        return Sinc(wave_number_per_m=1 / radius_m)
+    return StandingWave(
+        wavelength_m=2 * radius_m,
+        direction_deg=20.0,
+        crest_m=0.1 * radius_m,
+        surface_radius_m=radius_m,
     )
 
 
@@ -62,16 +105,26 @@ def finger_of(config: Config) -> Finger:
 
 
 def directions_of(config: Config) -> Directions:
-    """The sector of finger positions that represents all; from ``actuator`` and ``finger``."""
+    """The sector of finger positions that represents all; from ``actuator`` and ``finger``.
+
+    Of a scan the settings say it: noise leaves a shape that is free no symmetry.
+    """
+    settings = config["actuator"]["profile"]
+    if settings["kind"] == "measured" and not settings["axisymmetric"]:
+        return Directions(0.0, 360.0, mirror=False)
     return symmetric_directions(
         finger_of(config),
-        profile_of(config),
+        planned_profile_of(config),
         surface_radius_m=config["actuator"]["surface_radius_m"],
     )
 
 
-def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
+def scene_of(
+    point: ScenePoint, config: Config, *, check: bool = True, profile: Profile | None = None
+) -> Scene:
     """The scene of one point of a plan on the study's film, checked unless only its terms matter.
+
+    ``profile`` stands in for the study's own.
 
     Raises InputError naming the point and the factor that has no physical meaning.
     """
@@ -86,7 +139,7 @@ def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
         actuator=Actuator(
             frequency_hz=actuator["frequency_hz"],
             surface_radius_m=actuator["surface_radius_m"],
-            profile=profile_of(config),
+            profile=profile_of(config) if profile is None else profile,
         ),
         finger=finger_of(config),
     )
@@ -98,11 +151,25 @@ def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
 def check_study(config: Config) -> Config:
     """Check every finger position and film of a study before anything is simulated.
 
+    Of a scan the points: what a smooth profile through them is refused for, the rule `smooth` says.
+
     Raises InputError naming the section and the point that has no physical meaning.
     """
+    path, settings = scan_path(config), config["actuator"]["profile"]
+    if path is not None:
+        from squeezefilm.film.vibration.scans import places_on_disc
+        from squeezefilm.film.vibration.vibrometer import read_scan
+
+        actuator = config["actuator"]
+        places_on_disc(
+            read_scan(path, frequency_hz=actuator["frequency_hz"]),
+            actuator["surface_radius_m"],
+            axisymmetric=settings["axisymmetric"],
+        )
+    profile = planned_profile_of(config)
     for section, point in _extreme_points(config):
         with naming(f"{config.path}: {section}"):
-            scene_of(point, config)
+            scene_of(point, config, profile=profile)
     return config
 
 

@@ -15,12 +15,13 @@ keeps its row, with the reason as its `status`.
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from squeezefilm.cli.points import add_point_options, points_of
+from squeezefilm.api.points import scene_points_of
+from squeezefilm.cli import which_study
+from squeezefilm.cli.points import add_point_options, points_in
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.progress import progress_bar
@@ -31,12 +32,9 @@ from squeezefilm.reynolds.effects.budget import Budget, budgets
 from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.runs import node_cache
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of
 
-PAPER_CONFIG = Path(__file__).parents[4] / "config" / "paper.yaml"
-SECTIONS = ("gas", "actuator", "finger", "solver")
 LOADS, AMPLITUDES = 8, 3
 
 
@@ -45,19 +43,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mass", metavar="QUANTITY", help="that floats, e.g. 50g, for a resonance")
     parser.add_argument("--like", metavar="FORCES.csv", help="loads and amplitudes of a table")
     parser.add_argument("--output", metavar="LEVITATION.csv", help="table to write, a row a load")
-    parser.add_argument(
-        "--config", default=PAPER_CONFIG, metavar="CONFIG.yaml", help="the study, else the paper's"
-    )
+    parser.add_argument("--config", metavar="CONFIG.yaml", help=which_study.HELP)
     parser.add_argument(
         "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
     )
     add_solver_arguments(parser)
-    add_point_options(parser, without=("h0_m",))
+    add_point_options(parser, without=("h0",))
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
-    settings = solver_settings(options, config)
+    config = which_study.film_of(options.config)
+    settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:
         raise InputError(f"--mass {options.mass!r} must be positive")
@@ -100,7 +96,7 @@ def run(options: argparse.Namespace) -> None:
 def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
     """Loads, and the places and amplitudes that they are asked at; gaps are not looked at."""
     if options.like is not None:
-        if options.load is not None or options.hv_m is not None:
+        if options.load is not None or options.hv is not None:
             raise InputError("give either --like or --load and --hv, not both")
         table = read_forces(options.like)
         known = table.loc[table["force_n"] > 0, "force_n"]
@@ -109,24 +105,13 @@ def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
         loads_n = [float(each) for each in np.geomspace(known.min(), known.max(), LOADS)]
         levels = np.sort(table["hv_m"].unique())
         places = np.linspace(0, len(levels) - 1, AMPLITUDES).round().astype(int)
-        options.hv_m = ",".join(f"{each!r}m" for each in dict.fromkeys(levels[places].tolist()))
+        options.hv = ",".join(f"{each!r}m" for each in dict.fromkeys(levels[places].tolist()))
     else:
-        if options.load is None or options.hv_m is None:
+        if options.load is None or options.hv is None:
             raise InputError("give --load and --hv, or --like FORCES.csv")
         loads_n = quantities(options.load, option="--load", unit="N")
-    points = points_of(options)
-    return loads_n, [
-        ScenePoint(
-            point_id=str(number),
-            h0_m=2 * row["hv_m"],
-            hv_m=row["hv_m"],
-            phi_r_m=row.get("phi_r_m", float(np.hypot(row.get("x_m", 0), row.get("y_m", 0)))),
-            phi_deg=row.get(
-                "phi_deg", float(np.degrees(np.arctan2(row.get("y_m", 0), row.get("x_m", 0))))
-            ),
-        )
-        for number, row in enumerate(points.to_dict(orient="records"), start=1)
-    ]
+    points = points_in(options)
+    return loads_n, scene_points_of(points.assign(h0_m=2 * points["hv_m"]))
 
 
 def _row(found: Levitation, budget: Budget, mass_kg: float | None) -> dict[str, object]:

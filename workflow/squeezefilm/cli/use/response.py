@@ -18,34 +18,30 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 from math import isfinite
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from squeezefilm.cli.points import add_point_options, points_of
+from squeezefilm.api.points import scene_points_of
+from squeezefilm.cli import which_study
+from squeezefilm.cli.points import add_point_options, points_in
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
-from squeezefilm.io.tables import ScenePoint, read_scenes, scene_points, write_table
+from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import METHODS, Gains, gains, response
 from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.runs import node_cache
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
-PAPER_CONFIG = Path(__file__).parents[4] / "config" / "paper.yaml"
-SECTIONS = ("gas", "actuator", "finger", "solver")
 FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", nargs="?", metavar="SCENES.csv", help="table of scenes")
-    parser.add_argument(
-        "--config", default=PAPER_CONFIG, metavar="CONFIG.yaml", help="the study, else the paper's"
-    )
+    parser.add_argument("--config", metavar="CONFIG.yaml", help=which_study.HELP)
     parser.add_argument("--output", metavar="RESPONSE.csv", help="table to write, a row per scene")
     parser.add_argument(
         "--gains", metavar="GAINS.csv", help="table to write, a row per scene and frequency"
@@ -64,17 +60,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = which_study.film_of(options.config)
+    points = points_in(options)
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
     with node_cache.one_build_at_a_time():
         device = choose_device(config["solver"]["device"], option=options.device)
     if options.scenes is None:
-        if options.h0_m is None or options.hv_m is None:
+        if len(points) != 1 or not {"h0_m", "hv_m"} <= set(points):
             raise InputError("give a table of scenes, or one scene by --h0 and --hv")
-        (scene,) = (scene_of(point, config) for point in _typed(options))
+        scene = scene_of(scene_points_of(points)[0], config)
         _show(scene, gains(scene, frequency_hz, device=device, method=options.method))
         return
-    if options.h0_m is not None or options.hv_m is not None:
+    if len(points.columns):
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.output is None and options.gains is None:
         raise InputError("a table of scenes needs --output, --gains or both")
@@ -86,24 +83,6 @@ def run(options: argparse.Namespace) -> None:
     if options.gains is not None:
         rows = _all_gains(table, scenes, frequency_hz, device=device, method=options.method)
         write_table(rows, options.gains)
-
-
-def _typed(options: argparse.Namespace) -> list[ScenePoint]:
-    """The one scene that the options give."""
-    points = points_of(options)
-    if len(points) != 1:
-        raise InputError("one scene at a time: give --h0 and --hv one value each, or a table")
-    row = points.iloc[0].to_dict()
-    x_m, y_m = row.get("x_m", 0.0), row.get("y_m", 0.0)
-    return [
-        ScenePoint(
-            point_id="1",
-            h0_m=row["h0_m"],
-            hv_m=row["hv_m"],
-            phi_r_m=row.get("phi_r_m", float(np.hypot(x_m, y_m))),
-            phi_deg=row.get("phi_deg", float(np.degrees(np.arctan2(y_m, x_m)))),
-        )
-    ]
 
 
 def _show(scene: Scene, found: Gains) -> None:

@@ -21,12 +21,12 @@ import time
 from collections.abc import Sequence
 from contextlib import nullcontext
 from functools import partial
-from pathlib import Path
 
 import pandas as pd
 
 from squeezefilm.api.forces import force_of, forces_of, forces_table
 from squeezefilm.api.points import scene_points_of
+from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
@@ -42,7 +42,7 @@ from squeezefilm.io.tables import (
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.runs import node_cache
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
     add_solver_arguments,
@@ -51,18 +51,13 @@ from squeezefilm.studies.solver_settings import (
 )
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
-PAPER_CONFIG = Path(__file__).parents[4] / "config" / "paper.yaml"
-"""Where the library lies in a checkout; an installed one has no study of its own."""
 # Scenes whose results are held before they are written.
 PIECE = 4096
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", nargs="?", metavar="SCENES.csv", help="table of scenes")
-    parser.add_argument(
-        "--config", metavar="CONFIG.yaml", help="the study; a checkout's paper.yaml if left out"
-    )
+    parser.add_argument("--config", metavar="CONFIG.yaml", help=which_study.HELP)
     parser.add_argument("--output", metavar="FORCES.csv", help="table of forces to write")
     parser.add_argument("--timings", metavar="TIMINGS.csv", help="table of run times to write")
     add_solver_arguments(parser)
@@ -77,9 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    if options.config is None and not PAPER_CONFIG.exists():
-        raise InputError("give a study by --config CONFIG.yaml")
-    config = load_config(options.config or PAPER_CONFIG).only(SECTIONS)
+    config = which_study.film_of(options.config)
     settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
     points = points_in(options)
     if len(points.columns):

@@ -40,6 +40,9 @@ def note(summary: dict[str, Any], *, name: str) -> str:
     far = f", {len(outliers)} far from the rest, left out ({word} {lines})" if outliers else ""
     sides = "" if summary["signed"] else " No phase or sign: all amplitudes taken to one side."
     folded = f" WARNING: {FOLDED}." if summary["folded"] else ""
+    loss = summary["averaging_loss_share"]
+    lost = [f"averaging takes off at most {loss:.1g} of the maximum"] if loss else []
+    read = "".join(f" {text[0].upper()}{text[1:]}." for text in (*summary["notes"], *lost))
     return (
         f"{name}: {summary['points']} points, {summary['missing']} missing{far}. Zernike modes up "
         f"to degree {summary['degree']}, by cross-validation. Noise "
@@ -49,7 +52,7 @@ def note(summary: dict[str, Any], *, name: str) -> str:
         f"{summary['largest_standard_error_share']:.1%}; of a force by the noise, at 95 %, at most "
         f"{summary['largest_force_noise_share']:.1%}. Motion out of phase, left out: "
         f"{summary['quadrature_share']:.1%} in rms with its noise; without it forces are about "
-        f"{summary['out_of_phase_effect']:.2%} low.{sides}{folded}"
+        f"{summary['out_of_phase_effect']:.2%} low.{read}{sides}{folded}"
     )
 
 

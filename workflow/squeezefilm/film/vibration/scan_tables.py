@@ -50,6 +50,8 @@ def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[st
         "mean_standard_error_share": float(np.average(standard, weights=r + 1e-30)),
         "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
         "out_of_phase_effect": smoothed.out_of_phase_effect,
+        "averaging_loss_share": smoothed.averaging_loss,
+        "notes": list(smoothed.scan.notes),
         "signed": smoothed.scan.signed,
         "folded": smoothed.folded,
         "largest_force_noise_share": noise,

@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from squeezefilm.film.vibration.binning import averaging_loss, binned
 from squeezefilm.film.vibration.folds import looks_folded
 from squeezefilm.film.vibration.least_squares import Fit, best_fit
 from squeezefilm.film.vibration.shapes import Modes, largest_magnitude
@@ -98,6 +99,12 @@ class SmoothedScan:
         )
         return float(second / first)
 
+    @property
+    def averaging_loss(self) -> float:
+        """What averaging points over cells takes off the profile at most, of its maximum."""
+        _, _, x_m, y_m = polar_net(self.profile.surface_radius_m)
+        return averaging_loss(self.profile, cell_m=self.scan.cell_m, x_m=x_m, y_m=y_m)
+
     def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
         """Profiles that scans with other noise would have given: residuals drawn anew.
 
@@ -123,7 +130,12 @@ class SmoothedScan:
 
 @lru_cache(maxsize=16)
 def smoothed_scan(
-    path: Path, *, surface_radius_m: float, axisymmetric: bool, sign: str = "measured"
+    path: Path,
+    *,
+    surface_radius_m: float,
+    axisymmetric: bool,
+    sign: str = "measured",
+    frequency_hz: float | None = None,
 ) -> SmoothedScan:
     """The smooth profile of a scan's file on a disc; read and fitted once a process.
 
@@ -131,7 +143,10 @@ def smoothed_scan(
     determine.
     """
     return smoothed(
-        read_scan(path), surface_radius_m=surface_radius_m, axisymmetric=axisymmetric, sign=sign
+        read_scan(path, frequency_hz=frequency_hz),
+        surface_radius_m=surface_radius_m,
+        axisymmetric=axisymmetric,
+        sign=sign,
     )
 
 
@@ -146,7 +161,9 @@ def smoothed(
 
     Raises InputError naming the file, and what its points do not determine.
     """
-    x_m, y_m = _places(scan, surface_radius_m, axisymmetric=axisymmetric)
+    places_on_disc(scan, surface_radius_m, axisymmetric=axisymmetric)  # names a line of the file
+    scan = binned(scan)
+    x_m, y_m = places_on_disc(scan, surface_radius_m, axisymmetric=axisymmetric)
     in_phase, across, quadrature = _in_one_phase(scan)
     x, y = x_m / surface_radius_m, y_m / surface_radius_m
     folded = not scan.signed and looks_folded(
@@ -211,10 +228,13 @@ def polar_net(radius_m: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
     return r_m, phi, r_m * np.cos(phi), r_m * np.sin(phi)
 
 
-def _places(
+def places_on_disc(
     scan: Scan, surface_radius_m: float, *, axisymmetric: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The points' x_m and y_m, all of them on the disc."""
+    """The points' x_m and y_m, all of them on the disc.
+
+    Raises InputError naming the line of one that is not.
+    """
     if scan.y_m is None and not axisymmetric:
         raise InputError(
             f"{scan.path}: points along a radius, without angles, can only give an axisymmetric "

@@ -33,7 +33,7 @@ class ScanErrors:
         force_n: with the profile, to TOLERANCE.
         spread_n: standard deviation over profiles with other noise.
         noise_n: half of the interval that holds the noise's part with COVERAGE: the spread's, and
-            all that was taken off the profile's maximum as the noise's.
+            all that was taken off the profile's maximum as the noise's, or lost by averaging.
         out_of_phase_n: by what the force is low without the motion out of phase.
         lowest_n, highest_n: over the profiles with other noise.
     """
@@ -81,7 +81,8 @@ def scan_errors(
     spread = forces[1:].std(axis=0, ddof=1)
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
-    bias = np.array([2 * (smoothed.profile.largest - 1) / (1 - scene.epsilon) for scene in scenes])
+    share = smoothed.profile.largest - 1 + smoothed.averaging_loss
+    bias = np.array([2 * share / (1 - scene.epsilon) for scene in scenes])
     effect = np.array([out_of_phase_effect(scene, smoothed) for scene in scenes])
     return ScanErrors(
         force_n=forces[0],

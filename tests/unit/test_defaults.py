@@ -1,0 +1,211 @@
+"""A study says what differs; all else has a default, and nothing of it is hidden."""
+
+import copy
+from math import hypot
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+
+from squeezefilm.cli.main import main
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.typed_units import in_unit
+from squeezefilm.runs.basis import basis_file
+from squeezefilm.runs.code import Code
+from squeezefilm.studies.config import Config, load_config, parse_config
+from squeezefilm.studies.effective import effective_text, write_effective
+from squeezefilm.studies.schema import SUFFIXES, filled, schema
+from squeezefilm.studies.study import check_study
+
+SHORT = """
+study: mine
+actuator: {frequency: 20 kHz, surface_radius: 30 mm, profile: {kind: piston}}
+finger: {shape: ellipse, length_x: 12 mm, length_y: 16 mm}
+screen:
+  h0: {start: 20 µm, stop: 35 um}
+  hv: {start: 2 µm, stop: 18.5 µm, levels: 5}
+extrapolation: {force: 500 mN}
+"""
+CODE = Code()
+
+
+def study(text: str = SHORT, **sections: Any) -> Config:
+    values = yaml.safe_load(text)
+    for name, keys in sections.items():
+        values[name] = {**values.get(name, {}), **keys}
+    return parse_config(yaml.safe_dump(values, allow_unicode=True), path=Path("mine.yaml"))
+
+
+def leaves(part: dict[str, Any], place: str = "") -> Any:
+    """Every key that is no section, with the part of the schema it is in."""
+    for name, key in part.get("properties", {}).items():
+        if isinstance(key, dict) and "properties" in key:
+            yield from leaves(key, f"{place}{name}.")
+        elif isinstance(key, dict):
+            yield f"{place}{name}", key, name in part.get("required", ())
+    for choice in part.get("allOf", ()):
+        yield from leaves(choice["then"], f"{place}{choice['if']['properties']}.")
+
+
+def test_every_key_is_required_or_has_a_default_that_is_allowed():
+    for place, key, required in leaves(schema()):
+        if place.endswith("profile.kind"):
+            continue
+        assert required + ("default" in key) + ("derived" in key) == 1, place
+        if "default" in key:
+            assert not [*Draft202012Validator(key).iter_errors(key["default"])], place
+        assert key.get("unit", "s") in {*SUFFIXES, "s"}, place
+
+
+def test_a_short_study_is_whole(repository):
+    short = study()
+    check_study(short)
+    assert short.keys() == load_config(repository / "config" / "paper.yaml").keys()
+    assert short["gas"]["inertia"] == "auto"
+    assert short["gas"]["viscosity_pa_s"] == 1.81e-5
+    assert short["screen"]["h0_m"] == {"start": 20e-6, "stop": 35e-6, "levels": 8}
+    assert short["extrapolation"] == {"force_n": 0.5, "h0_m": 20e-6, "hv_m": 18.5e-6}
+    assert short["error_map"]["hv_m"] == {"start": 2e-6, "stop": 18.5e-6, "levels": 10}
+    # An ellipse has no physics limit: no model may rest on it.
+    assert "limit" not in str(short["comparison"]) + str(short["refine"])
+    assert "limit_1" in study(finger={"shape": "rectangle"})["comparison"]["two_factor"]
+
+
+@pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
+def test_positions_use_the_room_that_the_pad_has(shape):
+    """The farthest is on the surface in every direction, and nearly at its rim."""
+    pad = {"finger": {"shape": shape}}
+    config = study(**pad)
+    check_study(config)
+    reach = hypot(0.006, 0.008) if shape == "rectangle" else 0.008
+    half, farthest = config["positions"]["phi_r_m"]
+    assert 0.9 * (0.03 - reach) < farthest <= 0.03 - reach
+    assert half == pytest.approx(farthest / 2, rel=0.1)
+    with pytest.raises(InputError, match="there is no room to move the pad"):
+        study(actuator={"surface_radius": f"{reach * 1e3} mm"}, **pad)
+    small = {"actuator": {"surface_radius": f"{reach * 1e3} mm"}}
+    written = study(**small, **pad, positions={"phi_r_m": [1e-3]})
+    assert written["positions"]["phi_r_m"] == [1e-3]
+
+
+def test_what_is_written_goes_before_what_follows():
+    config = study(error_map={"h0_m": {"levels": 3, "stop": 30e-6}}, extrapolation={"hv_m": 3e-6})
+    assert config["error_map"]["h0_m"] == {"start": 20e-6, "stop": 30e-6, "levels": 3}
+    assert config["extrapolation"]["hv_m"] == 3e-6
+    assert "extrapolation.hv_m" not in config.origins
+    assert config.origins["extrapolation.h0_m"] == "derived"
+    assert config.origins["error_map.h0_m.start"] == "derived"
+    assert config.origins["gas.inertia"] == "default"
+    assert "screen.h0_m.start" not in config.origins
+    assert set(config.origins.values()) == {"default", "derived"}
+
+
+def test_defaults_are_not_shared_between_studies():
+    first = study()
+    first["fit"]["bounds"].append(3)
+    first["comparison"]["two_factor"].append("mine")
+    assert study()["fit"]["bounds"] == [100]
+    assert "mine" not in study()["comparison"]["two_factor"]
+    values = {"study": "a"}
+    assert filled(copy.deepcopy(values), schema())["study"] == "a"
+    assert values == {"study": "a"}
+
+
+def test_no_default_is_put_into_a_study_that_writes_everything(repository):
+    for name in ("paper", "paper-inertia", "quick"):
+        config = load_config(repository / "config" / f"{name}.yaml")
+        ends = {f"error_map.{f}.{end}" for f in ("h0_m", "hv_m") for end in ("start", "stop")}
+        assert config.origins.keys() == ends
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("15 mm", "m", 0.015),
+        ("2.2um", "m", 2.2e-6),
+        ("43.27 kHz", "Hz", 43270.0),
+        ("18.1 µPa s", "Pa s", 1.81e-5),
+        ("1.204e-3 g/cm³", "kg/m³", 1.204),
+        ("1.01325 bar", "Pa", 101325.0),
+        ("0.1098 1/mm", "1/m", 109.8),
+        ("100 mm/s", "m/s", 0.1),
+        ("0.5 rad", "°", 28.6478897565412),
+        ("15 kHz", "m", None),
+        ("15", "m", None),
+        ("15 mm mm", "m", None),
+        ("15 mm/", "m", None),
+        ("1_5 mm", "m", None),
+        ("1e999 mm", "m", None),
+        ("mm", "m", None),
+    ],
+)
+def test_a_number_may_have_its_unit(text, unit, value):
+    assert in_unit(text, unit) == value
+
+
+def test_each_mistake_is_said_once():
+    text = """
+        study: Mine
+        actuator: {frequency_hz: 15 mm, surface_radius: 30 mm, profile: {wave_number: 3}}
+        finger: {lenght_x_m: 0.012, length_y: 16 mm, shape: elipse}
+        screen: {h0: {start: 20 um}, hv: {start: 2 um, stop: 4 um, levels: 1}}
+        solver: {tolerance: 7}
+        extrapolation: 3
+    """
+    with pytest.raises(InputError) as refusal:
+        study(text)
+    told = str(refusal.value).splitlines()
+    places = [line.split(": ")[1] for line in told]
+    assert places == [
+        "actuator.frequency_hz",
+        "actuator.profile",
+        "extrapolation",
+        "finger",
+        "finger.shape",
+        "screen.h0_m",
+        "screen.hv_m.levels",
+        "solver.tolerance",
+        "study",
+    ]
+    said = dict(zip(places, told, strict=True))
+    assert "allowed: 0.001 … 1e9 Hz, as a number or with its unit" in said["actuator.frequency_hz"]
+    assert "missing 'kind' (`sinc`, `piston`" in said["actuator.profile"]
+    assert "did you mean 'length_x_m'?" in said["finger"]
+    assert "did you mean 'ellipse'?" in said["finger.shape"]
+    assert "missing 'stop' (1e-9 … 0.001 m)" in said["screen.h0_m"]
+
+
+def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
+    """It reads as the same, wherever it lies, and marks what was not written."""
+    for name in ("vibrometer", "paper"):
+        path = repository / "config" / f"{name}.yaml"
+        config = load_config(path)
+        assert main(["config", str(path)]) == 0
+        shown = capsys.readouterr().out
+        assert shown == effective_text(config)
+        written = load_config(write_effective(config, tmp_path / "results" / name))
+        check_study(written)
+        if name == "vibrometer":
+            profile = written["actuator"]["profile"]
+            assert (written.path.parent / profile["file"]).samefile(path.with_suffix(".csv"))
+            profile["file"] = "vibrometer.csv"
+            assert "  inertia: auto # default\n" in shown
+            assert "    levels: 16 # derived: twice the screen's\n" in shown
+            assert "  frequency_hz: 43270.0\n" in shown
+        assert written.sections == config.sections
+        assert not written.origins
+
+
+def test_what_results_rest_on_does_not_change_when_a_default_is_written_out(tmp_path):
+    short = study()
+    long = parse_config(effective_text(short), path=Path("long.yaml"))
+    other = study(SHORT.replace("20 kHz", "20000.0 Hz"))
+    bases = {
+        basis_file(tmp_path, "a", code=CODE, files=(), sections=config)
+        for config in (short, long, other)
+    }
+    assert len(bases) == 1
+    changed = study(solver={"tolerance": 1e-5})
+    assert basis_file(tmp_path, "a", code=CODE, files=(), sections=changed) not in bases

@@ -1,0 +1,32 @@
+"""Make a smooth profile of a study's scan, once for all commands of a run.
+
+    squeezefilm smooth --config config/mine.yaml --output smoothed.npz
+
+Commands that find the file's name in SQUEEZEFILM_SMOOTHED read it; others smooth the scan anew.
+"""
+
+import argparse
+from pathlib import Path
+
+from squeezefilm.film.vibration.smoothed_file import write_smoothed
+from squeezefilm.io.errors import InputError
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scan_path, smoothed_anew, smoothing_settings
+
+SECTIONS = ("actuator",)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml")
+    parser.add_argument("--output", required=True, metavar="SMOOTHED.npz")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    if scan_path(config) is None:
+        kind = config["actuator"]["profile"]["kind"]
+        raise InputError(f"{options.config}: actuator.profile: {kind} is not measured")
+    smoothed = smoothed_anew(config)
+    write_smoothed(smoothed, Path(options.output), settings=smoothing_settings(config))
+    for note in smoothed.scan.notes:
+        print(f"note: {note}")

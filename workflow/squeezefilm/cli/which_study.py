@@ -1,0 +1,20 @@
+"""The study that a command is asked of: the one that is named, or a checkout's own."""
+
+from pathlib import Path
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.studies.config import Config, load_config
+
+PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
+"""Where the library lies in a checkout; an installed one has no study of its own."""
+HELP = "the study; a checkout's paper.yaml if left out"
+
+
+def film_of(path: str | None) -> Config:
+    """The sections of a study that a film is made of.
+
+    Raises InputError where none is named and there is none, and as ``load_config`` does.
+    """
+    if path is None and not PAPER_CONFIG.exists():
+        raise InputError("give a study by --config CONFIG.yaml")
+    return load_config(path or PAPER_CONFIG).only(("gas", "actuator", "finger", "solver"))

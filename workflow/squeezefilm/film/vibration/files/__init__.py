@@ -1,0 +1,1 @@
+"""Scans as vibrometers export them: tables of text, universal files."""

@@ -1,0 +1,87 @@
+"""What of a study follows from the rest where it is not written: control plans, positions, models.
+
+The schema has the defaults that are the same for every study; ``derived`` there says in words what
+is done here.
+"""
+
+from __future__ import annotations
+
+from math import floor, hypot, log10
+from typing import Any
+
+from squeezefilm.io.errors import InputError
+
+FACTORS = ("h0_m", "hv_m")
+ENDS = ("start", "stop")
+FINER, MOST_LEVELS = 2, 1000
+"""The error map's levels over the screen's: they share no points but the corners."""
+FARTHER = 1.1
+"""An amplitude beyond the screen at which its models are tried, over the screen's largest."""
+FORMULAS = {
+    "comparison": (["two_factor", "polynomial_3"], ["four_factor", "polynomial_5"]),
+    "refine": (["polynomial_3"], ["polynomial_5"]),
+}
+PHYSICS = {
+    "comparison": (["limit", "limit_1"], ["limit", "limit_1", "limit_2"]),
+    "refine": (["limit_1"], ["limit_2"]),
+}
+"""Models for a finger at the centre and anywhere, by section; physics where its limit is known."""
+
+
+def with_derived(values: dict[str, Any]) -> dict[str, Any]:
+    """The whole study: valid values, all other defaults in them (``schema.filled``).
+
+    Raises InputError naming the key that nothing reasonable follows for.
+    """
+    screen, control, wanted = values["screen"], values["error_map"], values["extrapolation"]
+    for factor in FACTORS:
+        levels = {name: screen[factor][name] for name in ENDS}
+        levels["levels"] = min(FINER * screen[factor]["levels"], MOST_LEVELS)
+        control[factor] = levels | control.get(factor, {})
+    wanted.setdefault("h0_m", screen["h0_m"]["start"])
+    if "hv_m" not in wanted:
+        farthest = float(f"{FARTHER * screen['hv_m']['stop']:.12g}")
+        contact = farthest >= wanted["h0_m"]
+        wanted["hv_m"] = screen["hv_m"]["stop"] if contact else farthest
+    if "phi_r_m" not in values["positions"]:
+        values["positions"]["phi_r_m"] = _radii(values["actuator"], values["finger"])
+    known = _limit_is_known(values)
+    for place, space in enumerate(("two_factor", "four_factor")):
+        formulas, physics = FORMULAS["comparison"][place], PHYSICS["comparison"][place]
+        values["comparison"].setdefault(space, formulas + physics * known)
+        best = (PHYSICS if known else FORMULAS)["refine"][place]
+        values["refine"].setdefault(space, list(best))
+    return values
+
+
+def _radii(actuator: dict[str, Any], finger: dict[str, Any]) -> list[float]:
+    """Half of the way, and all of it, that the pad may go in any direction and stay on the disc."""
+    half_x, half_y = finger["length_x_m"] / 2, finger["length_y_m"] / 2
+    reach = max(half_x, half_y) if finger["shape"] == "ellipse" else hypot(half_x, half_y)
+    room = actuator["surface_radius_m"] - reach
+    if room <= 1e-6 * reach:
+        raise InputError(
+            f"positions.phi_r_m: the pad reaches {reach * 1e3:.4g} mm from its centre and the "
+            f"surface (actuator.surface_radius_m) {actuator['surface_radius_m'] * 1e3:.4g} mm: "
+            "there is no room to move the pad, as the four-factor plan does; make one of them fit, "
+            "or write positions.phi_r_m"
+        )
+    return [_cut(room / 2), _cut(room)]
+
+
+def _cut(value: float) -> float:
+    """A little less than the value, in three digits."""
+    step = 10.0 ** (floor(log10(value)) - 2)
+    return float(f"{floor(value * (1 - 1e-9) / step) * step:.3g}")
+
+
+def _limit_is_known(values: dict[str, Any]) -> bool:
+    """Whether the physics limit was derived for such a pad and gas (reynolds/limits)."""
+    gas, finger = values["gas"], values["finger"]
+    return (
+        finger["shape"] == "rectangle"
+        and finger["speed_x_m_per_s"] == 0
+        and not any(finger["gap"].values())
+        and gas["rarefaction"] == "none"
+        and gas["polytropic_exponent"] == 1
+    )
