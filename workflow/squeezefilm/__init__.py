@@ -12,19 +12,12 @@ by `RunError`.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from squeezefilm.api.film import Film
-    from squeezefilm.api.fit import Fit
-    from squeezefilm.api.forces import Force
-    from squeezefilm.api.study import Study, load
-    from squeezefilm.film.scene import Scene
-    from squeezefilm.io.errors import InputError, RunError
+from typing import Any
 
 __version__ = "0.1.0"
 __all__ = ["Film", "Fit", "Force", "InputError", "RunError", "Scene", "Study", "load"]
 
+# Also in __init__.pyi, which tells type checkers.
 _PLACES = {
     "Film": "api.film",
     "Fit": "api.fit",

@@ -1,0 +1,46 @@
+"""What the README types is run, and what it shows is what comes out."""
+
+import re
+import shlex
+
+import pandas as pd
+import pytest
+
+from squeezefilm.cli.main import main
+
+
+@pytest.fixture(scope="module")
+def readme(repository):
+    return (repository / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_force_is_the_one_that_is_shown(readme, capsys):
+    command, *shown = re.findall(r"^    (.*)$", readme.partition("## One force")[2], re.MULTILINE)
+    assert main(shlex.split(command.removeprefix("$ squeezefilm "))) == 0
+    lines = capsys.readouterr().out.splitlines()
+    # The third line is about the device.
+    for place in (0, 1, 3):
+        assert lines[place] == shown[place]
+    assert lines[2].partition(" on ")[0] == "periodic"
+
+
+def test_the_curve_is_written(readme, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    (command,) = re.findall(r"`squeezefilm (simulate .* --output curve\.csv)`", readme)
+    assert main(shlex.split(command)) == 0
+    curve = pd.read_csv("curve.csv")
+    assert list(curve["hv_m"]) == pytest.approx([k * 0.25e-6 for k in range(2, 11)])
+    assert (curve["x_m"] == -2e-3).all()
+    assert curve["force_n"].is_monotonic_increasing
+
+
+def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
+    monkeypatch.chdir(repository)
+    (code,) = re.findall(r"```python\n(.*?)```", readme, re.DOTALL)
+    assert len([line for line in code.splitlines() if line]) <= 10
+    names: dict[str, object] = {}
+    exec(compile(code, "README.md", "exec"), names)
+    told = capsys.readouterr().out
+    assert told.startswith("force 0.95")
+    assert "within_percent" in told
+    assert len(names["curve"]) == 9
