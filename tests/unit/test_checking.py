@@ -20,7 +20,7 @@ from reporting.figures.parts import style
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import SCHEMA_PATH
+from squeezefilm.studies.schema import SCHEMA_PATH
 
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}

@@ -1,4 +1,4 @@
-"""A scan is read as it was exported: whatever its encoding, separator, header form and quantities."""
+"""A scan is read as it was exported: whatever its encoding, separator, header and quantities."""
 
 from collections.abc import Callable
 from dataclasses import fields
@@ -337,7 +337,7 @@ def test_a_scan_is_smoothed_once_and_read_as_it_was(measured, tmp_path, monkeypa
     assert np.array_equal(kept.scan.amplitude_m, fresh.scan.amplitude_m)
     scan = measured.with_suffix(".csv")
     scan.write_text(scan.read_text().replace("0.0828", "0.0829"))
-    with pytest.raises(InputError, match="smoothed from another vibrometer.csv"):
+    with pytest.raises(InputError, match=r"smoothed from another vibrometer\.csv"):
         studies.smoothed_scan_of(config)
 
 
