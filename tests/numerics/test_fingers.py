@@ -1,6 +1,6 @@
 """Pads of other outlines and places: turned rectangles, discs and ellipses."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log, pi, sqrt
 
 import numpy as np
@@ -11,7 +11,9 @@ from scipy.special import ellipe, iv
 
 from squeezefilm.film.scene import GapShape, Scene, check_scene
 from squeezefilm.film.vibration.shapes import StandingWave
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import cartesian
 from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.limits import boundary_layer
@@ -23,7 +25,7 @@ WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 
 
 def pad(scene: Scene, **changes: object) -> Scene:
-    return replace(scene, finger=replace(scene.finger, **changes))  # type: ignore[arg-type]
+    return recartesian(scene, finger=recartesian(scene.finger, **changes))  # type: ignore[arg-type]
 
 
 def ellipse(**numbers: object) -> Scene:
@@ -101,9 +103,11 @@ def test_an_ellipse_s_error_estimate_has_a_margin():
 def test_turning_finger_place_and_profile_changes_nothing(outline):
     """Off the centre and off the axes, so that turning the wrong way would show."""
     scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
-    scene = replace(scene, phi_r_m=0.002, phi_deg=20.0)
-    wave = replace(WAVE, direction_deg=50.0)
-    turned = replace(scene, phi_deg=70.0, actuator=replace(scene.actuator, profile=wave))
+    scene = recartesian(scene, **cartesian(0.002, 20.0))
+    wave = recartesian(WAVE, direction_deg=50.0)
+    turned = recartesian(
+        scene, **cartesian(0.002, 70.0), actuator=recartesian(scene.actuator, profile=wave)
+    )
     all_turned = pad(turned, rotation_deg=50.0)
     first = mean(scene, tolerance=1e-4)
     assert mean(all_turned, tolerance=1e-4) == pytest.approx(first, rel=1e-9)
@@ -114,8 +118,8 @@ def test_turning_finger_place_and_profile_changes_nothing(outline):
 def test_a_quarter_turn_exchanges_the_sides(outline):
     wide = pad(film(epsilon=0.4, sigma=300.0, aspect=2.0, x=0.1, y=0.2), shape=outline)
     # σ is in units of the side along x, which is the other one now.
-    finger = replace(wide.finger, length_x_m=0.02, length_y_m=0.01, rotation_deg=90.0)
-    high = replace(wide, finger=finger)
+    finger = recartesian(wide.finger, length_x_m=0.02, length_y_m=0.01, rotation_deg=90.0)
+    high = recartesian(wide, finger=finger)
     forces = [solved(scene, tolerance=1e-4).force_n for scene in (wide, high)]
     assert forces[0] == pytest.approx(forces[1], rel=2e-4)
 
@@ -175,7 +179,7 @@ def test_a_gap_that_breathes_keeps_its_mean_square(outline, gap):
     """H = G(x, y) (1 + ε sin T): div(G³ ∇⟨(1 + ε sin T)³ P²⟩) = 0 makes that mean 1 + 3ε²/2."""
     epsilon = 0.4
     shaped = pad(film(epsilon=epsilon, sigma=50.0), shape=outline, gap=gap)
-    scene = replace(shaped, actuator=replace(shaped.actuator, profile=AsTheGap(shaped)))
+    scene = recartesian(shaped, actuator=recartesian(shaped.actuator, profile=AsTheGap(shaped)))
     resolution = first_resolution(scene, needs_of(scene), tolerance=1e-7)
     state = _periodic_state(scene, resolution, guess=None, tolerance=1e-9)
     instants = 2 * pi * np.arange(resolution.instants) / resolution.instants
@@ -220,4 +224,6 @@ def test_a_tilt_breaks_the_symmetry_along_it_alone():
 def test_a_pad_that_touches_is_refused():
     touching = pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(tilt_x_m=9e-6))
     with pytest.raises(InputError, match="touches the surface"):
-        check_scene(replace(touching, actuator=replace(touching.actuator, surface_radius_m=1.0)))
+        check_scene(
+            recartesian(touching, actuator=recartesian(touching.actuator, surface=Disc(1.0)))
+        )

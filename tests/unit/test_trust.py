@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
+from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.cross_validation import left_out_predictions
 from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import Factors, get_model
@@ -51,9 +51,10 @@ def changed(config: Config, changes: dict[str, dict[str, Any]]) -> Config:
 
 def simulated(config: Config, table: pd.DataFrame) -> tuple[Factors, np.ndarray, np.ndarray]:
     points = table[list(FACTOR_COLUMNS)].to_numpy()
-    first = scene_of(ScenePoint("1", *points[0]), config)
-    names = [dict(zip(FACTOR_COLUMNS, map(float, point), strict=True)) for point in points]
-    found = solve([replace(first, **each) for each in names], tolerance=TOLERANCE)
+    first, *rest = scene_points(table)
+    scene = scene_of(first, config)
+    scenes = [scene, *(replace(scene, **vars(each)) for each in rest)]
+    found = solve(scenes, tolerance=TOLERANCE)
     assert all(each.status == "ok" for each in found)
     force, error = ([getattr(s, name) for s in found] for name in ("force_n", "force_error_n"))
     return Factors.of(**dict(zip(FACTOR_COLUMNS, points.T, strict=True))), force, error

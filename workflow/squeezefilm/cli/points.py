@@ -8,10 +8,11 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm.io.errors import InputError, naming
+from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import write_table
 from squeezefilm.io.typed_units import quantities
-from squeezefilm.models.force_model import CARTESIAN, COLUMNS, POLAR, Factors
+from squeezefilm.models.force_model import COLUMNS, Factors
 
 OPTIONS = {
     "h0_m": ("--h0", "m", "mean gap, e.g. 5um; several 5um,6um; or 5um:10um:6"),

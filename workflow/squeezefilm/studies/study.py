@@ -7,19 +7,28 @@ from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from squeezefilm.film.directions import Directions
+from squeezefilm.film.directions import Directions, Symmetry
 from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.symmetry import symmetric_directions
+from squeezefilm.studies.symmetry import symmetry
 
 if TYPE_CHECKING:
     from squeezefilm.film.vibration.scans import SmoothedScan
 
 SECTIONS = ("gas", "actuator", "finger")
+
+
+def surface_of(config: Config) -> Surface:
+    """The surface that vibrates."""
+    actuator = config["actuator"]
+    if "surface_radius_m" in actuator:
+        return Disc(actuator["surface_radius_m"])
+    return Rectangle(actuator["surface"]["length_x_m"], actuator["surface"]["length_y_m"])
 
 
 def profile_of(config: Config) -> Profile:
@@ -30,8 +39,7 @@ def profile_of(config: Config) -> Profile:
     smoothed = smoothed_scan_of(config)
     if smoothed is not None:
         return smoothed.profile
-    actuator = config["actuator"]
-    return make_profile(surface_radius_m=actuator["surface_radius_m"], **actuator["profile"])
+    return make_profile(surface=surface_of(config), **config["actuator"]["profile"])
 
 
 def scan_path(config: Config) -> Path | None:
@@ -47,11 +55,11 @@ def smoothed_scan_of(config: Config) -> SmoothedScan | None:
     path = scan_path(config)
     if path is None:
         return None
-    actuator = config["actuator"]
+    settings = config["actuator"]["profile"]
     return smoothed_scan(
         path,
-        surface_radius_m=actuator["surface_radius_m"],
-        **{key: value for key, value in actuator["profile"].items() if key not in ("kind", "file")},
+        surface=surface_of(config),
+        **{key: value for key, value in settings.items() if key not in ("kind", "file")},
     )
 
 
@@ -61,13 +69,9 @@ def finger_of(config: Config) -> Finger:
     return Finger(gap=GapShape(**keys.pop("gap")), **keys)
 
 
-def directions_of(config: Config) -> Directions:
-    """The sector of finger positions that represents all; from ``actuator`` and ``finger``."""
-    return symmetric_directions(
-        finger_of(config),
-        profile_of(config),
-        surface_radius_m=config["actuator"]["surface_radius_m"],
-    )
+def symmetry_of(config: Config) -> Symmetry:
+    """The finger positions that represent all; from ``actuator`` and ``finger``."""
+    return symmetry(finger_of(config), profile_of(config), surface=surface_of(config))
 
 
 def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
@@ -75,17 +79,16 @@ def scene_of(point: ScenePoint, config: Config, *, check: bool = True) -> Scene:
 
     Raises InputError naming the point and the factor that has no physical meaning.
     """
-    actuator = config["actuator"]
     scene = Scene(
         point_id=point.point_id,
         h0_m=point.h0_m,
         hv_m=point.hv_m,
-        phi_r_m=point.phi_r_m,
-        phi_deg=point.phi_deg,
+        x_m=point.x_m,
+        y_m=point.y_m,
         gas=Gas(**config["gas"]),
         actuator=Actuator(
-            frequency_hz=actuator["frequency_hz"],
-            surface_radius_m=actuator["surface_radius_m"],
+            frequency_hz=config["actuator"]["frequency_hz"],
+            surface=surface_of(config),
             profile=profile_of(config),
         ),
         finger=finger_of(config),
@@ -110,16 +113,18 @@ def _extreme_points(config: Config) -> Iterator[tuple[str, ScenePoint]]:
     """The points of a study at which a film may fail to exist, each with its section."""
     screen, extrapolation = config["screen"], config["extrapolation"]
     gap, amplitude = screen["h0_m"]["start"], screen["hv_m"]["stop"]
-    centre = {"phi_r_m": 0.0, "phi_deg": 0.0}
-    yield "screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude, **centre)
-    wanted = ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"], **centre)
-    yield "extrapolation", wanted
-    directions, finger = directions_of(config), finger_of(config)
-    # Designs and control points may lie between the directions given: also where the pad's
-    # farthest point is farthest out.
-    x_m, y_m = max(finger.outline(), key=lambda place: hypot(*place))
-    angles = directions.images(config["positions"]["phi_deg"])
-    for radius in config["positions"]["phi_r_m"]:
-        for angle in (*angles, float(directions.fold(degrees(atan2(y_m, x_m))))):
-            name = f"({radius:g} m, {angle:g}°)"
-            yield "positions", ScenePoint(name, gap, amplitude, radius, angle)
+    yield "screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude)
+    yield "extrapolation", ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"])
+    found, positions = symmetry_of(config), config["positions"]
+    places = found.places(positions)
+    if isinstance(found, Directions):
+        # Designs and control points may lie between the directions given: also where the pad's
+        # farthest point is farthest out.
+        x_m, y_m = max(finger_of(config).outline(), key=lambda place: hypot(*place))
+        farthest = float(found.fold(degrees(atan2(y_m, x_m))))
+        places += [(radius, farthest) for radius in positions["phi_r_m"]]
+    for place in places:
+        factors = dict(zip(found.position, place, strict=True))
+        name = ", ".join(f"{key} = {value:g}" for key, value in factors.items())
+        point = ScenePoint.of(f"({name})", h0_m=gap, hv_m=amplitude, **factors)
+        yield "positions", point

@@ -24,7 +24,7 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
 
 SECTIONS = {
-    "two-factor": ("design", "screen"),
+    "two-factor": ("design", "screen", "actuator"),
     "four-factor": ("four_factor_design", "positions", "screen", "actuator", "finger"),
 }
 

@@ -15,8 +15,9 @@ from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.working_point import amplitude_for_force
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import plan
+from squeezefilm.studies.study import surface_of
 
-SECTIONS = ("extrapolation",)
+SECTIONS = ("extrapolation", "actuator")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    point = load_config(options.config).only(SECTIONS)["extrapolation"]
+    config = load_config(options.config).only(SECTIONS)
+    point = config["extrapolation"]
     amplitudes = {"operating_point": point["hv_m"]}
     for path in options.fits:
         fit = read_fit(path)
@@ -36,5 +38,9 @@ def run(options: argparse.Namespace) -> None:
             amplitudes[Path(path).stem] = amplitude_for_force(
                 fit.force_model, fit.theta, force_n=point["force_n"], h0_m=point["h0_m"]
             )
-    scenes = plan(h0_m=[point["h0_m"]] * len(amplitudes), hv_m=list(amplitudes.values()))
+    scenes = plan(
+        h0_m=[point["h0_m"]] * len(amplitudes),
+        hv_m=list(amplitudes.values()),
+        position=surface_of(config).position,
+    )
     write_table(scenes.assign(point_id=list(amplitudes)), options.output)

@@ -15,6 +15,7 @@ from collections.abc import Iterable
 import pandas as pd
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
@@ -26,10 +27,11 @@ from squeezefilm.studies.plans import (
     random_plan,
     sweep_pieces,
 )
+from squeezefilm.studies.study import surface_of
 
 SECTIONS = {
-    "screen": ("screen",),
-    "error_map": ("error_map",),
+    "screen": ("screen", "actuator"),
+    "error_map": ("error_map", "actuator"),
     "four_factor_control": ("four_factor_control", "screen", "positions", "actuator", "finger"),
     "sweep": ("sweep", "screen", "positions", "actuator", "finger"),
     "model_control": ("model_control", "screen", "positions", "actuator", "finger"),
@@ -75,7 +77,11 @@ def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> Iter
 def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.DataFrame:
     if kind in ("screen", "error_map"):
         levels = config[kind]
-        return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
+        return centred_grid(
+            h0_m=level_values(levels["h0_m"]),
+            hv_m=level_values(levels["hv_m"]),
+            position=surface_of(config).position,
+        )
     if kind in ("four_factor_control", "model_control"):
         points, seed = config[kind]["points"], config[kind]["seed"]
         return random_plan(points=points, seed=seed, **box_of(config).ranges)
@@ -85,5 +91,6 @@ def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd
             positions=finger_positions(config),
             h0_m=design["h0_m"].to_numpy(),
             hv_m=design["hv_m"].to_numpy(),
+            position=surface_of(config).position,
         )
-    return design[list(SCENE_COLUMNS)]
+    return design[as_in(SCENE_COLUMNS, design)]

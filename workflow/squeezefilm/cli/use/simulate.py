@@ -23,6 +23,7 @@ import pandas as pd
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.io.errors import InputError, RunError, naming
+from squeezefilm.io.positions import CARTESIAN, POLAR, as_in
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
@@ -74,8 +75,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     one = parser.add_argument_group("one scene, without files")
     one.add_argument("--h0", help="mean gap with its unit, e.g. 5um")
     one.add_argument("--hv", help="amplitude at the profile's maximum, e.g. 2.2um")
-    one.add_argument("--phi-r", default="0 m", help="finger's distance from the centre, e.g. 2.9mm")
-    one.add_argument("--phi", default="0 deg", help="finger's direction, e.g. 45deg")
+    one.add_argument("--x", help="finger's centre, e.g. 1mm; 0 m if left out")
+    one.add_argument("--y", help="the same along y")
+    one.add_argument("--phi-r", help="instead of --x and --y: distance from the centre, e.g. 2.9mm")
+    one.add_argument("--phi", help="and direction, e.g. 45deg")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -92,12 +95,11 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.h0 is None or options.hv is None:
         raise InputError("one scene needs both --h0 and --hv")
-    point = ScenePoint(
-        point_id="1",
+    point = ScenePoint.of(
+        "1",
         h0_m=quantity(options.h0, option="--h0", unit="m"),
         hv_m=quantity(options.hv, option="--hv", unit="m"),
-        phi_r_m=quantity(options.phi_r, option="--phi-r", unit="m"),
-        phi_deg=quantity(options.phi, option="--phi", unit="deg"),
+        **_position(options),
     )
     device = device_of(config, option=options.device)
     (scene,) = decided(
@@ -113,8 +115,8 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         raise RunError(solution.status)
     print(_force_text(scene, solution, config=config, device=device))
     print(
-        f"h0 {scene.h0_m:g} m, hv {scene.hv_m:g} m, phi_r {scene.phi_r_m:g} m, "
-        f"phi {scene.phi_deg:g}°; epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}"
+        f"h0 {scene.h0_m:g} m, hv {scene.hv_m:g} m, x {scene.x_m:g} m, y {scene.y_m:g} m; "
+        f"epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}"
     )
     print(
         f"{solution.method} on {solution.nx} × {solution.ny} × {solution.nt} points, "
@@ -127,6 +129,24 @@ def _simulate_one(options: argparse.Namespace, config: Config, settings: SolverS
         print(f"note: {note}")
     if solution.status != "ok":
         raise RunError(f"{solution.status}, above the tolerance {settings.tolerance:g}")
+
+
+def _position(options: argparse.Namespace) -> dict[str, float]:
+    """The finger's position in the form in which the options give it."""
+    forms = [(CARTESIAN, ("--x", "--y"), ("m", "m")), (POLAR, ("--phi-r", "--phi"), ("m", "deg"))]
+    given = {
+        form: [getattr(options, option[2:].replace("-", "_")) for option in names]
+        for form, names, _ in forms
+    }
+    if all(any(text is not None for text in texts) for texts in given.values()):
+        raise InputError("give the position as --x and --y or as --phi-r and --phi, not both")
+    for form, names, units in forms:
+        if any(text is not None for text in given[form]):
+            return {
+                column: quantity(text, option=option, unit=unit) if text is not None else 0.0
+                for column, text, option, unit in zip(form, given[form], names, units, strict=True)
+            }
+    return {}
 
 
 def _force_text(scene: Scene, solution: Solution, *, config: Config, device: Device) -> str:
@@ -213,10 +233,10 @@ def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
     """The rows of a plan with what was solved for them."""
     columns = {
         name: [getattr(solution, name) for solution in solutions]
-        for name in FORCE_COLUMNS
+        for name in as_in(FORCE_COLUMNS, rows)
         if name not in rows.columns
     }
-    return rows.assign(**columns)[list(FORCE_COLUMNS)]
+    return rows.assign(**columns)[as_in(FORCE_COLUMNS, rows)]
 
 
 def _work_shares(solutions: Sequence[Solution]) -> list[float]:
