@@ -1,6 +1,6 @@
 """Pads of other outlines and places: turned rectangles, discs and ellipses."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, pi, sqrt
 
 import numpy as np
@@ -25,7 +25,7 @@ WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 
 
 def pad(scene: Scene, **changes: object) -> Scene:
-    return recartesian(scene, finger=recartesian(scene.finger, **changes))  # type: ignore[arg-type]
+    return replace(scene, finger=replace(scene.finger, **changes))  # type: ignore[arg-type]
 
 
 def ellipse(**numbers: object) -> Scene:
@@ -103,10 +103,10 @@ def test_an_ellipse_s_error_estimate_has_a_margin():
 def test_turning_finger_place_and_profile_changes_nothing(outline):
     """Off the centre and off the axes, so that turning the wrong way would show."""
     scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
-    scene = recartesian(scene, **cartesian(0.002, 20.0))
-    wave = recartesian(WAVE, direction_deg=50.0)
-    turned = recartesian(
-        scene, **cartesian(0.002, 70.0), actuator=recartesian(scene.actuator, profile=wave)
+    scene = replace(scene, **cartesian(0.002, 20.0))
+    wave = replace(WAVE, direction_deg=50.0)
+    turned = replace(
+        scene, **cartesian(0.002, 70.0), actuator=replace(scene.actuator, profile=wave)
     )
     all_turned = pad(turned, rotation_deg=50.0)
     first = mean(scene, tolerance=1e-4)
@@ -118,8 +118,8 @@ def test_turning_finger_place_and_profile_changes_nothing(outline):
 def test_a_quarter_turn_exchanges_the_sides(outline):
     wide = pad(film(epsilon=0.4, sigma=300.0, aspect=2.0, x=0.1, y=0.2), shape=outline)
     # σ is in units of the side along x, which is the other one now.
-    finger = recartesian(wide.finger, length_x_m=0.02, length_y_m=0.01, rotation_deg=90.0)
-    high = recartesian(wide, finger=finger)
+    finger = replace(wide.finger, length_x_m=0.02, length_y_m=0.01, rotation_deg=90.0)
+    high = replace(wide, finger=finger)
     forces = [solved(scene, tolerance=1e-4).force_n for scene in (wide, high)]
     assert forces[0] == pytest.approx(forces[1], rel=2e-4)
 
@@ -179,7 +179,7 @@ def test_a_gap_that_breathes_keeps_its_mean_square(outline, gap):
     """H = G(x, y) (1 + ε sin T): div(G³ ∇⟨(1 + ε sin T)³ P²⟩) = 0 makes that mean 1 + 3ε²/2."""
     epsilon = 0.4
     shaped = pad(film(epsilon=epsilon, sigma=50.0), shape=outline, gap=gap)
-    scene = recartesian(shaped, actuator=recartesian(shaped.actuator, profile=AsTheGap(shaped)))
+    scene = replace(shaped, actuator=replace(shaped.actuator, profile=AsTheGap(shaped)))
     resolution = first_resolution(scene, needs_of(scene), tolerance=1e-7)
     state = _periodic_state(scene, resolution, guess=None, tolerance=1e-9)
     instants = 2 * pi * np.arange(resolution.instants) / resolution.instants
@@ -224,6 +224,4 @@ def test_a_tilt_breaks_the_symmetry_along_it_alone():
 def test_a_pad_that_touches_is_refused():
     touching = pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(tilt_x_m=9e-6))
     with pytest.raises(InputError, match="touches the surface"):
-        check_scene(
-            recartesian(touching, actuator=recartesian(touching.actuator, surface=Disc(1.0)))
-        )
+        check_scene(replace(touching, actuator=replace(touching.actuator, surface=Disc(1.0))))

@@ -126,7 +126,9 @@ def test_any_direction_may_be_given(phi_deg, quick, tmp_path):
 def test_a_pad_that_leaves_the_disc_between_the_directions_given_is_refused(quick):
     pad = study(quick, {"length_x_m": 0.014, "length_y_m": 0.009})
     sections = {**pad, "positions": {"phi_r_m": [0.0017], "phi_deg": [0, 90]}}
-    with pytest.raises(InputError, match=r"positions: point \(0\.0017 m, 32\.7\d*°\).* off the"):
+    with pytest.raises(
+        InputError, match=r"positions: point \(phi_r_m = 0\.0017, phi_deg = 32\.7\d*\).* off the"
+    ):
         check_study(Config(path=quick.path, sections=sections))
 
 

@@ -74,7 +74,8 @@ def random_scenes(
             point_id=str(len(scenes) + 1),
             h0_m=h0_m,
             hv_m=epsilon * h0_m,
-            **place,
+            x_m=place["x_m"],
+            y_m=place["y_m"],
             gas=replace(like.gas, inertia=inertia),
             actuator=replace(
                 like.actuator,

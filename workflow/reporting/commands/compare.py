@@ -155,12 +155,20 @@ def _judged(
             "control_error_percent": 100 * errors["global_error"],
             "h0_um": 1e6 * forces["h0_m"],
             "hv_um": 1e6 * forces["hv_m"],
-            "phi_r_mm": 1e3 * forces["phi_r_m"],
-            "phi_deg": forces["phi_deg"],
+            **_places(forces),
             "relative_error_percent": 100 * relative,
         }
     )
     return row, map_
+
+
+def _places(forces: pd.DataFrame) -> dict[str, pd.Series]:
+    """The finger's positions, lengths in mm."""
+    return {
+        f"{name}m" if name.endswith("_m") else name: forces[name]
+        * (1e3 if name.endswith("_m") else 1.0)
+        for name in form_of(forces)
+    }
 
 
 def _outside(fit: FittedModel, factors: Factors) -> int:

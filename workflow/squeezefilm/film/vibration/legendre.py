@@ -19,7 +19,7 @@ def modes_at(orders: Sequence[tuple[int, int]], *, x: np.ndarray, y: np.ndarray)
     """Values of the modes at points of the square, shape (*x.shape, modes)."""
     along_x, along_y = np.array(orders).T
     values: np.ndarray = (
-        legvander(x, int(along_x.max()))[..., along_x]
-        * legvander(y, int(along_y.max()))[..., along_y]
+        legvander(np.ravel(x), int(along_x.max()))[:, along_x]
+        * legvander(np.ravel(y), int(along_y.max()))[:, along_y]
     )
-    return values
+    return values.reshape(*np.shape(x), len(orders))
