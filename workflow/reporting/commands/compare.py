@@ -23,6 +23,7 @@ from reporting.pages.notes import percent, scan_note
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table
+from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import read_json, read_ok_forces, write_table
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit

@@ -4,7 +4,8 @@ Each effect on the mean force at first order, in per cent of it: maps over gap a
 centred finger, and lines over the finger's distance from the centre, or over x on a rectangle, at
 the smallest gap and largest amplitude of that plan. The loss of pressure where gas streams in at
 the rim is known up to a coefficient C; it is shown for C = 1, the sum of all that the force does
-not have for the middle of C = 1 to 1.54. Dashed maps are of effects too large somewhere for a first order.
+not have for the middle of C = 1 to 1.54. Dashed maps are of effects too large somewhere for a
+first order.
 """
 
 from __future__ import annotations

@@ -72,14 +72,13 @@ def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFra
             vmax=limit,
         )
         if len(outliers):
-            look: dict[str, Any] = {
-                "color": style.VERMILLION,
-                "marker": "x",
-                "s": 18,
-                "linewidth": 1.0,
-            }
-            name = f"outliers ({len(outliers)})"
-            axes.scatter(outliers["x_mm"], outliers["y_mm"], label=name, **look)
+            axes.plot(
+                outliers["x_mm"],
+                outliers["y_mm"],
+                "x",
+                color=style.VERMILLION,
+                label=f"outliers ({len(outliers)})",
+            )
             axes.legend(loc="upper right")
         axes.set_aspect("equal")
         axes.set_xlim(grid[0][0], grid[0][-1])
