@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from squeezefilm.film.directions import Symmetry, symmetry_from_dict
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import POLAR
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.force_model import ExpressionModel, Factors, get_model, make_model
@@ -72,6 +73,11 @@ class FittedModel:
         if "directions" not in self.values:
             return None
         return symmetry_from_dict(self.values["directions"], place=f"{self.place}: directions")
+
+    @property
+    def position(self) -> tuple[str, str]:
+        """The form of positions in the model's study; polar, if the file does not tell."""
+        return POLAR if self.symmetry is None else self.symmetry.position
 
     def represented(self, factors: Factors) -> Factors:
         """The factors of the same forces with the finger in positions that the model knows.

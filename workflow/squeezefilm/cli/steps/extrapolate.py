@@ -15,9 +15,8 @@ from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.working_point import amplitude_for_force
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import plan
-from squeezefilm.studies.study import surface_of
 
-SECTIONS = ("extrapolation", "actuator")
+SECTIONS = ("extrapolation",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,8 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
-    point = config["extrapolation"]
+    point = load_config(options.config).only(SECTIONS)["extrapolation"]
     amplitudes = {"operating_point": point["hv_m"]}
     for path in options.fits:
         fit = read_fit(path)
@@ -41,6 +39,6 @@ def run(options: argparse.Namespace) -> None:
     scenes = plan(
         h0_m=[point["h0_m"]] * len(amplitudes),
         hv_m=list(amplitudes.values()),
-        position=surface_of(config).position,
+        position=fit.position,
     )
     write_table(scenes.assign(point_id=list(amplitudes)), options.output)

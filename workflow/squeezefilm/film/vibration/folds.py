@@ -7,13 +7,12 @@ of nodes. Where no region is found whose sign matters, there is no fold.
 """
 
 from collections.abc import Iterator
-from itertools import chain, product
 from pathlib import Path
 
 import numpy as np
 
 from squeezefilm.film.vibration.least_squares import POINTS_PER_MODE, best_fit
-from squeezefilm.film.vibration.surfaces import Rectangle, Surface
+from squeezefilm.film.vibration.surfaces import Surface
 
 FOLDED = (
     "the scan has no phase or sign and looks folded up at a node line: the force is that of "
@@ -75,8 +74,6 @@ def _best_signs(
         orders = surface.orders_up_to(degree, axisymmetric=axisymmetric)
     orthogonal, _ = np.linalg.qr(surface.modes_at(orders, x=x, y=y))
     patterns = _rings(x, y) if axisymmetric else _patterns(x, y)
-    if isinstance(surface, Rectangle):
-        patterns = chain(patterns, _checks(x, y))
     signs = np.where(np.stack(list(patterns)) < 0, -1.0, 1.0)  # (patterns, points)
     for _ in range(ROUNDS):
         fitted = (signs * amplitude) @ orthogonal @ orthogonal.T
@@ -112,17 +109,3 @@ def _patterns(x: np.ndarray, y: np.ndarray) -> Iterator[np.ndarray]:
             nodes = np.cos(diameters * angle + turn)
             yield nodes
             yield nodes * (r - 0.6)
-
-
-def _checks(x: np.ndarray, y: np.ndarray) -> Iterator[np.ndarray]:
-    """Node lines along both sides of a rectangle at once."""
-    lines = [
-        [
-            np.cos(2 * np.pi * waves * along + phase)
-            for waves in (0.35, 0.6, 0.9, 1.3, 1.8)
-            for phase in (0, np.pi / 2)
-        ]
-        for along in (x, y)
-    ]
-    for first, second in product(*lines):
-        yield first * second

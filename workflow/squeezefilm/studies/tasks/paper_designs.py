@@ -23,10 +23,10 @@ from squeezefilm.designs.paper_design import (
 )
 from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_regions
 from squeezefilm.io.parallel import parallel_map
-from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.fitted import FittedModel
+from squeezefilm.models.force_model import ExpressionModel, Factors, get_model
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
-from squeezefilm.studies.study import surface_of
 
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
 TWO_FACTOR_LEVELS, FOUR_FACTOR_LEVELS = 181, 7
@@ -42,9 +42,8 @@ class PaperDesigns:
     summary: dict[str, Any]
 
 
-def two_factor_designs(
-    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
-) -> PaperDesigns:
+def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
+    model, theta = get_model(fit.model), np.array(fit.theta)
     settings, box = config["design"], box_of(config, centred=True)
     determinant = Criterion(_gradient(model, theta, box), box)
     best = exchange_design(determinant, 3, levels=TWO_FACTOR_LEVELS)
@@ -63,7 +62,7 @@ def two_factor_designs(
         [region.point for region in regions],
         [region.origin for region in regions],
         box,
-        surface_of(config).position,
+        fit.position,
     )
     about = {
         "scaling": settings["scaling"],
@@ -77,9 +76,8 @@ def two_factor_designs(
     return PaperDesigns([table], pd.DataFrame(rows), about)
 
 
-def four_factor_designs(
-    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
-) -> PaperDesigns:
+def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
+    model, theta = get_model(fit.model), np.array(fit.theta)
     settings, box = config["four_factor_design"], box_of(config)
     gradient = _gradient(model, theta, box)
     forms = {
