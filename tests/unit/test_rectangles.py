@@ -13,12 +13,13 @@ from squeezefilm.film.directions import Mirrors, symmetry_from_dict
 from squeezefilm.film.scene import check_scene
 from squeezefilm.film.vibration import legendre
 from squeezefilm.film.vibration.scans import smoothed_scan
-from squeezefilm.film.vibration.shapes import Formula, Piston, StandingWave, largest_magnitude
+from squeezefilm.film.vibration.shapes import StandingWave, largest_magnitude
 from squeezefilm.film.vibration.surfaces import Disc, Rectangle
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
 from squeezefilm.models.force_model import Factors
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import Config, load_config, parse_config
 from squeezefilm.studies.plans import box_of, centred_grid, finger_positions, random_plan
 from squeezefilm.studies.space import Space
@@ -204,9 +205,9 @@ def test_the_committed_scan_is_the_example(repository):
     assert (repository / "config" / "plate.csv").read_text(encoding="utf-8") == text
 
 
-def test_a_piston_is_everywhere_the_same(repository):
+def test_the_part_floats_beyond_a_reynolds_number_of_ten_and_notes_say_so(repository):
     config = load_config(repository / "config" / "levitation.yaml")
     scene = scene_of(ScenePoint("1", 35e-6, 8e-6, x_m=0.004), config)
-    assert isinstance(scene.actuator.profile, Piston)
     assert scene.modified_reynolds > 10
-    assert isinstance(Formula(WAVE["expression"], PLATE).surface, Rectangle)
+    with_inertia = replace(scene, gas=replace(scene.gas, inertia="included"))
+    assert any("Re 10" in note for note in notes_of(with_inertia))
