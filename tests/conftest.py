@@ -35,7 +35,7 @@ def quick(repository):
 @pytest.fixture(scope="session")
 def scene(paper):
     """The paper's operating point beyond its screen."""
-    return scene_of(ScenePoint("1", 5e-6, 2.2e-6, 0.0, 0.0), paper)
+    return scene_of(ScenePoint("1", 5e-6, 2.2e-6), paper)
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
 from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.limits.forces import LimitForces, limit_axis
@@ -43,8 +44,8 @@ def film(
         point_id="film",
         h0_m=H0_M,
         hv_m=epsilon * H0_M,
-        phi_r_m=float(np.hypot(x, y)) * LENGTH_M,
-        phi_deg=float(np.degrees(np.arctan2(y, x))),
+        x_m=x * LENGTH_M,
+        y_m=y * LENGTH_M,
         gas=Gas(
             viscosity_pa_s=viscosity,
             ambient_pressure_pa=PRESSURE_PA,
@@ -57,7 +58,7 @@ def film(
             heat_capacity_ratio=1.4,
             viscosity_exponent=0.7,
         ),
-        actuator=Actuator(angular_frequency / (2 * pi), 1.0, profile),
+        actuator=Actuator(angular_frequency / (2 * pi), Disc(1.0), profile),
         finger=Finger(LENGTH_M, aspect * LENGTH_M, speed),
     )
 

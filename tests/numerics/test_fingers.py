@@ -11,7 +11,9 @@ from scipy.special import ellipe, iv
 
 from squeezefilm.film.scene import GapShape, Scene, check_scene
 from squeezefilm.film.vibration.shapes import StandingWave
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import cartesian
 from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.limits import boundary_layer
@@ -101,9 +103,11 @@ def test_an_ellipse_s_error_estimate_has_a_margin():
 def test_turning_finger_place_and_profile_changes_nothing(outline):
     """Off the centre and off the axes, so that turning the wrong way would show."""
     scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
-    scene = replace(scene, phi_r_m=0.002, phi_deg=20.0)
+    scene = replace(scene, **cartesian(0.002, 20.0))
     wave = replace(WAVE, direction_deg=50.0)
-    turned = replace(scene, phi_deg=70.0, actuator=replace(scene.actuator, profile=wave))
+    turned = replace(
+        scene, **cartesian(0.002, 70.0), actuator=replace(scene.actuator, profile=wave)
+    )
     all_turned = pad(turned, rotation_deg=50.0)
     first = mean(scene, tolerance=1e-4)
     assert mean(all_turned, tolerance=1e-4) == pytest.approx(first, rel=1e-9)
@@ -220,4 +224,4 @@ def test_a_tilt_breaks_the_symmetry_along_it_alone():
 def test_a_pad_that_touches_is_refused():
     touching = pad(film(epsilon=0.3, sigma=583.0), gap=GapShape(tilt_x_m=9e-6))
     with pytest.raises(InputError, match="touches the surface"):
-        check_scene(replace(touching, actuator=replace(touching.actuator, surface_radius_m=1.0)))
+        check_scene(replace(touching, actuator=replace(touching.actuator, surface=Disc(1.0))))

@@ -15,6 +15,7 @@ from numerics.peers.numpy_periodic import chebyshev_grid
 from numerics.strip.force import strip_force
 from squeezefilm.film.scene import GapShape, Scene
 from squeezefilm.film.vibration.shapes import Formula, Profile
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.budget import budgets
@@ -23,7 +24,7 @@ from squeezefilm.reynolds.periodic.time_modes import time_modes
 from squeezefilm.reynolds.spectral import axis, period
 from squeezefilm.reynolds.terms.inertia import Inertia
 
-STRIP = Formula("sinc(109.8*x)", surface_radius_m=1.0)
+STRIP = Formula("sinc(109.8*x)", surface=Disc(1.0))
 
 
 def moving(reynolds: float, **numbers: object) -> Scene:

@@ -8,6 +8,7 @@ import pytest
 from films import LENGTH_M, PISTON, film
 
 from squeezefilm.film.vibration.shapes import Formula, StandingWave
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.needs import needs_of
@@ -17,7 +18,7 @@ ASIDE = "exp(-((x-0.0011)**2+(y+0.0017)**2)/2e-5**2)"
 
 
 def formula(expression: str) -> Formula:
-    return Formula(expression, surface_radius_m=0.02)
+    return Formula(expression, surface=Disc(0.02))
 
 
 def wave(share: float) -> StandingWave:

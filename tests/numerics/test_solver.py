@@ -24,8 +24,8 @@ def paper_scenes(paper):
     random = np.random.default_rng(20140503)
     return [
         scene_of(
-            ScenePoint(
-                point_id=str(index),
+            ScenePoint.of(
+                str(index),
                 h0_m=random.uniform(5e-6, 10e-6),
                 hv_m=random.uniform(0.2e-6, 2e-6),
                 phi_r_m=random.uniform(0, 2.9e-3) * (index % 4 > 0),
@@ -47,7 +47,7 @@ def exact_n(paper_scenes):
     ("hv_m", "phi_r_m", "force_n"), [(2.2e-6, 0.0, CENTRED_N), (2e-6, 2.9e-3, ASIDE_N)]
 )
 def test_known_forces_of_the_paper_s_actuator(hv_m, phi_r_m, force_n, scene):
-    (solution,) = solve([replace(scene, hv_m=hv_m, phi_r_m=phi_r_m)], tolerance=1e-6)
+    (solution,) = solve([replace(scene, hv_m=hv_m, x_m=phi_r_m)], tolerance=1e-6)
     assert solution.force_n == pytest.approx(force_n, rel=1e-6)
 
 

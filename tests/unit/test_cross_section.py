@@ -56,7 +56,7 @@ def test_the_pressure_carries_the_force_that_is_simulated(scene, pad):
     """Its mean over pad and period is the solver's force, by another method where it has one."""
     scene = replace(scene, finger=replace(scene.finger, **OTHERS[pad]))
     if pad == "off the centre":
-        scene = replace(scene, phi_r_m=0.003, phi_deg=30)
+        scene = replace(scene, x_m=0.0026, y_m=0.0015)
     # The mean over the pad, by Gauss; an ellipse along radii.
     nodes, weights = np.polynomial.legendre.leggauss(24)
     x, y = (values.ravel() for values in np.meshgrid((1 + nodes) / 2, (1 + nodes) / 2))

@@ -15,6 +15,7 @@ import yaml
 
 from squeezefilm.cli.use.example_scan import scan_text
 from squeezefilm.film.vibration.scans import smoothed_scan
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study
@@ -65,7 +66,7 @@ def test_a_scan_runs_or_is_refused(block, tmp_path):
         smoothed_scan.cache_clear()
         axisymmetric = draw.random() < 0.7
         try:
-            smoothed = smoothed_scan(path, surface_radius_m=RADIUS_M, axisymmetric=axisymmetric)
+            smoothed = smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=axisymmetric)
         except InputError as error:
             message = str(error)
             assert "scan.csv" in message

@@ -16,9 +16,10 @@ from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.scan_tables import points_table, summary_of
 from squeezefilm.film.vibration.scans import SmoothedScan, smoothed_scan
 from squeezefilm.film.vibration.shapes import Modes, Profile, Sinc
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.film.vibration.vibrometer import read_scan
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import ScenePoint
+from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
@@ -32,7 +33,7 @@ def polar_grid() -> tuple[np.ndarray, np.ndarray]:
 
 
 def profile(**settings: Any) -> Profile:
-    return make_profile(surface_radius_m=RADIUS_M, **settings)
+    return make_profile(surface=Disc(RADIUS_M), **settings)
 
 
 @pytest.fixture
@@ -41,7 +42,7 @@ def smooth(tmp_path):
         path = tmp_path / "scan.csv"
         path.write_text(text, encoding="utf-8")
         smoothed_scan.cache_clear()
-        return smoothed_scan(path, surface_radius_m=RADIUS_M, axisymmetric=axisymmetric)
+        return smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=axisymmetric)
 
     return write
 
@@ -156,7 +157,10 @@ def test_forces_of_the_worked_example_are_within_two_percent(repository):
     """The example in config/ is the sinc with 2 % noise: exact forces are known."""
     config = load_config(repository / "config" / "vibrometer.yaml")
     places = [(5e-6, 2e-6, 0.0, 0.0), (10e-6, 0.2e-6, 0.0, 0.0), (5e-6, 2e-6, 0.0029, 45.0)]
-    measured = [scene_of(ScenePoint("1", *place), config) for place in places]
+    points = [
+        ScenePoint.of("1", **dict(zip(FACTOR_COLUMNS, place, strict=True))) for place in places
+    ]
+    measured = [scene_of(point, config) for point in points]
     exact = [
         replace(scene, actuator=replace(scene.actuator, profile=Sinc(109.8))) for scene in measured
     ]

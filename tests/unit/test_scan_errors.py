@@ -15,6 +15,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.scans import SmoothedScan, smoothed
 from squeezefilm.film.vibration.shapes import Modes, Profile
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.film.vibration.vibrometer import Scan
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
@@ -41,7 +42,7 @@ DOME = {"kind": "formula", "expression": "1 - 0.3*(r/0.01)**2"}
 
 
 def profile(settings: dict[str, Any]) -> Profile:
-    return make_profile(surface_radius_m=RADIUS_M, **settings)
+    return make_profile(surface=Disc(RADIUS_M), **settings)
 
 
 def raster(step_mm: float) -> tuple[np.ndarray, np.ndarray]:
@@ -69,13 +70,13 @@ def unsigned(scan: Scan) -> Scan:
 
 
 def smooth(scan: Scan, **settings: Any) -> SmoothedScan:
-    return smoothed(scan, surface_radius_m=RADIUS_M, axisymmetric=False, **settings)
+    return smoothed(scan, surface=Disc(RADIUS_M), axisymmetric=False, **settings)
 
 
 @pytest.fixture(scope="module")
 def scene(repository):
     config = load_config(repository / "config" / "paper.yaml")
-    return scene_of(ScenePoint("1", 5e-6, 2e-6, 0.0, 0.0), config)
+    return scene_of(ScenePoint("1", 5e-6, 2e-6), config)
 
 
 def on(scene: Scene, shape: Profile) -> Scene:
@@ -174,7 +175,7 @@ def test_motion_out_of_phase_is_weighed_and_refused(scene):
 
 def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene):
     """A piston that moves in a circle: the closed form at ε √2."""
-    piston = Modes(((0, 0),), (1.0,), RADIUS_M)
+    piston = Modes(((0, 0),), (1.0,), Disc(RADIUS_M))
     scan = replace(smooth(scan_of(profile(DOME), noise=0.01, seed=1)), out_of_phase=piston)
 
     def closed(square: float) -> float:

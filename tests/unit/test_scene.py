@@ -9,7 +9,9 @@ import pytest
 from squeezefilm.film.scene import check_scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Piston, Sinc
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import cartesian
 
 
 def test_dimensionless_numbers_of_the_paper(scene):
@@ -26,7 +28,7 @@ def test_dimensionless_numbers_of_the_paper(scene):
 
 
 def test_sinc_is_one_in_the_middle_and_zero_at_its_node():
-    profile = make_profile(kind="sinc", surface_radius_m=0.01, wave_number_per_m=109.8)
+    profile = make_profile(kind="sinc", surface=Disc(0.01), wave_number_per_m=109.8)
     assert profile == Sinc(109.8)
     x_m = np.array([0.0, 1 / 109.8, 0.5 / 109.8])
     values = profile.amplitude(x_m=x_m, y_m=np.zeros(3))
@@ -36,7 +38,7 @@ def test_sinc_is_one_in_the_middle_and_zero_at_its_node():
 
 
 def test_the_profile_is_seen_from_where_the_finger_is(scene):
-    moved = replace(scene, phi_r_m=2.9e-3, phi_deg=30.0)
+    moved = replace(scene, **cartesian(2.9e-3, 30.0))
     middle = moved.amplitude(np.array([0.5]), np.array([0.5]))
     assert middle == pytest.approx(np.sinc(109.8 * 2.9e-3))
     # The middle of the actuator lies off the finger's middle by the finger's displacement.
@@ -56,10 +58,9 @@ def test_the_profile_is_seen_from_where_the_finger_is(scene):
         ({"h0_m": 1e-300, "hv_m": 0.0}, "h0_m = 1e-300 must"),
         ({"h0_m": 1.0}, "h0_m = 1 must"),
         ({"h0_m": nan}, "h0_m is not a finite number"),
-        ({"phi_deg": nan}, "phi_deg is not a finite number"),
-        ({"phi_r_m": -1e-3}, "phi_r_m = -0.001 must not be negative"),
-        ({"phi_r_m": 2.94e-3, "phi_deg": 45.0}, "off the actuator's 10.00 mm disc"),
-        ({"phi_r_m": 3.7e-3}, "off the actuator's 10.00 mm disc"),
+        ({"x_m": nan}, "x_m is not a finite number"),
+        (cartesian(2.94e-3, 45.0), "off the actuator's 10.00 mm disc"),
+        (cartesian(3.7e-3, 0.0), "off the actuator's 10.00 mm disc"),
     ],
 )
 def test_a_scene_without_a_film_is_refused(scene, changes, message):
@@ -70,7 +71,7 @@ def test_a_scene_without_a_film_is_refused(scene, changes, message):
 
 @pytest.mark.parametrize(
     "changes",
-    [{"hv_m": 0.0}, {"hv_m": 4.999e-6}, {"phi_r_m": 2.92e-3, "phi_deg": 45.0}, {"phi_r_m": 3.6e-3}],
+    [{"hv_m": 0.0}, {"hv_m": 4.999e-6}, cartesian(2.92e-3, 45.0), cartesian(3.6e-3, 0.0)],
 )
 def test_a_scene_at_the_limit_passes(scene, changes):
     check_scene(replace(scene, **changes))

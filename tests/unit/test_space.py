@@ -8,6 +8,7 @@ import pytest
 from squeezefilm.designs.box import Box
 from squeezefilm.film.scene import check_scene
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.space import Space
 
 
@@ -35,7 +36,8 @@ def test_points_that_cannot_be_simulated_are_left_out(space, kind):
     points = larger.grid(500, distinct=True) if kind == "grid" else larger.sample(300, seed=1)
     assert np.all(points[:, 1] < points[:, 0])
     for row in points:
-        check_scene(replace(larger.scene, **dict(zip(larger.box.names, row, strict=True))))
+        point = ScenePoint.of("1", **dict(zip(larger.box.names, row, strict=True)))
+        check_scene(replace(larger.scene, **vars(point)))
     corner = np.array([[9e-6, 2e-6, 3.5e-3, 0.0], [9e-6, 2e-6, 3.5e-3, 45.0]])
     assert list(larger.allowed(corner)) == [True, False]
 

@@ -14,7 +14,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import check_study, directions_of, scene_of
+from squeezefilm.studies.study import check_study, scene_of, symmetry_of
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
 SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}
@@ -69,7 +69,7 @@ def study(quick: Config, finger: dict[str, Any], profile: dict[str, Any] | None 
 @pytest.mark.parametrize("case", CASES)
 def test_the_sector_of_positions_is_that_of_pad_and_vibration(case, quick):
     finger, profile, (start, stop) = CASES[case]
-    directions = directions_of(study(quick, finger, profile))
+    directions = symmetry_of(study(quick, finger, profile))
     assert (directions.start_deg, directions.stop_deg) == pytest.approx((start, stop))
 
 
@@ -77,13 +77,16 @@ def test_the_sector_of_positions_is_that_of_pad_and_vibration(case, quick):
 def test_a_direction_and_its_fold_have_one_force(case, quick):
     """At its images by both edges of the sector, or by a turn of its width: they make all."""
     config = study(quick, *CASES[case][:2])
-    directions = directions_of(config)
+    directions = symmetry_of(config)
     width = directions.width_deg
     images = (11, -11, 2 * width - 11) if directions.mirror else (11, 11 + width)
     angles = [directions.start_deg + image for image in images]
     assert directions.fold(angles) == pytest.approx(directions.start_deg + 11)
     scenes = [
-        scene_of(ScenePoint(str(phi), 9e-6, 2e-6, 0.0007, phi % 360), config) for phi in angles
+        scene_of(
+            ScenePoint.of(str(phi), h0_m=9e-6, hv_m=2e-6, phi_r_m=0.0007, phi_deg=phi % 360), config
+        )
+        for phi in angles
     ]
     solutions = solve(scenes, tolerance=1e-3)
     assert {solution.status for solution in solutions} == {"ok"}
@@ -123,7 +126,9 @@ def test_any_direction_may_be_given(phi_deg, quick, tmp_path):
 def test_a_pad_that_leaves_the_disc_between_the_directions_given_is_refused(quick):
     pad = study(quick, {"length_x_m": 0.014, "length_y_m": 0.009})
     sections = {**pad, "positions": {"phi_r_m": [0.0017], "phi_deg": [0, 90]}}
-    with pytest.raises(InputError, match=r"positions: point \(0\.0017 m, 32\.7\d*°\).* off the"):
+    with pytest.raises(
+        InputError, match=r"positions: point \(phi_r_m = 0\.0017, phi_deg = 32\.7\d*\).* off the"
+    ):
         check_study(Config(path=quick.path, sections=sections))
 
 
@@ -166,9 +171,7 @@ def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle):
     assert cli.main([*words, "--x=-1.5mm,0mm,2mm", "--y=-1mm,0mm,2mm"]) == 0
     table = pd.read_csv(out)
     scenes = [
-        scene_of(
-            ScenePoint(str(n), 6e-6, 2e-6, np.hypot(x, y), np.degrees(np.arctan2(y, x))), config
-        )
+        scene_of(ScenePoint(str(n), 6e-6, 2e-6, x_m=x, y_m=y), config)
         for n, (x, y) in enumerate(zip(table["x_m"], table["y_m"], strict=True))
     ]
     simulated = [solution.force_n for solution in solve(scenes, tolerance=1e-4)]

@@ -12,7 +12,8 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
+from squeezefilm.io.positions import CARTESIAN, POLAR
+from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.cross_validation import left_out_predictions
 from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import Factors, get_model
@@ -51,9 +52,10 @@ def changed(config: Config, changes: dict[str, dict[str, Any]]) -> Config:
 
 def simulated(config: Config, table: pd.DataFrame) -> tuple[Factors, np.ndarray, np.ndarray]:
     points = table[list(FACTOR_COLUMNS)].to_numpy()
-    first = scene_of(ScenePoint("1", *points[0]), config)
-    names = [dict(zip(FACTOR_COLUMNS, map(float, point), strict=True)) for point in points]
-    found = solve([replace(first, **each) for each in names], tolerance=TOLERANCE)
+    first, *rest = scene_points(table)
+    scene = scene_of(first, config)
+    scenes = [scene, *(replace(scene, **vars(each)) for each in rest)]
+    found = solve(scenes, tolerance=TOLERANCE)
     assert all(each.status == "ok" for each in found)
     force, error = ([getattr(s, name) for s in found] for name in ("force_n", "force_error_n"))
     return Factors.of(**dict(zip(FACTOR_COLUMNS, points.T, strict=True))), force, error
@@ -141,7 +143,13 @@ def test_at_trusted_points_the_simulation_lies_within_the_band(name, kind, paper
     assert np.all(verdict.error_n[chosen] <= MOST_RELATIVE_ERROR * np.abs(force[chosen]))
 
 
-def test_the_page_computes_the_same(repository, paper):
+def in_x_and_y(factors: Factors) -> Factors:
+    names = ("h0_m", "hv_m", *CARTESIAN)
+    return Factors.of(**{name: factors.column(name) for name in names})
+
+
+@pytest.mark.parametrize("form", [POLAR, CARTESIAN])
+def test_the_page_computes_the_same(repository, paper, form):
     node = shutil.which("node")
     if node is None:
         pytest.skip("no node here")
@@ -151,8 +159,13 @@ def test_the_page_computes_the_same(repository, paper):
     table = random_plan(points=300, seed=3, **ranges, phi_r_m=(0, 2e-3), phi_deg=(0, 50))
     table.loc[:50, "phi_r_m"] = 0.0
     factors = Factors.of(**{each: table[each] for each in FACTOR_COLUMNS})
+    if form == CARTESIAN:
+        own, seen = (in_x_and_y(each) for each in (trust.fitted, trust.unseen.factors))
+        trust, factors = replace(trust, fitted=own), in_x_and_y(factors)
+        trust = replace(trust, unseen=replace(trust.unseen, factors=seen))
     force = get_model(model).evaluate(theta, factors)
-    points = table[list(FACTOR_COLUMNS)].to_dict("records")
+    names = ("h0_m", "hv_m", *form)
+    points = pd.DataFrame({name: factors.column(name) for name in names}).to_dict("records")
     scripts = "".join(
         (repository / "workflow/reporting/explorer" / name).read_text(encoding="utf-8")
         for name in ("model.js", "trust.js")
@@ -160,7 +173,7 @@ def test_the_page_computes_the_same(repository, paper):
     program = (
         f"{scripts}; const given = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
         "const unseen = unseenOf(given.trust);"
-        "console.log(JSON.stringify(given.points.map((point) => {"
+        "console.log(JSON.stringify(given.points.map(completed).map((point) => {"
         "  const value = force(given.theta, point);"
         "  const found = judge(given.trust, unseen, point, value, given.most);"
         "  return [value, found.error_n, found.distance, found.trusted, found.outside.length];"

@@ -1,13 +1,14 @@
 """Films given by their dimensionless numbers, as scenes for the solver and for the yardsticks."""
 
 from dataclasses import dataclass
-from math import atan2, ceil, degrees, hypot, log, log10, pi, sqrt
+from math import ceil, log, log10, pi, sqrt
 
 import numpy as np
 
 from numerics.peers.yardstick import FloatArray, Fold
 from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
 from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
+from squeezefilm.film.vibration.surfaces import Disc
 
 LENGTH_M = 0.01
 PRESSURE_PA = 101_325.0
@@ -53,8 +54,8 @@ class Film:
             point_id=self.name,
             h0_m=H0_M,
             hv_m=self.epsilon * H0_M,
-            phi_r_m=hypot(self.x, self.y) * LENGTH_M,
-            phi_deg=degrees(atan2(self.y, self.x)),
+            x_m=self.x * LENGTH_M,
+            y_m=self.y * LENGTH_M,
             gas=Gas(
                 inertia="included" if self.reynolds else "none",
                 viscosity_pa_s=viscosity,
@@ -67,9 +68,7 @@ class Film:
                 heat_capacity_ratio=1.4,
                 viscosity_exponent=0.7,
             ),
-            actuator=Actuator(
-                frequency_hz=FREQUENCY_HZ, surface_radius_m=1.0, profile=self.profile
-            ),
+            actuator=Actuator(frequency_hz=FREQUENCY_HZ, surface=Disc(1.0), profile=self.profile),
             finger=Finger(
                 length_x_m=LENGTH_M, length_y_m=self.aspect * LENGTH_M, speed_x_m_per_s=speed
             ),

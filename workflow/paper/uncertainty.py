@@ -90,7 +90,7 @@ def differences(config: Config) -> tuple[Difference, ...]:
             0.99,
             0.985,
             0.995,
-            ScenePoint("operating_point", beyond["h0_m"], beyond["hv_m"], 0.0, 0.0),
+            ScenePoint("operating_point", beyond["h0_m"], beyond["hv_m"]),
         ),
         Difference(
             "smallest_force",
@@ -98,7 +98,7 @@ def differences(config: Config) -> tuple[Difference, ...]:
             90e-6,
             85e-6,
             95e-6,
-            ScenePoint("smallest", *smallest, 0.0, 0.0),
+            ScenePoint("smallest", *smallest),
         ),
     )
 

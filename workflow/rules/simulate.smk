@@ -26,11 +26,12 @@ rule plan:
         "../../envs/tables.yaml"
     params:
         design=lambda wildcards, input: f"--design {input.design}" if input.design else "",
+        position="--position cartesian" if "surface" in CONFIG["actuator"] else "",
     message:
         "Points to simulate: {wildcards.plan}"
     shell:
         "python -m squeezefilm plan {wildcards.plan} --config {input.config} {params.design} "
-        "--output {output} >{log} 2>&1"
+        "{params.position} --output {output} >{log} 2>&1"
 
 
 rule plan_extrapolation:

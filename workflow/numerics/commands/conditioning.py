@@ -15,11 +15,12 @@ import numpy as np
 from numerics.conditioning import conditioning
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import FACTOR_COLUMNS, read_ok_forces, write_table
+from squeezefilm.io.tables import read_ok_forces, write_table
+from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.plans import CENTRED, box_of
+from squeezefilm.studies.plans import box_of
 
 SECTIONS = ("design", "fit", "numerics", "screen")
 NOTE = (
@@ -48,7 +49,7 @@ def run(options: argparse.Namespace) -> None:
         design_force_n=design_force,
         theta=np.array(read_fit(options.fit).theta),
         triplets=_best_triplets(options.searches, scaling=config["design"]["scaling"]),
-        box=box_of(config, CENTRED),
+        box=box_of(config, centred=True),
         scaling=config["design"]["scaling"],
         bounds=config["fit"]["bounds"],
         seeds=config["numerics"]["seeds"],
@@ -58,8 +59,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _forces(path: Path | str) -> tuple[Factors, np.ndarray]:
     table = read_ok_forces(path)
-    factors = Factors.of(**{name: table[name] for name in FACTOR_COLUMNS})
-    return factors, table["force_n"].to_numpy(dtype=float)
+    return factors_of(table), table["force_n"].to_numpy(dtype=float)
 
 
 def _best_triplets(path: Path | str, *, scaling: str) -> list[np.ndarray]:

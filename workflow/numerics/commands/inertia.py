@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    like = scene_of(ScenePoint("1", 5e-6, 0.0, 0.0, 0.0), config)
+    like = scene_of(ScenePoint("1", 5e-6, 0.0), config)
     scenes = random_scenes(
         like, count=options.scenes, seed=SEED, reynolds=(0.0, MOST_REYNOLDS), inertia="included"
     )

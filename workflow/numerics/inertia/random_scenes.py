@@ -14,6 +14,7 @@ from statistics import median
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.io.positions import cartesian
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.automatic import decided
@@ -58,21 +59,23 @@ def random_scenes(
     Gap, excursion and position are uniform, the frequency is so in its logarithm.
 
     Args:
-        like: of gas, finger and profile; its disc bounds the positions.
+        like: of gas, finger and profile; its surface bounds the positions.
     """
     random = np.random.default_rng(seed)
     finger = like.finger
-    farthest_m = like.actuator.surface_radius_m - finger.reach_m
+    farthest_m = min(like.actuator.surface.half_m) - finger.reach_m
     scenes: list[Scene] = []
     while len(scenes) < count:
         h0_m = random.uniform(*H0_M)
+        epsilon = random.uniform(*EPSILON)
+        place = cartesian(random.uniform(0, farthest_m), random.uniform(0, 45))
         scene = replace(
             like,
             point_id=str(len(scenes) + 1),
             h0_m=h0_m,
-            hv_m=random.uniform(*EPSILON) * h0_m,
-            phi_r_m=random.uniform(0, farthest_m),
-            phi_deg=random.uniform(0, 45),
+            hv_m=epsilon * h0_m,
+            x_m=place["x_m"],
+            y_m=place["y_m"],
             gas=replace(like.gas, inertia=inertia),
             actuator=replace(
                 like.actuator,

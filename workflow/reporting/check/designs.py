@@ -90,14 +90,12 @@ def _design(results: Path, name: str, config: Config) -> Iterator[Quantity]:
     design = read_design(results / "designs" / f"{name}.csv")
     fit = read_fit(results / "fits" / f"{FIT_OF_DESIGN[name]}.json")
     model = get_model(fit.model)
+    box = box_of(config, centred=model.is_centred)
     cells = dict(zip(model.parameter_names, map(text_of, fit.theta), strict=True))
     for number, point in enumerate(design.to_dict("records"), start=1):
-        cells |= {
-            f"point {number} {factor}": text_of(point[factor]) for factor in model.factor_names
-        }
+        cells |= {f"point {number} {factor}": text_of(point[factor]) for factor in box.names}
     yield Quantity(DESIGNS, name, "D-efficiency", cells, Efficient(fit.model))
-    box = box_of(config, model.factor_names)
-    points = design[list(model.factor_names)].to_numpy()
+    points = design[list(box.names)].to_numpy()
     outside = float(np.max(np.abs(box.to_unit(points) - 0.5)) - 0.5)
     yield Quantity(
         DESIGNS,

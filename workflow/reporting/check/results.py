@@ -18,10 +18,12 @@ from reporting.check.tolerances import (
     Closeness,
     Tolerance,
 )
+from squeezefilm.io.positions import POLAR, as_in, form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import FACTOR_COLUMNS, read_json, read_ok_forces
+from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import number, read_fit
-from squeezefilm.models.force_model import Factors, get_model
+from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.config import Config
 
 SETTINGS, CLAIMS, SIMULATIONS, FITS, VALIDATION, NUMERICS = (
@@ -95,13 +97,14 @@ def simulation_quantities(results: Path, closeness: Closeness) -> Iterator[Quant
 
 def _simulations(plan: str, path: Path, closeness: Closeness) -> Iterator[Quantity]:
     forces = read_ok_forces(path)
-    shown = forces[["point_id", *FACTOR_COLUMNS, "force_n"]]
+    factors = as_in(FACTOR_COLUMNS, forces)
+    shown = forces[["point_id", *factors, "force_n"]]
     tolerances: dict[str, Tolerance] = {
-        name: PLACE if plan in PLACED else GIVEN for name in FACTOR_COLUMNS
+        name: PLACE if plan in PLACED else GIVEN for name in factors
     }
     tolerances["force_n"] = closeness.model if plan in PLACED else closeness.force
     if plan in SLIDING_NAMES:  # its scenes are judged as a design, and its forces by the fit
-        shown = shown.drop(columns=[*FACTOR_COLUMNS, "force_n"])
+        shown = shown.drop(columns=[*factors, "force_n"])
     yield from column_quantities(SIMULATIONS, plan, shown, tolerances=tolerances)
     largest = float((forces["force_error_n"] / forces["force_n"].abs()).max())
     yield Quantity(
@@ -126,7 +129,7 @@ def _fit(folder: Path, name: str, config: Config, closeness: Closeness) -> Itera
         FITS, name, "objective", {"|y − η|/|y|": f"{fit.global_error:.9g}"}, closeness.residual
     )
     points = _prediction_points(config, positions="phi_r_m" in model.factor_names)
-    factors = Factors.of(**{factor: points[factor] for factor in FACTOR_COLUMNS})
+    factors = factors_of(points)
     forces = model.evaluate(fit.theta, factors)
     yield Quantity(
         FITS,
@@ -154,22 +157,28 @@ def _prediction_points(config: Config, *, positions: bool) -> pd.DataFrame:
     def three(levels: Mapping[str, float]) -> tuple[float, ...]:
         return levels["start"], (levels["start"] + levels["stop"]) / 2, levels["stop"]
 
-    radius = max(config["positions"]["phi_r_m"])
-    angle = max(config["positions"]["phi_deg"])
-    places = [(0.0, 0.0), (radius, 0.0), (radius, angle)] if positions else [(0.0, 0.0)]
+    names = form_of(config["positions"])
+    first, second = (max(config["positions"][name]) for name in names)
+    places = [(0.0, 0.0), (first, 0.0), (first, second)] if positions else [(0.0, 0.0)]
     rows = [
         (gap, amplitude, *place)
         for gap in three(config["screen"]["h0_m"])
         for amplitude in three(config["screen"]["hv_m"])
         for place in places
     ]
-    return pd.DataFrame(rows, columns=list(FACTOR_COLUMNS))
+    return pd.DataFrame(rows, columns=["h0_m", "hv_m", *names])
 
 
 def _places(points: pd.DataFrame) -> list[str]:
+    polar = form_of(points) == POLAR
     return [
-        f"h0 {1e6 * h0_m:g} µm hv {1e6 * hv_m:g} µm φr {1e3 * phi_r_m:g} mm φφ {phi_deg:g}°"
-        for h0_m, hv_m, phi_r_m, phi_deg in points[list(FACTOR_COLUMNS)].to_numpy()
+        f"h0 {1e6 * h0_m:g} µm hv {1e6 * hv_m:g} µm "
+        + (
+            f"φr {1e3 * first:g} mm φφ {second:g}°"
+            if polar
+            else f"x {1e3 * first:g} mm y {1e3 * second:g} mm"
+        )
+        for h0_m, hv_m, first, second in points[as_in(FACTOR_COLUMNS, points)].to_numpy()
     ]
 
 

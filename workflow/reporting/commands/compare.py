@@ -23,6 +23,7 @@ from reporting.pages.notes import percent, scan_note
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table
+from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import read_json, read_ok_forces, write_table
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
@@ -155,12 +156,20 @@ def _judged(
             "control_error_percent": 100 * errors["global_error"],
             "h0_um": 1e6 * forces["h0_m"],
             "hv_um": 1e6 * forces["hv_m"],
-            "phi_r_mm": 1e3 * forces["phi_r_m"],
-            "phi_deg": forces["phi_deg"],
+            **_places(forces),
             "relative_error_percent": 100 * relative,
         }
     )
     return row, map_
+
+
+def _places(forces: pd.DataFrame) -> dict[str, pd.Series]:
+    """The finger's positions, lengths in mm."""
+    return {
+        f"{name}m" if name.endswith("_m") else name: forces[name]
+        * (1e3 if name.endswith("_m") else 1.0)
+        for name in form_of(forces)
+    }
 
 
 def _outside(fit: FittedModel, factors: Factors) -> int:

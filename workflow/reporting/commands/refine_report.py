@@ -217,14 +217,13 @@ def _drawn(folder: Path, verdict: dict[str, Any], row: dict[str, Any]) -> pd.Dat
 
 
 def _places(table: pd.DataFrame) -> pd.DataFrame:
-    radius_mm = 1e3 * table["phi_r_m"].to_numpy(dtype=float)
-    angle = np.radians(table["phi_deg"].to_numpy(dtype=float))
+    at = factors_of(table)
     return pd.DataFrame(
         {
             "h0_um": 1e6 * table["h0_m"].to_numpy(dtype=float),
             "hv_um": 1e6 * table["hv_m"].to_numpy(dtype=float),
-            "x_mm": radius_mm * np.cos(angle),
-            "y_mm": radius_mm * np.sin(angle),
+            "x_mm": 1e3 * at.x_m,
+            "y_mm": 1e3 * at.y_m,
         }
     )
 

@@ -53,7 +53,7 @@ def _notes(config: Config) -> dict[str, list[str]]:
     """What the equation leaves out at the screen's smallest and largest gap, the finger centred."""
     levels, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
     gaps = (levels["start"], levels["stop"])
-    scenes = [scene_of(ScenePoint("1", gap, amplitude, 0.0, 0.0), config) for gap in gaps]
+    scenes = [scene_of(ScenePoint("1", gap, amplitude), config) for gap in gaps]
     found = budgets(scenes, device=choose_device(config["solver"]["device"]))
     return {
         f"h0 = {1e6 * gap:g} µm": notes_of_budget(budget)

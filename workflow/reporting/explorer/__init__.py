@@ -15,9 +15,11 @@ from typing import Any
 import pandas as pd
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
+from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import Factors, get_model
+from squeezefilm.models.force_model import get_model
 
 HERE = Path(__file__).parent
 PAGE = "page.html"
@@ -71,8 +73,9 @@ def _data(study: Study) -> dict[str, Any]:
         "simulations": [
             [index, *(float(value) for value in row)]
             for index, table in enumerate(study.forces.values())
-            for row in table[[*FACTOR_COLUMNS, "force_n"]].itertuples(index=False)
+            for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].itertuples(index=False)
         ],
+        "position": form_of(next(iter(study.forces.values()))),
         "band": study.band,
         "start": {"h0_m": study.h0_m, "hv_m": study.hv_m, "force_n": study.force_n},
     }
@@ -103,7 +106,7 @@ def _trust(name: str, fit: FittedModel, study: Study) -> dict[str, Any]:
     """The evidence of a fit, with the study's simulations that it never saw."""
     forces = pd.concat(list(study.forces.values()), ignore_index=True)
     judged = fit.judged_by(
-        Factors.of(**{column: forces[column] for column in FACTOR_COLUMNS}),
+        factors_of(forces),
         force_n=forces["force_n"],
         force_error_n=forces["force_error_n"],
     )

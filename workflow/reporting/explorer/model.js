@@ -2,6 +2,16 @@
 // The empirical models, as in squeezefilm.force_model: eqs (7) and (14) of the paper. A point has
 // h0_m, hv_m, phi_r_m, phi_deg; theta has five entries, the last two zero with two factors.
 
+// A point with its position in both forms, polar and Cartesian.
+function completed(point) {
+  if ("x_m" in point) {
+    const { x_m, y_m } = point, phi_deg = (Math.atan2(y_m, x_m) * 180) / Math.PI;
+    return { ...point, phi_r_m: Math.hypot(x_m, y_m), phi_deg };
+  }
+  const angle = (point.phi_deg * Math.PI) / 180;
+  return { ...point, x_m: point.phi_r_m * Math.cos(angle), y_m: point.phi_r_m * Math.sin(angle) };
+}
+
 function positionFactor(theta, point) {
   return 1 + theta[3] * (point.phi_deg / 45) + theta[4] * point.phi_r_m;
 }

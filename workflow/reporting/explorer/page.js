@@ -3,16 +3,12 @@
   const data = JSON.parse(document.getElementById("data").textContent);
   const byId = (id) => document.getElementById(id);
   const UM = 1e-6, MM = 1e-3;
-  const simulations = data.simulations.map(([plan, h0_m, hv_m, phi_r_m, phi_deg, force_n]) => ({
-    plan: data.plans[plan], h0_m, hv_m, phi_r_m, phi_deg, force_n, ...place(phi_r_m, phi_deg),
-  }));
+  const [first, second] = data.position, polar = first === "phi_r_m";
+  const centre = completed({ [first]: 0, [second]: 0 });
+  const simulations = data.simulations.map(([plan, h0_m, hv_m, one, other, force_n]) => completed(
+    { plan: data.plans[plan], h0_m, hv_m, [first]: one, [second]: other, force_n }));
 
   // ---- the space of the simulations ------------------------------------------------------------
-
-  function place(phi_r_m, phi_deg) {
-    const angle = (phi_deg * Math.PI) / 180;
-    return { x_m: phi_r_m * Math.cos(angle), y_m: phi_r_m * Math.sin(angle) };
-  }
 
   function limits(name, points = simulations) {
     let low = Infinity, high = -Infinity;
@@ -25,7 +21,7 @@
 
   const space = {
     h0_m: limits("h0_m"), hv_m: limits("hv_m"),
-    phi_r_m: limits("phi_r_m"), phi_deg: limits("phi_deg"),
+    [first]: limits(first), [second]: limits(second),
   };
   const evidence = new Map(data.fits.map((fit) => [fit, unseenOf(fit.trust)]));
   const judged = (fit, point, value) => judge(fit.trust, evidence.get(fit), point, value, data.band);
@@ -53,9 +49,12 @@
 
   const WORDS = {
     h0_m: "the gap", hv_m: "the amplitude", epsilon: "hᵥ/h₀", phi_r_m: "the distance",
-    phi_deg: "the angle",
+    phi_deg: "the angle", x_m: "x", y_m: "y",
   };
-  const UNITS = { h0_m: [UM, "µm"], hv_m: [UM, "µm"], phi_r_m: [MM, "mm"], phi_deg: [1, "°"], epsilon: [1, ""] };
+  const UNITS = {
+    h0_m: [UM, "µm"], hv_m: [UM, "µm"], phi_r_m: [MM, "mm"], phi_deg: [1, "°"], epsilon: [1, ""],
+    x_m: [MM, "mm"], y_m: [MM, "mm"],
+  };
 
   function range(limits, name) {
     const [unit, symbol] = UNITS[name];
@@ -92,10 +91,14 @@
     return `${plain(verdict.distance, 2)} of the fitted ranges away`;
   }
 
+  function placeOf(point) {
+    return polar ? `${plain(point.phi_r_m / MM)} mm at ${plain(point.phi_deg)}°`
+      : `x ${plain(point.x_m / MM)} mm, y ${plain(point.y_m / MM)} mm`;
+  }
+
   function where(point) {
-    const centred = point.phi_r_m === 0;
-    return `h₀ ${plain(point.h0_m / UM)} µm, hᵥ ${plain(point.hv_m / UM)} µm, ` + (centred
-      ? "centred" : `${plain(point.phi_r_m / MM)} mm at ${plain(point.phi_deg)}°`);
+    return `h₀ ${plain(point.h0_m / UM)} µm, hᵥ ${plain(point.hv_m / UM)} µm, `
+      + (point.phi_r_m === 0 ? "centred" : placeOf(point));
   }
 
   // ---- the controls --------------------------------------------------------------------------------
@@ -105,10 +108,22 @@
   const sliders = {
     h0: { name: "h0_m", unit: UM, step: 0.05, symbol: "µm", range: stretch(space.h0_m, 0.2), value: inside("h0_m") },
     hv: { name: "hv_m", unit: UM, step: 0.01, symbol: "µm", range: [0, stretch(space.hv_m, 0.5)[1]], value: inside("hv_m") },
-    "phi-r": { name: "phi_r_m", unit: MM, step: 0.05, symbol: "mm", range: [0, space.phi_r_m[1]], value: 0 },
-    "phi-phi": { name: "phi_deg", unit: 1, step: 1, symbol: "°", range: [0, space.phi_deg[1]], value: 0 },
+    "phi-r": polar
+      ? { name: "phi_r_m", unit: MM, step: 0.05, symbol: "mm", range: [0, space.phi_r_m[1]], value: 0 }
+      : { name: "x_m", unit: MM, step: 0.05, symbol: "mm", range: space.x_m, value: 0, signed: true },
+    "phi-phi": polar
+      ? { name: "phi_deg", unit: 1, step: 1, symbol: "°", range: [0, space.phi_deg[1]], value: 0 }
+      : { name: "y_m", unit: MM, step: 0.05, symbol: "mm", range: space.y_m, value: 0, signed: true },
     wanted: { name: "force_n", unit: 1, step: 0.01, symbol: "N", range: [0, 2 * data.start.force_n], value: data.start.force_n },
   };
+  if (!polar) {
+    for (const [id, axis] of [["phi-r", "x"], ["phi-phi", "y"]]) {
+      const row = byId(id).closest(".row");
+      row.querySelector("label").innerHTML = `finger’s centre along <i>${axis}</i>`;
+      row.querySelector(".unit").textContent = "mm";
+      byId(`${id}-number`).setAttribute("aria-label", `${axis} in millimetres`);
+    }
+  }
   const state = { fit: data.fits[0] };
 
   function round(value, step) {
@@ -117,7 +132,7 @@
 
   for (const [id, slider] of Object.entries(sliders)) {
     const [low, high] = slider.range.map((value) => round(value / slider.unit, slider.step));
-    slider.least = Math.max(low, 0);
+    slider.least = slider.signed ? low : Math.max(low, 0);
     slider.most = Math.max(high, slider.least + slider.step);
     slider.bar = byId(id);
     slider.number = byId(`${id}-number`);
@@ -156,7 +171,7 @@
   function point() {
     const values = {};
     for (const slider of Object.values(sliders)) values[slider.name] = slider.shown * slider.unit;
-    return values;
+    return completed(values);
   }
 
   for (const fit of data.fits) byId("fit").add(new Option(fit.label, fit.name));
@@ -239,7 +254,7 @@
   // Points of one finger position that were simulated as a plan: what a surface can be seen beside.
   const positions = new Map();
   for (const each of simulations) {
-    const key = each.phi_r_m === 0 ? "0" : `${each.phi_r_m} ${each.phi_deg}`;
+    const key = each.phi_r_m === 0 ? "0" : `${each[first]} ${each[second]}`;
     if (!positions.has(key)) positions.set(key, []);
     positions.get(key).push(each);
   }
@@ -247,7 +262,7 @@
   for (const each of simulations) crowd[each.plan] = (crowd[each.plan] || 0) + 1;
 
   function visible(fit, now) {
-    const { x_m, y_m } = place(fit.moves ? now.phi_r_m : 0, now.phi_deg);
+    const { x_m, y_m } = fit.moves ? now : centre;
     let best = [], least = Infinity;
     for (const points of positions.values()) {
       const distance = Math.hypot(points[0].x_m - x_m, points[0].y_m - y_m);
@@ -288,9 +303,9 @@
 
   const kept = { key: "" };
   function positionOf(fit, now) {
-    const key = [fit.name, now.phi_r_m, now.phi_deg].join(" ");
+    const key = [fit.name, now[first], now[second]].join(" ");
     if (kept.key !== key) {
-      const surface = sheet(fit, { phi_r_m: fit.moves ? now.phi_r_m : 0, phi_deg: now.phi_deg });
+      const surface = sheet(fit, fit.moves ? now : centre);
       Object.assign(kept, { key, surface, trusted: trusted(fit, now), points: visible(fit, now) });
     }
     return kept;
@@ -353,7 +368,7 @@
 
   function drawSpace(now, ink) {
     const { fit } = state, { surface, points } = positionOf(fit, now);
-    const value = force(fit.theta, { ...now, phi_r_m: fit.moves ? now.phi_r_m : 0 });
+    const value = force(fit.theta, fit.moves ? now : { ...now, ...centre });
     const cloud = (some, fill, name) => ({
       type: "scatter3d", mode: "markers", name, showlegend: false,
       x: inUm(some, "h0_m"), y: inUm(some, "hv_m"), z: some.map((each) => each.force_n),
@@ -391,7 +406,7 @@
       },
     }, CONFIG);
     byId("at").textContent = fit.moves && points.at && points.at.phi_r_m > 0
-      ? ` at the nearest simulated place (${plain(points.at.phi_r_m / MM)} mm, ${plain(points.at.phi_deg)}°)`
+      ? ` at the nearest simulated place (${placeOf(points.at)})`
       : "";
   }
 

@@ -1,21 +1,22 @@
 "use strict";
 // How far a fitted model is to be trusted at a point: the rule of squeezefilm.models.trust, from the
-// numbers of its Trust.to_dict. A point has h0_m, hv_m, phi_r_m, phi_deg.
+// numbers of its Trust.to_dict. A point has h0_m, hv_m and its position in both forms.
 
 function placed(trust, point) {
-  const angle = (point.phi_deg * Math.PI) / 180, { widths } = trust;
+  const { widths } = trust;
   return [
     point.h0_m / widths.h0_m, point.hv_m / widths.hv_m,
     point.hv_m / point.h0_m / widths.epsilon,
-    (point.phi_r_m * Math.cos(angle)) / widths.x_m, (point.phi_r_m * Math.sin(angle)) / widths.y_m,
+    point.x_m / widths.x_m, point.y_m / widths.y_m,
   ];
 }
 
 // The simulations that the fit never saw, each where distances are taken.
 function unseenOf(trust) {
-  const { h0_m, hv_m, phi_r_m, phi_deg, force_n, error_n } = trust.unseen;
-  return h0_m.map((_, i) => {
-    const point = { h0_m: h0_m[i], hv_m: hv_m[i], phi_r_m: phi_r_m[i], phi_deg: phi_deg[i] };
+  const { force_n, error_n, ...factors } = trust.unseen;
+  return force_n.map((_, i) => {
+    const own = Object.entries(factors).map(([name, values]) => [name, values[i]]);
+    const point = completed(Object.fromEntries(own));
     const square = (point.hv_m / point.h0_m) ** 2, error = Math.abs(error_n[i]);
     return {
       ...point, force_n: force_n[i], error_n: error_n[i], error, square, over: error / square,
@@ -27,12 +28,12 @@ function unseenOf(trust) {
 // The names of what lies outside the ranges of the fitted points.
 function outsideOf(trust, point) {
   const values = { ...point, epsilon: point.hv_m / point.h0_m }, slack = 1e-9;
-  const centred = point.phi_r_m <= slack * trust.ranges.phi_r_m[1];
+  const reach = trust.ranges.phi_r_m;
   return Object.keys(trust.ranges).filter((name) => {
     const [low, high] = trust.ranges[name];
     const give = slack * Math.max(Math.abs(low), Math.abs(high));
     const out = values[name] < low - give || values[name] > high + give;
-    return out && !(name === "phi_deg" && centred);
+    return out && !(name === "phi_deg" && point.phi_r_m <= slack * reach[1]);
   });
 }
 

@@ -1,10 +1,11 @@
 """Budget: what the film equation itself leaves out of the force.
 
 Each effect on the mean force at first order, in per cent of it: maps over gap and amplitude for a
-centred finger, and lines over the finger's distance from the centre, at the smallest gap and
-largest amplitude of that plan. The loss of pressure where gas streams in at the rim is known up to
-a coefficient C; it is shown for C = 1, the sum of all that the force does not have for the middle
-of C = 1 to 1.54. Dashed maps are of effects too large somewhere for a first order.
+centred finger, and lines over the finger's distance from the centre, or over x on a rectangle, at
+the smallest gap and largest amplitude of that plan. The loss of pressure where gas streams in at
+the rim is known up to a coefficient C; it is shown for C = 1, the sum of all that the force does
+not have for the middle of C = 1 to 1.54. Dashed maps are of effects too large somewhere for a
+first order.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from matplotlib.ticker import MaxNLocator
 
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, micrometres
+from squeezefilm.io.positions import CARTESIAN, POLAR, form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import THIS_SCENE
 from squeezefilm.studies.config import Config
@@ -35,12 +37,11 @@ EFFECTS = {
 }
 # Contours nearer to the least or the largest value, in shares of the range, have no room.
 EDGE = 0.04
+POSITIONS = {POLAR: ("phi_r_mm", "phi_deg"), CARTESIAN: ("x_mm", "y_mm")}
 COLUMNS = (
     "layer",
     "h0_um",
     "hv_um",
-    "phi_r_mm",
-    "phi_deg",
     *(f"{name}_percent" for name in EFFECTS),
     "above_range",
     "note",
@@ -53,10 +54,12 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     largest = positions["hv_um"] / positions["h0_um"]
     chosen = positions[largest >= largest.max() * (1 - 1e-9)]
     first = chosen.iloc[0]
+    places = POSITIONS[form_of(positions)]
+    other = "direction" if "phi_deg" in places else "y"
     note = (
         f"Maps: finger at the centre. (f): h0 = {first['h0_um']:.3g} µm, "
-        f"hv = {first['hv_um']:.3g} µm, open circles the first direction of the plan, squares the "
-        "last. First order about the film without inertia, on coarse grids."
+        f"hv = {first['hv_um']:.3g} µm, open circles the least {other} of the plan, squares the "
+        "largest. First order about the film without inertia, on coarse grids."
     )
     if isinstance(present := screen["in_force"].iloc[0], str):
         note += f" In the forces already: {present}."
@@ -64,18 +67,23 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         note += f" Estimates, of {screen['basis'].iloc[0]}."
     return pd.concat(
         [screen.assign(layer="plane"), chosen.assign(layer="radius")], ignore_index=True
-    ).assign(note=note)[list(COLUMNS)]
+    ).assign(note=note)[[*COLUMNS[:3], *places, *COLUMNS[3:]]]
 
 
 def _read(path: Any) -> pd.DataFrame:
     table = read_columns(
         path, columns=("h0_m", "hv_m", "phi_r_m", "phi_deg", "above_range", "in_force", "basis")
     )
+    places = {
+        f"{name[:-1]}mm": micrometres(table[name]) / 1e3
+        for name in form_of(table)
+        if name.endswith("_m")
+    }
     middle = (table["left_out_least_percent"] + table["left_out_most_percent"]) / 2
     return table.assign(
         h0_um=micrometres(table["h0_m"]),
         hv_um=micrometres(table["hv_m"]),
-        phi_r_mm=micrometres(table["phi_r_m"]) / 1e3,
+        **places,
         left_out_percent=middle,
         above_range=table["above_range"].fillna(""),
     )
@@ -91,8 +99,9 @@ def draw(data: pd.DataFrame) -> Figure:
         axes.set_title(f"({letter}) {EFFECTS[name][1]} (%)")
         axes.set_xlabel(plane.H0_LABEL)
         axes.set_ylabel(plane.HV_LABEL)
-    _draw_lines(panels[-1], style.rows(data, "radius"))
-    panels[-1].set_title("(f) along the radius")
+    places = POSITIONS[POLAR if "phi_deg" in data else CARTESIAN]
+    _draw_lines(panels[-1], style.rows(data, "radius"), places)
+    panels[-1].set_title(f"(f) along {'the radius' if 'phi_deg' in places else 'x'}")
     style.add_note(figure, data)
     return figure
 
@@ -123,18 +132,20 @@ def _draw_map(axes: Any, maps: pd.DataFrame, name: str) -> None:
     axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:+.3g}".replace("-", "−"))
 
 
-def _draw_lines(axes: Any, rows: pd.DataFrame) -> None:
-    """Each effect over the distance from the centre, in the first direction and in the last."""
-    rows = rows.drop_duplicates(["phi_r_mm", "phi_deg"]).sort_values("phi_r_mm")
-    off = rows[rows["phi_r_mm"] > 0]
-    farthest = float(rows["phi_r_mm"].max())
-    for marker, angle in (("o", off["phi_deg"].min()), ("s", off["phi_deg"].max())):
-        along = rows[(rows["phi_r_mm"] == 0) | (rows["phi_deg"] == angle)]
-        along = along.drop_duplicates("phi_r_mm")
+def _draw_lines(axes: Any, rows: pd.DataFrame, places: tuple[str, str]) -> None:
+    """Each effect over the first coordinate, for the least of the other and for the largest."""
+    place, other = places
+    rows = rows.drop_duplicates(list(places)).sort_values(place)
+    off = rows[rows[place] != 0]
+    least, farthest = min(0.0, float(rows[place].min())), float(rows[place].max())
+    for marker, value in (("o", off[other].min()), ("s", off[other].max())):
+        at_centre = (rows[place] == 0) & (other == "phi_deg")
+        along = rows[at_centre | (rows[other] == value)]
+        along = along.drop_duplicates(place)
         for name, (colour, label) in EFFECTS.items():
             values = along[f"{name}_percent"]
             axes.plot(
-                along["phi_r_mm"],
+                along[place],
                 values,
                 marker + "-",
                 color=colour,
@@ -144,15 +155,15 @@ def _draw_lines(axes: Any, rows: pd.DataFrame) -> None:
             if marker == "s" and np.isfinite(values.iloc[-1]):
                 axes.annotate(
                     label.removesuffix(", C = 1").removesuffix(" in all"),
-                    (float(along["phi_r_mm"].iloc[-1]), float(values.iloc[-1])),
+                    (float(along[place].iloc[-1]), float(values.iloc[-1])),
                     xytext=(5, 0),
                     textcoords="offset points",
                     va={"heat": "bottom", "rim": "top"}.get(name, "center"),
                     color=colour,
                     fontsize=6,
                 )
-    axes.set_xlim(-0.05 * farthest, 1.35 * farthest or 1.0)
+    axes.set_xlim(least - 0.05 * farthest, farthest + 0.35 * (farthest - least) or 1.0)
     axes.axhline(0, color="black", linewidth=0.5)
-    axes.set_xlabel(r"radial position $\phi_r$ (mm)")
+    axes.set_xlabel(r"radial position $\phi_r$ (mm)" if other == "phi_deg" else "$x$ (mm)")
     axes.set_ylabel("change of the force (%)")
     axes.grid(True)

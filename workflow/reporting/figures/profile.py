@@ -1,14 +1,19 @@
 """Measured profile: the measured profile and its residuals.
 
-The measured amplitudes and the smooth profile that all simulations use, over the distance from the
-disc's centre; where the profile is not axisymmetric, its least and largest value at that distance.
-The band adds two standard errors to that range. On the right what the profile does not explain.
+The measured amplitudes and the smooth profile that all simulations use. Of a disc over the distance
+from its centre; where the profile is not axisymmetric, its least and largest value at that
+distance, and the band adds two standard errors to that range. Of a rectangle as a map, measured
+points in the same colours and node lines drawn thick. On the right what the profile does not
+explain.
 Forces of this study are uncertain by the scan's noise too: the note says by how much at most, at 95
 %. The errors in tables of forces are the solver's alone.
 """
 
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from reporting.figures.parts import style
 
@@ -18,12 +23,74 @@ INPUTS = {
 
 
 def draw(data: pd.DataFrame) -> Figure:
-    """Amplitude and residual over the distance from the centre.
+    """Amplitude and residual, over the distance from the centre or as maps.
 
-    Layers points, outliers and profile.
+    Layers points, outliers, and profile or map.
     """
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
     amplitude, residual = figure.subplots(1, 2)
+    if "map" in set(data["layer"]):
+        _draw_maps(figure, amplitude, residual, data)
+    else:
+        _draw_lines(amplitude, residual, data)
+    style.add_note(figure, data)
+    return figure
+
+
+def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
+    """The profile's contours with the points' amplitudes; the points' residuals."""
+    table = style.rows(data, "map").pivot(index="y_mm", columns="x_mm", values="profile_um")
+    grid = table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
+    points, noise = style.rows(data, "points"), float(data["noise_um"].iloc[0])
+    outliers = style.rows(data, "outliers")
+    reach = {
+        "amplitude_um": float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max())),
+        "residual_um": float(max(3 * noise, points["residual_um"].abs().max())),
+    }
+    levels = MaxNLocator(nbins=16, symmetric=True).tick_values(
+        -reach["amplitude_um"], reach["amplitude_um"]
+    )
+    amplitude.contourf(*grid, levels=levels, cmap=style.DIVERGING)
+    amplitude.contour(*grid, levels=[0.0], colors="black", linewidths=1.6)
+    amplitude.set_title("(a) measured (dots) and smoothed")
+    residual.set_title("(b) what the profile leaves")
+    for axes, column, label in (
+        (amplitude, "amplitude_um", "amplitude (µm)"),
+        (residual, "residual_um", "residual (µm)"),
+    ):
+        limit = float(levels[-1]) if axes is amplitude else reach[column]
+        drawn = axes.scatter(
+            points["x_mm"],
+            points["y_mm"],
+            c=points[column],
+            s=9,
+            cmap=style.DIVERGING,
+            edgecolor="0.3",
+            linewidth=0.3,
+            clip_on=False,
+            vmin=-limit,
+            vmax=limit,
+        )
+        if len(outliers):
+            axes.plot(
+                outliers["x_mm"],
+                outliers["y_mm"],
+                "x",
+                color=style.VERMILLION,
+                label=f"outliers ({len(outliers)})",
+            )
+            axes.legend(loc="upper right")
+        axes.set_aspect("equal")
+        axes.set_xlim(grid[0][0], grid[0][-1])
+        axes.set_ylim(grid[1][0], grid[1][-1])
+        axes.set_xlabel("$x$ (mm)")
+        axes.set_ylabel("$y$ (mm)")
+        bar = figure.colorbar(drawn, ax=axes, orientation="horizontal", shrink=0.9)
+        bar.set_label(label)
+
+
+def _draw_lines(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
+    """Amplitude and residual over the distance from the centre."""
     profile, noise = style.rows(data, "profile"), float(data["noise_um"].iloc[0])
     for axes, column in ((amplitude, "amplitude_um"), (residual, "residual_um")):
         for layer, colour in (("points", style.BLUE), ("outliers", style.VERMILLION)):
@@ -63,5 +130,3 @@ def draw(data: pd.DataFrame) -> Figure:
     residual.set_ylabel("residual (µm)")
     residual.set_title("(b) what the profile leaves")
     residual.legend(loc="upper right")
-    style.add_note(figure, data)
-    return figure

@@ -8,6 +8,7 @@ import pandas as pd
 
 from reporting.pages.notes import percent, rounded_up
 from squeezefilm.io.markdown import markdown_table
+from squeezefilm.io.positions import POLAR, form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import number, read_fit
@@ -21,6 +22,13 @@ PURPOSES = {
     "four_factor_control": "random control points in all four factors",
     "four_factor_design": "the few points that teach most about the four-factor model",
     "four_factor_design_distinct": "the same, with points kept physically distinct",
+}
+
+POSITIONS = {
+    "phi_r_m": ("φr (mm)", 1e3),
+    "phi_deg": ("φφ (°)", 1.0),
+    "x_m": ("x (mm)", 1e3),
+    "y_m": ("y (mm)", 1e3),
 }
 
 INTRODUCTION = (
@@ -66,14 +74,16 @@ def _simulated(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) 
     gas = {"included": " of a gas that has inertia", "auto": ", with inertia where it matters"}.get(
         settings["gas"]["inertia"], ""
     )
+    polar = form_of(next(iter(tables.values()))) == POLAR
+    place = "radius φr and angle φφ" if polar else "x and y from the centre of the surface"
     yield "## What was simulated\n"
     yield (
         f"A plate vibrates at {frequency:g} kHz under a finger. The thin film of air between the "
         f"two is squeezed and stretched; it follows the compressible Reynolds equation{gas}, "
         "and once it has settled its mean pressure is above that of the room: the finger is "
         "lifted. The result of a simulation is this mean lifting force F. Its factors are the mean "
-        "gap h0, the amplitude of vibration hv at its maximum, and where the finger is: radius φr "
-        f"and angle φφ. Made were {total} simulations, in these plans:\n"
+        "gap h0, the amplitude of vibration hv at its maximum, and where the finger is: "
+        f"{place}. Made were {total} simulations, in these plans:\n"
     )
     yield markdown_table(pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]))
     yield (
@@ -96,8 +106,11 @@ def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
         "simulations": str(len(table)),
         "h0 (µm)": _range(1e6 * table["h0_m"]),
         "hv (µm)": _range(1e6 * table["hv_m"]),
-        "φr (mm)": _range(1e3 * table["phi_r_m"]),
-        "φφ (°)": _range(table["phi_deg"]),
+        **{
+            name: _range(scale * table[column])
+            for column, (name, scale) in POSITIONS.items()
+            if column in form_of(table)
+        },
         "F (N)": _range(table["force_n"]),
         "largest estimated error of F": rounded_up(_largest_error(table)),
         "what for": PURPOSES.get(plan, ""),

@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.io.typed_units import quantities
 
@@ -17,7 +18,6 @@ Values = str | float | Sequence[float] | np.ndarray
 units such as ``"5 um"``, ``"5 um, 6 um"``, ``"0.5:2.5:9 um"`` (first:last:count)."""
 COLUMNS = {"h0": "h0_m", "hv": "hv_m", "x": "x_m", "y": "y_m", "phi_r": "phi_r_m", "phi": "phi_deg"}
 """What the factors are called where they are asked for, and their columns."""
-POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 MOST_POINTS = 1_000_000
 
 
@@ -57,16 +57,17 @@ def scene_points_of(points: pd.DataFrame) -> list[ScenePoint]:
     values = {
         name: points[name].to_numpy(dtype=float) for name in COLUMNS.values() if name in points
     }
-    zeros = np.zeros(len(points))
-    if any(name in values for name in CARTESIAN):
-        x, y = (values.get(name, zeros) for name in CARTESIAN)
-        radius, angle = np.hypot(x, y), np.degrees(np.arctan2(y, x))
-    else:
-        radius, angle = (values.get(name, zeros) for name in POLAR)
-    rows = zip(values["h0_m"], values["hv_m"], radius, angle, strict=True)
+    given = [name for name in values if name not in ("h0_m", "hv_m")]
+    form = POLAR if any(name in POLAR for name in given) else CARTESIAN
+    columns = {name: values.get(name, np.zeros(len(points))) for name in form}
     return [
-        ScenePoint(str(number), *(float(value) for value in row))
-        for number, row in enumerate(rows, start=1)
+        ScenePoint.of(
+            str(row + 1),
+            h0_m=float(values["h0_m"][row]),
+            hv_m=float(values["hv_m"][row]),
+            **{name: float(column[row]) for name, column in columns.items()},
+        )
+        for row in range(len(points))
     ]
 
 

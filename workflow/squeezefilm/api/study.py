@@ -20,7 +20,7 @@ from squeezefilm.models.library import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import finger_positions, four_factor_plan, level_values
-from squeezefilm.studies.study import directions_of, scene_of
+from squeezefilm.studies.study import scene_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
@@ -100,7 +100,7 @@ class Study(Film):
             scan_error=self._scan_error(),
             processes=processes,
         )
-        found["directions"] = directions_of(config).to_dict()
+        found["directions"] = symmetry_of(config).to_dict()
         if chosen.column_names:
             found["limit_table"] = limit_table_of(config).to_dict()
         found["source"] = {"squeezefilm": __version__, "study": self.name}

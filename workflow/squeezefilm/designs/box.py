@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import CARTESIAN
 
 Array = NDArray[np.float64]
 Coordinates = Callable[[Array], Array]
@@ -56,8 +57,8 @@ def coordinates(scaling: str, box: Box) -> Coordinates:
     """The coordinates in which distances between points are taken.
 
     unit: every factor scaled to [0, 1]; micrometre, metre: the factors as they are, all of them
-    lengths; scene: h0 and hv scaled to [0, 1], and the polar position as x and y over the largest
-    radius, so that two angles at the centre are one and the same scene.
+    lengths; scene: h0 and hv scaled to [0, 1], and a polar position as x and y over the largest
+    radius, so that two angles at the centre are one and the same scene; a Cartesian one as unit.
     Raises InputError for an unknown name, or one that does not suit the box's factors.
     """
     if scaling not in SCALINGS:
@@ -65,7 +66,7 @@ def coordinates(scaling: str, box: Box) -> Coordinates:
     if scaling == "unit":
         return box.to_unit
     if scaling == "scene":
-        return _scene_coordinates(box)
+        return box.to_unit if box.names[2:] == CARTESIAN else _scene_coordinates(box)
     if not all(name.endswith("_m") for name in box.names):
         raise InputError(f"scaling {scaling!r} is for factors that are lengths; use unit or scene")
     per_metre = {"micrometre": 1e6, "metre": 1.0}[scaling]

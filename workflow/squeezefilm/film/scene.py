@@ -7,10 +7,12 @@ from typing import TypeVar
 import numpy as np
 
 from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.io.errors import InputError
 
 GAPS_M = (1e-9, 1e-3)
 OUTLINE_POINTS = 144
+SLACK = 1e-9
 
 Number = TypeVar("Number", float, np.ndarray)
 
@@ -43,10 +45,10 @@ class Gas:
 
 @dataclass(frozen=True)
 class Actuator:
-    """A disc that vibrates normal to itself with amplitude hv · s(x, y) at one frequency."""
+    """A surface that vibrates normal to itself with amplitude hv · s(x, y) at one frequency."""
 
     frequency_hz: float
-    surface_radius_m: float
+    surface: Surface
     profile: Profile
 
     @property
@@ -135,25 +137,17 @@ class Scene:
     """One operating point: gap, amplitude and finger position on a given actuator.
 
     ``h0_m`` is the mean gap, ``hv_m`` the amplitude at the profile's maximum; the finger's centre
-    lies at the polar position (``phi_r_m``, ``phi_deg``) and the pad keeps its orientation.
+    lies at (``x_m``, ``y_m``) from the surface's and the pad keeps its orientation.
     """
 
     point_id: str
     h0_m: float
     hv_m: float
-    phi_r_m: float
-    phi_deg: float
+    x_m: float
+    y_m: float
     gas: Gas
     actuator: Actuator
     finger: Finger
-
-    @property
-    def x_m(self) -> float:
-        return self.phi_r_m * cos(radians(self.phi_deg))
-
-    @property
-    def y_m(self) -> float:
-        return self.phi_r_m * sin(radians(self.phi_deg))
 
     @property
     def epsilon(self) -> float:
@@ -255,7 +249,7 @@ def check_scene(scene: Scene) -> None:
 
     Raises InputError naming the point, the factor and what is allowed.
     """
-    for name in ("h0_m", "hv_m", "phi_r_m", "phi_deg"):
+    for name in ("h0_m", "hv_m", "x_m", "y_m"):
         if not isfinite(getattr(scene, name)):
             raise InputError(f"point {scene.point_id}: {name} is not a finite number")
     if not GAPS_M[0] <= scene.h0_m <= GAPS_M[1]:
@@ -270,17 +264,16 @@ def check_scene(scene: Scene) -> None:
             f"point {scene.point_id}: hv_m = {scene.hv_m:g} reaches h0_m = {scene.h0_m:g}: "
             "surface and finger touch; the amplitude must stay below the mean gap"
         )
-    if scene.phi_r_m < 0:
-        raise InputError(
-            f"point {scene.point_id}: phi_r_m = {scene.phi_r_m:g} must not be negative"
-        )
-    farthest_m = max(hypot(scene.x_m + x, scene.y_m + y) for x, y in scene.finger.outline())
-    if farthest_m > scene.actuator.surface_radius_m:
+    surface, outline = scene.actuator.surface, np.array(scene.finger.outline())
+    x_m, y_m = scene.x_m + outline[:, 0], scene.y_m + outline[:, 1]
+    reach = surface.reach(x_m, y_m)
+    farthest = int(np.argmax(reach))
+    if reach[farthest] > 1 + SLACK:
         part = "the rim" if scene.finger.shape == "ellipse" else "a corner"
         raise InputError(
-            f"point {scene.point_id}: at phi_r_m = {scene.phi_r_m:g}, phi_deg = {scene.phi_deg:g} "
-            f"{part} of the finger lies {farthest_m * 1e3:.2f} mm from the centre, off the "
-            f"actuator's {scene.actuator.surface_radius_m * 1e3:.2f} mm disc"
+            f"point {scene.point_id}: with its centre at x = {scene.x_m * 1e3:.2f} mm, "
+            f"y = {scene.y_m * 1e3:.2f} mm {part} of the finger lies "
+            f"{surface.where(x_m[farthest], y_m[farthest])}, off the actuator's {surface.text}"
         )
     if scene.finger.gap.flat and scene.closure() >= 1:
         raise InputError(

@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import as_in
 
 
 def parse_sources(words: Sequence[str], *, names: Sequence[str], user: str) -> dict[str, Path]:
@@ -33,6 +34,7 @@ def parse_sources(words: Sequence[str], *, names: Sequence[str], user: str) -> d
 def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
     """Read a table that one of our commands wrote and that has at least these columns.
 
+    Positions, named in polar form, may be in Cartesian form.
     Raises InputError naming the file and the column that is missing, or a file without rows.
     """
     try:
@@ -41,6 +43,7 @@ def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
         raise InputError(f"{path}: there is no such table") from None
     except (OSError, UnicodeDecodeError, pd.errors.EmptyDataError, pd.errors.ParserError) as error:
         raise InputError(f"{path}: the table cannot be read: {error}") from None
+    columns = as_in(columns, data.columns)
     for name in columns:
         if name not in data.columns:
             raise InputError(

@@ -7,7 +7,7 @@ would take longer to read than scenes to solve.
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,11 @@ import pandas as pd
 from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError, needing
+from squeezefilm.io.positions import POLAR, as_in, cartesian
 from squeezefilm.io.solution import SOLUTION_COLUMNS
 
-FACTOR_COLUMNS = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
+FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
+"""Here and below, positions are named in polar form; as_in names them as a table has them."""
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
 TIMING_COLUMNS = ("point_id", "solve_seconds")
@@ -49,8 +51,21 @@ class ScenePoint:
     point_id: str
     h0_m: float
     hv_m: float
-    phi_r_m: float
-    phi_deg: float
+    x_m: float = field(default=0.0, kw_only=True)
+    y_m: float = field(default=0.0, kw_only=True)
+
+    @classmethod
+    def of(cls, point_id: str, **factors: float) -> "ScenePoint":
+        """A point from its factors, the position in polar or Cartesian form.
+
+        Raises InputError naming the point, for a distance below zero.
+        """
+        if POLAR[0] in factors:
+            radius_m, angle_deg = factors.pop(POLAR[0]), factors.pop(POLAR[1])
+            if radius_m < 0:
+                raise InputError(f"point {point_id}: phi_r_m = {radius_m:g} must not be negative")
+            factors |= cartesian(radius_m, angle_deg)
+        return cls(point_id, **factors)
 
 
 def read_scenes(path: Path | str, *, rows: Rows = all_rows) -> pd.DataFrame:
@@ -112,9 +127,10 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
 
 def scene_points(table: pd.DataFrame) -> list[ScenePoint]:
     """The rows of a plan as points."""
+    names = as_in(FACTOR_COLUMNS, table)
     return [
-        ScenePoint(str(point_id), *(float(value) for value in factors))
-        for point_id, *factors in table[list(SCENE_COLUMNS)].itertuples(index=False)
+        ScenePoint.of(str(point_id), **dict(zip(names, map(float, factors), strict=True)))
+        for point_id, *factors in table[["point_id", *names]].itertuples(index=False)
     ]
 
 
@@ -129,6 +145,7 @@ def _read(
     if path.suffix == PARQUET:
         return _read_parquet(path, columns=columns, numbers=numbers, rows=rows)
     header, found = read_cells(path, what="table", needs=", ".join(columns))
+    columns, numbers = as_in(columns, header), as_in(numbers, header)
     _check_header(header, columns=columns, path=path)
     if not found:
         raise InputError(f"{path}: the table has a header and no rows")
@@ -149,7 +166,9 @@ def _read_parquet(
 
     try:
         with pq.ParquetFile(path) as file:
-            _check_header(file.schema_arrow.names, columns=columns, path=path)
+            names = file.schema_arrow.names
+            columns, numbers = as_in(columns, names), as_in(numbers, names)
+            _check_header(names, columns=columns, path=path)
             metadata = file.metadata
             sizes = [metadata.row_group(group).num_rows for group in range(metadata.num_row_groups)]
             start, stop, _ = rows(metadata.num_rows).indices(metadata.num_rows)
@@ -163,12 +182,12 @@ def _read_parquet(
     except (OSError, pa.ArrowException) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: the table cannot be read: {reason}") from None
-    for field in found.schema:
-        text = pa.types.is_string(field.type) or pa.types.is_large_string(field.type)
-        number = pa.types.is_floating(field.type) or pa.types.is_integer(field.type)
-        if not (text if field.name in TEXT_COLUMNS else number):
-            wanted = "text" if field.name in TEXT_COLUMNS else "numbers"
-            raise InputError(f"{path}: column {field.name!r} holds {field.type}, not {wanted}")
+    for column in found.schema:
+        text = pa.types.is_string(column.type) or pa.types.is_large_string(column.type)
+        number = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
+        if not (text if column.name in TEXT_COLUMNS else number):
+            wanted = "text" if column.name in TEXT_COLUMNS else "numbers"
+            raise InputError(f"{path}: column {column.name!r} holds {column.type}, not {wanted}")
     if not found.num_rows:
         raise InputError(f"{path}: the table has no rows")
     table = found.to_pandas()

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import as_in
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
@@ -17,7 +18,7 @@ def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Fac
     ``limits`` is what ``squeezefilm limits`` wrote for the same scenes.
     Raises InputError where the two tables do not have the same scenes in the same order.
     """
-    factors = {name: points[name].to_numpy(dtype=float) for name in FACTOR_COLUMNS}
+    factors = {name: points[name].to_numpy(dtype=float) for name in as_in(FACTOR_COLUMNS, points)}
     if limits is None:
         return Factors.of(**factors)
     table = read_columns(limits, columns=LIMIT_COLUMNS)

@@ -13,8 +13,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from squeezefilm.film.directions import Directions
+from squeezefilm.film.directions import Symmetry, symmetry_from_dict
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import POLAR
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.force_model import ExpressionModel, Factors, get_model, make_model
@@ -67,25 +68,29 @@ class FittedModel:
         return model
 
     @cached_property
-    def directions(self) -> Directions | None:
-        """The finger's directions that represent all in the model's study, if the file tells."""
+    def symmetry(self) -> Symmetry | None:
+        """The finger's positions that represent all in the model's study, if the file tells."""
         if "directions" not in self.values:
             return None
-        return Directions.from_dict(self.values["directions"], place=f"{self.place}: directions")
+        return symmetry_from_dict(self.values["directions"], place=f"{self.place}: directions")
+
+    @property
+    def position(self) -> tuple[str, str]:
+        """The form of positions in the model's study; polar, if the file does not tell."""
+        return POLAR if self.symmetry is None else self.symmetry.position
 
     def represented(self, factors: Factors) -> Factors:
-        """The factors of the same forces with the finger in the directions that the model knows.
+        """The factors of the same forces with the finger in positions that the model knows.
 
         By the symmetry of the study's scenes; a file that tells none leaves them as they are.
         """
-        if self.directions is None:
+        if self.symmetry is None:
             return factors
-        moved = factors.phi_r_m > 0
+        place = {name: factors.column(name) for name in self.symmetry.position}
         return Factors.of(
             h0_m=factors.h0_m,
             hv_m=factors.hv_m,
-            phi_r_m=factors.phi_r_m,
-            phi_deg=np.where(moved, self.directions.fold(factors.phi_deg), factors.phi_deg),
+            **self.symmetry.represent(**place),
             **factors.columns,
         )
 

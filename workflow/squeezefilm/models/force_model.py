@@ -22,6 +22,7 @@ from squeezefilm.formulas.derivatives import derivative
 from squeezefilm.formulas.expressions import Expression, Name, Program, parse, walk
 from squeezefilm.formulas.units import parameter_units
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import CARTESIAN, POLAR
 
 Array = NDArray[np.float64]
 
@@ -39,7 +40,6 @@ FACTORS = {
 COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
 """What an expression calls the results of physics that stand in a table, and their columns."""
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
-POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 POSITION = (*POLAR, *CARTESIAN)
 MOST_PARAMETERS = 30
 
@@ -50,7 +50,8 @@ class Factors:
 
     h0_m: mean gap; hv_m: vibration amplitude at the centre; phi_r_m, phi_deg: polar position
     of the finger's centre (both zero where the finger is centred), x_m, y_m the same in Cartesian
-    form; columns: results of physics at these points, by the names of their columns.
+    form; columns: results of physics at these points, by the names of their columns; position: the
+    form in which positions were given.
     """
 
     h0_m: Array
@@ -60,6 +61,7 @@ class Factors:
     x_m: Array
     y_m: Array
     columns: Mapping[str, Array] = field(default_factory=dict)
+    position: tuple[str, str] = POLAR
 
     @classmethod
     def of(
@@ -113,7 +115,7 @@ class Factors:
             named["x_m"] = named["phi_r_m"] * np.cos(angle)
             named["y_m"] = named["phi_r_m"] * np.sin(angle)
         rest = {name: named.pop(name) for name in columns}
-        return cls(**named, columns=rest)
+        return cls(**named, columns=rest, position=CARTESIAN if "x_m" in given else POLAR)
 
     @property
     def epsilon(self) -> Array:
@@ -142,7 +144,8 @@ class Factors:
         """Some of the points, by a mask or by indices."""
         index = np.asarray(which)
         own = {name: getattr(self, name)[index] for name in ("h0_m", "hv_m", *POSITION)}
-        return Factors(**own, columns={name: v[index] for name, v in self.columns.items()})
+        columns = {name: v[index] for name, v in self.columns.items()}
+        return Factors(**own, columns=columns, position=self.position)
 
     def __len__(self) -> int:
         return len(self.h0_m)

@@ -17,9 +17,10 @@ import yaml
 
 from squeezefilm.formulas.expressions import Name, Node, Number
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import CARTESIAN, COLUMNS, FACTORS, POLAR, POSITION
-from squeezefilm.models.limit_table import AXES, SLACK
+from squeezefilm.models.force_model import COLUMNS, FACTORS, POSITION
+from squeezefilm.models.limit_table import SLACK
 
 FOLDER = Path(__file__).with_name("languages")
 LANGUAGES = tuple(sorted(path.stem for path in FOLDER.glob("*.yaml")))
@@ -146,7 +147,7 @@ class _Writer:
             for axis, function in zip(CARTESIAN, ("cos", "sin"), strict=True):
                 if axis[0] in used:
                     lines.append(self.define(axis, f"phi_r_m * {self.call(function, 'phi_rad')}"))
-        elif self.model.column_names:
+        elif self.model.column_names and "phi_deg" in self.fit.limit_table.ranges:
             angle = f"{self.call('atan2', 'y_m, x_m')} / {RADIANS_PER_DEGREE!r}"
             lines.append(self.define("phi_r_m", self.call("hypot", "x_m, y_m")))
             lines.append(self.define("phi_deg", angle))
@@ -155,22 +156,23 @@ class _Writer:
     def limits(self) -> list[str]:
         """The physics limits at the point, from their table."""
         table = self.fit.limit_table
-        reach = SLACK * max(table.ranges["phi_r_m"][1], 1e-300)
-        direction = self.written(
-            "choice",
-            condition=f"phi_r_m <= {_number(reach)}",
-            yes=_number(table.ranges["phi_deg"][0]),
-            no="phi_deg",
-        )
         places = []
-        for axis in AXES:
+        for axis in table.ranges:
             low, high = table.ranges[axis]
             value = "direction_deg" if axis == "phi_deg" else axis
             numbers = (high + low) / 2, (high - low) / 2, SLACK * max(abs(low), abs(high))
             places.append(self.own("place", value, *map(_number, numbers)))
-        lines = [
-            self.define("epsilon_square", self.own("square", RATIO)),
-            self.define("direction_deg", direction),
+        lines = [self.define("epsilon_square", self.own("square", RATIO))]
+        if "phi_deg" in table.ranges:
+            reach = SLACK * max(table.ranges["phi_r_m"][1], 1e-300)
+            direction = self.written(
+                "choice",
+                condition=f"phi_r_m <= {_number(reach)}",
+                yes=_number(table.ranges["phi_deg"][0]),
+                no="phi_deg",
+            )
+            lines.append(self.define("direction_deg", direction))
+        lines += [
             self.written("places", places=",\n        ".join(places)),
         ]
         for column in self.tabulated():
@@ -225,13 +227,9 @@ def _about(fit: FittedModel) -> list[str]:
         lines.append(text)
     if re.fullmatch(r"[0-9a-f]{64}", digest):
         lines.append(f"Forces (SHA-256): {digest}")
-    if fit.directions is not None and set(model.factor_names) & set(POSITION):
-        low, high = fit.directions.start_deg, fit.directions.stop_deg
-        why = fit.directions.because.replace("°", " deg")
-        text = (
-            f"Positions are at directions of {low:g} to {high:g} deg, which stand for all: {why}."
-        )
-        lines += textwrap.wrap(f"{text} Bring a position there before you call.", 90)
+    if fit.symmetry is not None and set(model.factor_names) & set(POSITION):
+        text = f"{fit.symmetry.text} Bring a position there before you call."
+        lines += textwrap.wrap(text, 90)
     if model.column_names:
         error = fit.limit_table.error
         lines.append(f"The physics limit is tabulated; its largest relative error is {error:.1e}.")

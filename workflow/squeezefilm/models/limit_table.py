@@ -15,13 +15,15 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import CARTESIAN, form_of
 from squeezefilm.models.force_model import COLUMNS, Factors
 
 Array = NDArray[np.float64]
 
-AXES = ("h0_m", "epsilon_square", "phi_r_m", "phi_deg")
-POINTS = {"h0_m": 3, "epsilon_square": 11, "phi_r_m": 7, "phi_deg": 6}
-"""Of directions, for 45°: the force over more of them bends more often."""
+AXES = ("h0_m", "epsilon_square")
+"""And the two of the position."""
+POINTS = {"h0_m": 3, "epsilon_square": 11, "phi_r_m": 7, "phi_deg": 6, "x_m": 8, "y_m": 8}
+"""Of directions, for 45°: the force over more of them bends more often. Of x and y, on one side."""
 POINTS_WITH_INERTIA = POINTS | {"h0_m": 6}
 """Inertia grows like the square of the gap."""
 LARGEST_EPSILON_SQUARE = 0.5
@@ -34,8 +36,9 @@ BATCH = 1024
 class LimitTable:
     """Chebyshev coefficients of the limits over ε², in newtons, by their columns.
 
-    ranges: of each of AXES; coefficients: of shape (points of each axis); sigma_h0_square: squeeze
-    number times h0², in m²; error: largest relative error of the table at its check points.
+    ranges: of each of AXES and of the position; coefficients: of shape (points of each axis);
+    sigma_h0_square: squeeze number times h0², in m²; error: largest relative error of the table at
+    its check points.
     """
 
     ranges: Mapping[str, tuple[float, float]]
@@ -47,7 +50,7 @@ class LimitTable:
         """The factors with the limits' columns; NaN outside the table."""
         columns = {name: self._interpolate(name, factors) for name in self.coefficients}
         sigma = self.sigma_h0_square / factors.h0_m**2
-        own = {name: factors.column(name) for name in ("h0_m", "hv_m", "phi_r_m", "phi_deg")}
+        own = {name: factors.column(name) for name in ("h0_m", "hv_m", *factors.position)}
         return Factors.of(**own, **columns, sigma=sigma)
 
     def _interpolate(self, name: str, factors: Factors) -> Array:
@@ -57,7 +60,7 @@ class LimitTable:
             some = slice(start, start + BATCH)
             a, b, c, d = (
                 chebyshev.chebvander(places[axis][some], points - 1)
-                for axis, points in zip(AXES, self.coefficients[name].shape, strict=True)
+                for axis, points in zip(self.ranges, self.coefficients[name].shape, strict=True)
             )
             part = np.einsum("abcd,nd->nabc", self.coefficients[name], d)
             part = np.einsum("nabc,nc->nab", part, c)
@@ -66,18 +69,14 @@ class LimitTable:
 
     def places(self, factors: Factors) -> tuple[dict[str, Array], Array]:
         """Where the points lie on each axis, in [-1, 1], and which lie inside the table."""
-        at_centre = factors.phi_r_m <= SLACK * max(self.ranges["phi_r_m"][1], 1e-300)
-        values = {
-            "h0_m": factors.h0_m,
-            "epsilon_square": factors.epsilon**2,
-            "phi_r_m": factors.phi_r_m,
-            # Every direction is the same at the centre.
-            "phi_deg": np.where(at_centre, self.ranges["phi_deg"][0], factors.phi_deg),
-        }
+        values = {"h0_m": factors.h0_m, "epsilon_square": factors.epsilon**2}
+        values |= {name: factors.column(name) for name in form_of(self.ranges)}
+        if "phi_deg" in values:  # every direction is the same at the centre
+            at_centre = factors.phi_r_m <= SLACK * max(self.ranges["phi_r_m"][1], 1e-300)
+            values["phi_deg"] = np.where(at_centre, self.ranges["phi_deg"][0], factors.phi_deg)
         inside = np.ones(len(factors), dtype=bool)
         places = {}
-        for axis in AXES:
-            low, high = self.ranges[axis]
+        for axis, (low, high) in self.ranges.items():
             half = (high - low) / 2
             middle = (high + low) / 2
             slack = SLACK * max(abs(low), abs(high))
@@ -89,7 +88,7 @@ class LimitTable:
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers and lists, ready for JSON."""
         return {
-            "ranges": {axis: list(self.ranges[axis]) for axis in AXES},
+            "ranges": {axis: list(limits) for axis, limits in self.ranges.items()},
             "shape": list(next(iter(self.coefficients.values())).shape),
             "coefficients": {
                 name: each.ravel().tolist() for name, each in self.coefficients.items()
@@ -104,7 +103,7 @@ class LimitTable:
         try:
             ranges = {
                 axis: (float(low), float(high))
-                for axis in AXES
+                for axis in (*AXES, *form_of(plain["ranges"]))
                 for low, high in [plain["ranges"][axis]]
             }
             shape = tuple(int(count) for count in plain["shape"])
@@ -121,7 +120,8 @@ class LimitTable:
         except (KeyError, TypeError, ValueError, AttributeError):
             raise InputError(f"{place}: not a table of limits as `limit-table` writes it") from None
         finite = all(np.all(np.isfinite(each)) for each in coefficients.values())
-        if len(shape) != len(AXES) or not finite or not set(coefficients) <= set(COLUMNS.values()):
+        known = set(coefficients) <= set(COLUMNS.values())
+        if len(shape) != len(ranges) or not finite or not known:
             raise InputError(f"{place}: not a table of limits as `limit-table` writes it")
         return table
 
@@ -134,14 +134,15 @@ def nodes(
     An axis without extent has one point.
     """
     lines = []
-    for axis in AXES:
-        low, high = ranges[axis]
+    for axis, (low, high) in ranges.items():
         points = counts[axis] if high > low else 1
         if axis == "phi_deg" and high - low > 45:
             points = round(points * ((high - low) / 45) ** (2 / 3))
+        if axis in CARTESIAN and low < 0:
+            points = round(1.5 * points)
         lines.append((low + high) / 2 + (high - low) / 2 * chebyshev.chebpts1(points))
     grid = np.meshgrid(*lines, indexing="ij")
-    return dict(zip(AXES, (each.ravel() for each in grid), strict=True)), grid[0].shape
+    return dict(zip(ranges, (each.ravel() for each in grid), strict=True)), grid[0].shape
 
 
 def coefficients_of(values: Array) -> Array:

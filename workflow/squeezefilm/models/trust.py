@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import form_of
 from squeezefilm.models.force_model import Factors
 
 Array = NDArray[np.float64]
@@ -35,9 +36,8 @@ LEAST_POINTS = 10
 """Fewer unseen simulations than this tell nothing about the others."""
 MOST_POINTS = 2500
 """Of more unseen simulations an evenly spaced part is used: all pairs of them are looked at."""
-RANGED = ("h0_m", "hv_m", "epsilon", "phi_r_m", "phi_deg")
+RANGED = ("h0_m", "hv_m", "epsilon")
 PLACED = ("h0_m", "hv_m", "epsilon", "x_m", "y_m")
-STORED = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
 SLACK = 1e-9
 BATCH = 4096
 
@@ -86,7 +86,7 @@ class Unseen:
         """These simulations and others."""
         factors = {
             name: np.concatenate([getattr(each.factors, name) for each in (self, other)])
-            for name in STORED
+            for name in ("h0_m", "hv_m", *self.factors.position)
         }
         return Unseen(
             Factors.of(**factors),
@@ -165,17 +165,17 @@ class Trust:
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """The least and the largest value of each of RANGED among the fitted points."""
+        """The least and the largest value of each of RANGED and the position's among the fitted."""
         off_centre = self.fitted.phi_r_m > 0  # every direction is the same at the centre
-        values = {name: _column(self.fitted, name) for name in RANGED}
-        if np.any(off_centre):
+        values = {name: _column(self.fitted, name) for name in (*RANGED, *self.fitted.position)}
+        if np.any(off_centre) and "phi_deg" in values:
             values["phi_deg"] = values["phi_deg"][off_centre]
         return {name: (float(np.min(v)), float(np.max(v))) for name, v in values.items()}
 
     @cached_property
     def widths(self) -> dict[str, float]:
         """What each of PLACED is divided by before distances are taken."""
-        reach = self.ranges["phi_r_m"][1] or 1.0
+        reach = self.ranges.get("phi_r_m", (0.0, 0.0))[1] or 1.0
         widths = {name: high - low or high or 1.0 for name, (low, high) in self.ranges.items()}
         return {name: widths.get(name, reach) for name in PLACED}
 
@@ -266,9 +266,10 @@ class Trust:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers and lists, ready for JSON: the points, and what follows from them."""
-        unseen = {name: getattr(self.unseen.factors, name).tolist() for name in STORED}
+        stored = ("h0_m", "hv_m", *self.fitted.position)
+        unseen = {name: getattr(self.unseen.factors, name).tolist() for name in stored}
         return {
-            "fitted": {name: getattr(self.fitted, name).tolist() for name in STORED},
+            "fitted": {name: getattr(self.fitted, name).tolist() for name in stored},
             "unseen": unseen
             | {"force_n": self.unseen.force_n.tolist(), "error_n": self.unseen.error_n.tolist()},
             "simulation_error": self.unseen.simulation_error,
@@ -286,10 +287,11 @@ class Trust:
         Raises InputError naming the place, for anything else.
         """
         try:
-            fitted = Factors.of(**{name: plain["fitted"][name] for name in STORED})
+            stored = ("h0_m", "hv_m", *form_of(plain["fitted"]))
+            fitted = Factors.of(**{name: plain["fitted"][name] for name in stored})
             given = plain["unseen"]
             force, error = (np.asarray(given[name], float) for name in ("force_n", "error_n"))
-            points = Factors.of(**{name: given[name] for name in STORED}) if len(force) else None
+            points = Factors.of(**{name: given[name] for name in stored}) if len(force) else None
             simulation_error = float(plain["simulation_error"])
             scan_error = float(plain["scan_error"])
         except (KeyError, TypeError, ValueError, InputError):

@@ -16,6 +16,8 @@ QUANTITIES = {
     "epsilon": "ratio hv/h0",
     "phi_r_m": "distance of the finger from the centre",
     "phi_deg": "direction of the finger",
+    "x_m": "position of the finger along x",
+    "y_m": "position of the finger along y",
 }
 COLUMNS = ("quantity", "third", "least", "largest", "share_of_points", "share_of_squares", "bias_n")
 
@@ -33,7 +35,7 @@ def weak_spots(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
     if not squares.sum() > 0:
         raise InputError("weak spots: no error is known, or all are zero")
     rows = []
-    for name in QUANTITIES:
+    for name in ("h0_m", "hv_m", "epsilon", *factors.position):
         values = np.asarray(getattr(factors, name), dtype=float)
         if np.ptp(values) == 0:
             continue

@@ -25,11 +25,7 @@ def working_point(
     """
     model = fit.force_model
     point = fit.represented(point)
-    where = {
-        "h0_m": float(point.h0_m[0]),
-        "phi_r_m": float(point.phi_r_m[0]),
-        "phi_deg": float(point.phi_deg[0]),
-    }
+    where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position)}
     unknown = dict.fromkeys(("hv_m", "hv_error_m", "within_percent"), np.nan)
     row: dict[str, object] = {"force_n": force_n, **unknown, **fit.scan_percent, "note": ""}
     if model.column_names:
@@ -61,13 +57,13 @@ def amplitude_for_force(
     *,
     force_n: float,
     h0_m: float,
-    phi_r_m: float = 0.0,
-    phi_deg: float = 0.0,
     complete: Callable[[Factors], Factors] | None = None,
+    **position: float,
 ) -> float:
     """Smallest amplitude hv in metres that gives the wanted force at a gap and position.
 
-    A model of results of physics needs ``complete``, which adds their columns to factors.
+    The position as Factors.of takes it. A model of results of physics needs ``complete``, which
+    adds their columns to factors.
     Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives the
     force.
     """
@@ -80,7 +76,7 @@ def amplitude_for_force(
 
     def excess(epsilon: ArrayLike) -> Array:
         hv_m = np.asarray(epsilon) * h0_m
-        at = Factors.of(h0_m=h0_m, hv_m=hv_m, phi_r_m=phi_r_m, phi_deg=phi_deg)
+        at = Factors.of(h0_m=h0_m, hv_m=hv_m, **position)
         at = complete(at) if complete else at
         return model.evaluate(theta, at) - force_n
 

@@ -7,11 +7,11 @@ one small grid each, by the kernel that solves all others, and compared with sel
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
 from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device, choose_device
@@ -65,10 +65,10 @@ def _film(
         point_id="self-test",
         h0_m=6e-6,
         hv_m=2.4e-6,
-        phi_r_m=float(np.hypot(x_m, y_m)),
-        phi_deg=float(np.degrees(np.arctan2(y_m, x_m))),
+        x_m=x_m,
+        y_m=y_m,
         gas=Gas(**{**vars(AIR), **gas}),
-        actuator=Actuator(4e4, 1e-2, Sinc(wave_number_per_m=100.0)),
+        actuator=Actuator(4e4, Disc(1e-2), Sinc(wave_number_per_m=100.0)),
         finger=Finger(1e-2, 1e-2, speed_x_m_per_s),
     )
 

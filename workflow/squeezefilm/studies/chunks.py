@@ -6,6 +6,7 @@ Only the configuration is asked: the number of jobs is known before any plan is 
 from math import ceil
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.studies.config import Config
@@ -43,7 +44,7 @@ def expected_seconds(config: Config, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
     sample = random_plan(points=SAMPLE, seed=1, **box_of(config).ranges)
     if centred:
-        sample = sample.assign(phi_r_m=0.0, phi_deg=0.0)
+        sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
     profile = planned_profile_of(config)
     scenes = [scene_of(point, config, profile=profile) for point in scene_points(sample)]
     solver = config["solver"]

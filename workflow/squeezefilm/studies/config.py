@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 
 from squeezefilm.io.errors import InputError, naming
+from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.studies.derived import ENDS, with_derived
 from squeezefilm.studies.mistakes import mistakes
 from squeezefilm.studies.schema import Part, filled, in_si, schema
@@ -201,9 +202,37 @@ def _check_relations(values: dict[str, Any], *, path: Path) -> None:
             f"{path}: extrapolation: hv_m must stay below h0_m, or surface and finger touch"
         )
     _check_space(values, path=path)
-    for factor in ("phi_r_m", "phi_deg"):
-        if len(set(values["positions"][factor])) < len(values["positions"][factor]):
+    _check_surface(values, path=path)
+
+
+def _check_surface(values: dict[str, Any], *, path: Path) -> None:
+    """Refuse two surfaces or none, and positions in a form that is not the surface's."""
+    actuator, positions = values["actuator"], values["positions"]
+    if ("surface" in actuator) == ("surface_radius_m" in actuator):
+        raise InputError(
+            f"{path}: actuator: give surface_radius_m, of a disc, or surface, of a rectangle, "
+            "and not both"
+        )
+    disc = "surface_radius_m" in actuator
+    factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
+    if set(positions) != set(factors):
+        raise InputError(
+            f"{path}: positions: on a {shape} they are {' and '.join(factors)}; "
+            f"the keys are {', '.join(positions)}"
+        )
+    for factor in factors:
+        if len(set(positions[factor])) < len(positions[factor]):
             raise InputError(f"{path}: positions.{factor}: a value stands twice")
+        if not disc and max(positions[factor]) <= 0:
+            raise InputError(
+                f"{path}: positions.{factor}: a value must be above 0: the finger moves in x and y"
+            )
+    if not disc and values.get("paper"):
+        raise InputError(f"{path}: paper: the paper's actuator is a disc; it must be false")
+    if not disc and actuator["profile"].get("axisymmetric"):
+        raise InputError(
+            f"{path}: actuator.profile.axisymmetric: a rectangle has no axis; it must be false"
+        )
 
 
 def _check_space(values: dict[str, Any], *, path: Path) -> None:

@@ -6,7 +6,7 @@ is done here.
 
 from __future__ import annotations
 
-from math import floor, hypot, log10
+from math import cos, floor, hypot, log10, radians, sin
 from typing import Any
 
 from squeezefilm.io.errors import InputError
@@ -15,6 +15,7 @@ FACTORS = ("h0_m", "hv_m")
 ENDS = ("start", "stop")
 FINER, MOST_LEVELS = 2, 1000
 """The error map's levels over the screen's: they share no points but the corners."""
+DIRECTIONS_DEG = (0, 22.5, 45)
 FARTHER = 1.1
 """An amplitude beyond the screen at which its models are tried, over the screen's largest."""
 FORMULAS = {
@@ -43,8 +44,7 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
         farthest = float(f"{FARTHER * screen['hv_m']['stop']:.12g}")
         contact = farthest >= wanted["h0_m"]
         wanted["hv_m"] = screen["hv_m"]["stop"] if contact else farthest
-    if "phi_r_m" not in values["positions"]:
-        values["positions"]["phi_r_m"] = _radii(values["actuator"], values["finger"])
+    _place(values["positions"], values["actuator"], values["finger"])
     known = _limit_is_known(values)
     for place, space in enumerate(("two_factor", "four_factor")):
         formulas, physics = FORMULAS["comparison"][place], PHYSICS["comparison"][place]
@@ -54,19 +54,38 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
     return values
 
 
-def _radii(actuator: dict[str, Any], finger: dict[str, Any]) -> list[float]:
-    """Half of the way, and all of it, that the pad may go in any direction and stay on the disc."""
+def _place(positions: dict[str, Any], actuator: dict[str, Any], finger: dict[str, Any]) -> None:
+    """Positions in the form of the surface: half of the way that the pad may go, and all of it."""
     half_x, half_y = finger["length_x_m"] / 2, finger["length_y_m"] / 2
-    reach = max(half_x, half_y) if finger["shape"] == "ellipse" else hypot(half_x, half_y)
-    room = actuator["surface_radius_m"] - reach
-    if room <= 1e-6 * reach:
+    if "surface" not in actuator:
+        reach = max(half_x, half_y) if finger["shape"] == "ellipse" else hypot(half_x, half_y)
+        positions.setdefault("phi_deg", list(DIRECTIONS_DEG))
+        if "phi_r_m" not in positions and "surface_radius_m" in actuator:
+            room = _room("surface_radius_m", actuator["surface_radius_m"], reach, "phi_r_m")
+            positions["phi_r_m"] = [_cut(room / 2), _cut(room)]
+        return
+    angle = radians(finger["rotation_deg"])
+    c, s = abs(cos(angle)), abs(sin(angle))
+    if finger["shape"] == "ellipse":
+        reach_x, reach_y = hypot(c * half_x, s * half_y), hypot(s * half_x, c * half_y)
+    else:
+        reach_x, reach_y = c * half_x + s * half_y, s * half_x + c * half_y
+    for axis, reach in (("x", reach_x), ("y", reach_y)):
+        if f"{axis}_m" not in positions:
+            key = f"length_{axis}_m"
+            room = _room(f"surface.{key}", actuator["surface"][key] / 2, reach, f"{axis}_m")
+            positions[f"{axis}_m"] = [0.0, _cut(room / 2), _cut(room)]
+
+
+def _room(key: str, half_m: float, reach_m: float, name: str) -> float:
+    """How far the pad may go one way."""
+    if half_m - reach_m <= 1e-6 * reach_m:
         raise InputError(
-            f"positions.phi_r_m: the pad reaches {reach * 1e3:.4g} mm from its centre and the "
-            f"surface (actuator.surface_radius_m) {actuator['surface_radius_m'] * 1e3:.4g} mm: "
-            "there is no room to move the pad, as the four-factor plan does; make one of them fit, "
-            "or write positions.phi_r_m"
+            f"positions.{name}: the pad reaches {reach_m * 1e3:.4g} mm from its centre and the "
+            f"surface (actuator.{key}) {half_m * 1e3:.4g} mm: there is no room to move the pad, as "
+            f"the four-factor plan does; make one of them fit, or write positions.{name}"
         )
-    return [_cut(room / 2), _cut(room)]
+    return half_m - reach_m
 
 
 def _cut(value: float) -> float:

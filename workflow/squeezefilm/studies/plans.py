@@ -8,9 +8,10 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.designs.box import Box
-from squeezefilm.io.tables import FACTOR_COLUMNS, SCENE_COLUMNS
+from squeezefilm.io.positions import POLAR, as_in, form_of
+from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.studies.config import ENDS, Config
-from squeezefilm.studies.study import directions_of
+from squeezefilm.studies.study import symmetry_of
 
 CENTRED = FACTOR_COLUMNS[:2]
 """The factors of a finger that stays at the centre."""
@@ -27,36 +28,38 @@ def level_values(levels: dict[str, Any]) -> np.ndarray:
     return np.array([float(f"{value:.12g}") for value in values])
 
 
-def centred_grid(*, h0_m: np.ndarray, hv_m: np.ndarray) -> pd.DataFrame:
+def centred_grid(
+    *, h0_m: np.ndarray, hv_m: np.ndarray, position: tuple[str, ...] = POLAR
+) -> pd.DataFrame:
     """Every gap with every amplitude, finger centred (the screen of Fig. 7, the control grid)."""
     gaps, amplitudes = np.meshgrid(h0_m, hv_m, indexing="ij")
-    return plan(h0_m=gaps.ravel(), hv_m=amplitudes.ravel())
+    return plan(h0_m=gaps.ravel(), hv_m=amplitudes.ravel(), position=position)
 
 
 def plan(
     *,
     h0_m: Sequence[float] | np.ndarray,
     hv_m: Sequence[float] | np.ndarray,
-    phi_r_m: Sequence[float] | np.ndarray | float = 0.0,
-    phi_deg: Sequence[float] | np.ndarray | float = 0.0,
+    position: tuple[str, ...] = (),
+    **place: Sequence[float] | np.ndarray | float,
 ) -> pd.DataFrame:
-    """A plan with the columns of a scenes table; points are numbered from 1."""
-    table = pd.DataFrame(
-        {"h0_m": h0_m, "hv_m": hv_m, "phi_r_m": phi_r_m, "phi_deg": phi_deg}, dtype=float
-    )
+    """A plan with the columns of a scenes table; points are numbered from 1.
+
+    The position's form is that of ``place``, whose columns it gives, or ``position``; at the centre
+    where it is left out.
+    """
+    centre = dict.fromkeys(position or form_of(place), 0.0)
+    table = pd.DataFrame({"h0_m": h0_m, "hv_m": hv_m, **centre, **place}, dtype=float)
     table.insert(0, "point_id", np.arange(1, len(table) + 1).astype(str))
-    return table[list(SCENE_COLUMNS)]
+    return table
 
 
 def finger_positions(config: Config) -> list[tuple[float, float]]:
-    """The centre, then every radius with every angle, as (phi_r_m, phi_deg) (Fig. 15).
+    """The centre, then those of the section ``positions``, in the surface's form (Fig. 15).
 
-    The angles are those of the section ``positions`` and their images, as far as the scene's own
-    symmetry does not make them the same (see Directions.images).
+    With their images, as far as the scene's own symmetry does not make them the same.
     """
-    positions = config["positions"]
-    angles = directions_of(config).images(positions["phi_deg"])
-    return [(0.0, 0.0), *((radius, angle) for radius in positions["phi_r_m"] for angle in angles)]
+    return symmetry_of(config).places(config["positions"])
 
 
 def four_factor_plan(
@@ -64,30 +67,29 @@ def four_factor_plan(
     positions: Sequence[tuple[float, float]],
     h0_m: Sequence[float] | np.ndarray,
     hv_m: Sequence[float] | np.ndarray,
+    position: tuple[str, ...] = POLAR,
 ) -> pd.DataFrame:
     """Every finger position with every (h0, hv) point of a two-factor design (section V)."""
     rows = [
-        (gap, amplitude, radius, angle)
-        for radius, angle in positions
+        (gap, amplitude, *place)
+        for place in positions
         for gap, amplitude in zip(h0_m, hv_m, strict=True)
     ]
-    gaps, amplitudes, radii, angles = zip(*rows, strict=True)
-    return plan(h0_m=gaps, hv_m=amplitudes, phi_r_m=radii, phi_deg=angles)
+    names = ("h0_m", "hv_m", *position)
+    return plan(**dict(zip(names, zip(*rows, strict=True), strict=True)))
 
 
-def box_of(config: Config, names: Sequence[str] = FACTOR_COLUMNS) -> Box:
+def box_of(config: Config, *, centred: bool = False) -> Box:
     """The box of a study's factors: the screen's gaps and amplitudes, the finger's positions.
 
-    From the section ``screen``; where the finger moves also from ``positions``, ``actuator`` and
-    ``finger``. Directions are those that represent all by the scene's symmetry.
+    From the section ``screen``; unless the finger is centred also from ``positions``, ``actuator``
+    and ``finger``. Positions are those that represent all by the scene's symmetry.
     """
     limits = {each: tuple(config["screen"][each][end] for end in ENDS) for each in CENTRED}
-    if set(names) - set(CENTRED):
-        directions = directions_of(config)
-        limits["phi_r_m"] = (0.0, float(max(config["positions"]["phi_r_m"])))
-        limits["phi_deg"] = (directions.start_deg, directions.stop_deg)
-    lower, upper = zip(*(limits[name] for name in names), strict=True)
-    return Box(tuple(names), lower, upper)
+    if not centred:
+        limits |= symmetry_of(config).limits(config["positions"])
+    lower, upper = zip(*limits.values(), strict=True)
+    return Box(tuple(limits), lower, upper)
 
 
 def plan_sizes(config: Config) -> dict[str, int]:
@@ -116,14 +118,15 @@ def sweep_pieces(
     sequence = qmc.Sobol(4, rng=seed)
     if first:
         sequence.fast_forward(first)
-    lower, upper = np.transpose([ranges[name] for name in FACTOR_COLUMNS])
+    names = as_in(FACTOR_COLUMNS, ranges)
+    lower, upper = np.transpose([ranges[name] for name in names])
     for begin in range(first, first + points, PIECE):
         end = min(begin + PIECE, first + points)
         with warnings.catch_warnings():
             # Of numbers of points that are no power of two: they fill the box less evenly.
             warnings.filterwarnings("ignore", message="The balance", category=UserWarning)
             drawn = lower + (upper - lower) * sequence.random(end - begin)
-        table = plan(**dict(zip(FACTOR_COLUMNS, drawn.T, strict=True)))
+        table = plan(**dict(zip(names, drawn.T, strict=True)))
         yield table.assign(point_id=np.arange(begin + 1, end + 1).astype(str))
 
 
@@ -132,6 +135,7 @@ def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.
 
     Equal seeds give equal points.
     """
-    lower, upper = np.transpose([ranges[name] for name in FACTOR_COLUMNS])
+    names = as_in(FACTOR_COLUMNS, ranges)
+    lower, upper = np.transpose([ranges[name] for name in names])
     drawn = np.random.default_rng(seed).uniform(lower, upper, size=(points, 4))
-    return plan(**dict(zip(FACTOR_COLUMNS, drawn.T, strict=True)))
+    return plan(**dict(zip(names, drawn.T, strict=True)))

@@ -139,7 +139,7 @@ def filled(values: Any, part: Part) -> Any:
             result[name] = filled(values[name], key)
         elif "default" in key:
             result[name] = copy.deepcopy(key["default"])
-        elif "properties" in key:
+        elif "properties" in key and "required" not in key:
             result[name] = filled({}, key)
     return result
 

@@ -1,13 +1,12 @@
 """The space of a study's experiments: its limits, and the points in it that can be simulated.
 
-A point is a row (h0_m, hv_m), or (h0_m, hv_m, phi_r_m, phi_deg) where the finger moves. A point
-can be simulated where surface and finger do not touch and the finger lies on the surface.
+A point is a row (h0_m, hv_m), and where the finger moves its position in the surface's form. A
+point can be simulated where surface and finger do not touch and the finger lies on the surface.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,10 +15,11 @@ from numpy.typing import NDArray
 from squeezefilm.designs.box import Box, coordinates, grid
 from squeezefilm.film.scene import Scene, check_scene
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
+from squeezefilm.io.positions import POLAR, form_of
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.plans import CENTRED, box_of, plan
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.plans import box_of, plan
+from squeezefilm.studies.study import scene_of, surface_of
 
 Array = NDArray[np.float64]
 
@@ -35,13 +35,18 @@ class Space:
 
     box: Box
     scene: Scene
+    position: tuple[str, str] = POLAR
 
     @classmethod
     def of(cls, config: Config, *, centred: bool) -> Space:
         """The space of a study: the screen's ranges and the finger positions'."""
-        box = box_of(config, CENTRED if centred else FACTOR_COLUMNS)
-        middle = ScenePoint("space", box.ranges["h0_m"][1], box.ranges["hv_m"][0], 0.0, 0.0)
-        return cls(box, scene_of(middle, config))
+        box = box_of(config, centred=centred)
+        middle = ScenePoint("space", box.ranges["h0_m"][1], box.ranges["hv_m"][0])
+        return cls(box, scene_of(middle, config), surface_of(config).position)
+
+    @property
+    def centred(self) -> bool:
+        return len(self.box.names) == 2
 
     def allowed(self, points: Array) -> NDArray[np.bool_]:
         """Which points, shape (n, k), can be simulated, shape (n,)."""
@@ -51,9 +56,9 @@ class Space:
         return np.array([fits[point] for point in map(tuple, points)], dtype=bool)
 
     def _fits(self, point: tuple[float, ...]) -> bool:
-        factors: dict[str, Any] = dict(zip(self.box.names, map(float, point), strict=True))
+        factors = dict(zip(self.box.names, map(float, point), strict=True))
         try:
-            check_scene(replace(self.scene, **factors))
+            check_scene(replace(self.scene, **vars(ScenePoint.of("space", **factors))))
         except InputError:
             return False
         return True
@@ -67,7 +72,7 @@ class Space:
         factors = len(self.box.names)
         levels = max(2, int(most ** (1 / factors) + 1e-9))
         points = grid(self.box, levels)
-        if distinct and factors == len(FACTOR_COLUMNS):
+        if distinct and "phi_deg" in self.box.names:
             first, last = self.box.lower[3], self.box.upper[3]
             if last - first == 360:  # the last direction is the first again
                 points = points[points[:, 3] < last]
@@ -93,19 +98,21 @@ class Space:
 
     def coordinates(self, points: Array) -> Array:
         """Where distances between points are taken: equal for points that are the same scene."""
-        scaling = "scene" if len(self.box.names) == len(FACTOR_COLUMNS) else "unit"
+        scaling = "unit" if self.centred else "scene"
         return coordinates(scaling, self.box)(points)
 
     def table(self, points: Array) -> pd.DataFrame:
         """The points as a plan, numbered from 1; twelve digits, so that a limit reads 2e-06."""
         rounded = np.array([[float(f"{value:.12g}") for value in row] for row in points])
-        return plan(**dict(zip(self.box.names, rounded.reshape(points.shape).T, strict=True)))
+        columns = dict(zip(self.box.names, rounded.reshape(points.shape).T, strict=True))
+        return plan(**columns, position=self.position)
 
     def points(self, table: pd.DataFrame) -> Array:
         """The rows of a table of scenes as points.
 
         Raises InputError where the finger is off the centre of a space in which it stays there.
         """
-        if len(self.box.names) == 2 and np.any(table["phi_r_m"].to_numpy() != 0):
-            raise InputError("phi_r_m: the finger is moved, in a space in which it is centred")
+        moved = form_of(table)[: 1 if form_of(table) == POLAR else 2]
+        if self.centred and np.any(table[list(moved)].to_numpy() != 0):
+            raise InputError(f"{moved[0]}: the finger is moved, in a space in which it is centred")
         return table[list(self.box.names)].to_numpy(dtype=float)

@@ -8,14 +8,15 @@ from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from squeezefilm.film.directions import Directions
+from squeezefilm.film.directions import Directions, Symmetry
 from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Profile, Sinc, StandingWave
+from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.symmetry import symmetric_directions
+from squeezefilm.studies.symmetry import no_symmetry, symmetry
 
 if TYPE_CHECKING:
     from squeezefilm.film.vibration.scans import SmoothedScan
@@ -23,6 +24,14 @@ if TYPE_CHECKING:
 SECTIONS = ("gas", "actuator", "finger")
 SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
 """Of the environment: where a run keeps the smooth profile of its study's scan."""
+
+
+def surface_of(config: Config) -> Surface:
+    """The surface that vibrates."""
+    actuator = config["actuator"]
+    if "surface_radius_m" in actuator:
+        return Disc(actuator["surface_radius_m"])
+    return Rectangle(actuator["surface"]["length_x_m"], actuator["surface"]["length_y_m"])
 
 
 def profile_of(config: Config) -> Profile:
@@ -33,8 +42,7 @@ def profile_of(config: Config) -> Profile:
     smoothed = smoothed_scan_of(config)
     if smoothed is not None:
         return smoothed.profile
-    actuator = config["actuator"]
-    return make_profile(surface_radius_m=actuator["surface_radius_m"], **actuator["profile"])
+    return make_profile(surface=surface_of(config), **config["actuator"]["profile"])
 
 
 def scan_path(config: Config) -> Path | None:
@@ -47,7 +55,7 @@ def smoothing_settings(config: Config) -> dict[str, Any]:
     """What decides how a scan is smoothed, besides its file: arguments of ``smoothed_scan``."""
     actuator = config["actuator"]
     return {
-        "surface_radius_m": actuator["surface_radius_m"],
+        "surface": surface_of(config),
         "frequency_hz": actuator["frequency_hz"],
         **{key: value for key, value in actuator["profile"].items() if key not in ("kind", "file")},
     }
@@ -82,19 +90,17 @@ def planned_profile_of(config: Config) -> Profile:
     """The vibration shape as far as plans need it: of a scan a usual one, for it is not smoothed.
 
     By it the work is divided into jobs, whose number may not depend on whether the scan has been
-    smoothed: a mode with a node line within the disc, of no symmetry where the scan need have none.
+    smoothed: a mode with a node line on the surface, of no symmetry where the scan need have none.
     """
-    actuator = config["actuator"]
-    if actuator["profile"]["kind"] != "measured":
+    profile = config["actuator"]["profile"]
+    if profile["kind"] != "measured":
         return profile_of(config)
-    radius_m = actuator["surface_radius_m"]
-    if actuator["profile"]["axisymmetric"]:
+    surface = surface_of(config)
+    radius_m = min(surface.half_m)
+    if profile["axisymmetric"]:
         return Sinc(wave_number_per_m=1 / radius_m)
     return StandingWave(
-        wavelength_m=2 * radius_m,
-        direction_deg=20.0,
-        crest_m=0.1 * radius_m,
-        surface_radius_m=radius_m,
+        wavelength_m=2 * radius_m, direction_deg=20.0, crest_m=0.1 * radius_m, surface=surface
     )
 
 
@@ -104,19 +110,15 @@ def finger_of(config: Config) -> Finger:
     return Finger(gap=GapShape(**keys.pop("gap")), **keys)
 
 
-def directions_of(config: Config) -> Directions:
-    """The sector of finger positions that represents all; from ``actuator`` and ``finger``.
+def symmetry_of(config: Config) -> Symmetry:
+    """The finger positions that represent all; from ``actuator`` and ``finger``.
 
     Of a scan the settings say it: noise leaves a shape that is free no symmetry.
     """
-    settings = config["actuator"]["profile"]
+    settings, surface = config["actuator"]["profile"], surface_of(config)
     if settings["kind"] == "measured" and not settings["axisymmetric"]:
-        return Directions(0.0, 360.0, mirror=False)
-    return symmetric_directions(
-        finger_of(config),
-        planned_profile_of(config),
-        surface_radius_m=config["actuator"]["surface_radius_m"],
-    )
+        return no_symmetry(surface)
+    return symmetry(finger_of(config), planned_profile_of(config), surface=surface)
 
 
 def scene_of(
@@ -128,17 +130,16 @@ def scene_of(
 
     Raises InputError naming the point and the factor that has no physical meaning.
     """
-    actuator = config["actuator"]
     scene = Scene(
         point_id=point.point_id,
         h0_m=point.h0_m,
         hv_m=point.hv_m,
-        phi_r_m=point.phi_r_m,
-        phi_deg=point.phi_deg,
+        x_m=point.x_m,
+        y_m=point.y_m,
         gas=Gas(**config["gas"]),
         actuator=Actuator(
-            frequency_hz=actuator["frequency_hz"],
-            surface_radius_m=actuator["surface_radius_m"],
+            frequency_hz=config["actuator"]["frequency_hz"],
+            surface=surface_of(config),
             profile=profile_of(config) if profile is None else profile,
         ),
         finger=finger_of(config),
@@ -157,13 +158,12 @@ def check_study(config: Config) -> Config:
     """
     path, settings = scan_path(config), config["actuator"]["profile"]
     if path is not None:
-        from squeezefilm.film.vibration.scans import places_on_disc
+        from squeezefilm.film.vibration.scans import places_on
         from squeezefilm.film.vibration.vibrometer import read_scan
 
-        actuator = config["actuator"]
-        places_on_disc(
-            read_scan(path, frequency_hz=actuator["frequency_hz"]),
-            actuator["surface_radius_m"],
+        places_on(
+            read_scan(path, frequency_hz=config["actuator"]["frequency_hz"]),
+            surface_of(config),
             axisymmetric=settings["axisymmetric"],
         )
     profile = planned_profile_of(config)
@@ -177,16 +177,18 @@ def _extreme_points(config: Config) -> Iterator[tuple[str, ScenePoint]]:
     """The points of a study at which a film may fail to exist, each with its section."""
     screen, extrapolation = config["screen"], config["extrapolation"]
     gap, amplitude = screen["h0_m"]["start"], screen["hv_m"]["stop"]
-    centre = {"phi_r_m": 0.0, "phi_deg": 0.0}
-    yield "screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude, **centre)
-    wanted = ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"], **centre)
-    yield "extrapolation", wanted
-    directions, finger = directions_of(config), finger_of(config)
-    # Designs and control points may lie between the directions given: also where the pad's
-    # farthest point is farthest out.
-    x_m, y_m = max(finger.outline(), key=lambda place: hypot(*place))
-    angles = directions.images(config["positions"]["phi_deg"])
-    for radius in config["positions"]["phi_r_m"]:
-        for angle in (*angles, float(directions.fold(degrees(atan2(y_m, x_m))))):
-            name = f"({radius:g} m, {angle:g}°)"
-            yield "positions", ScenePoint(name, gap, amplitude, radius, angle)
+    yield "screen", ScenePoint("smallest gap, largest amplitude", gap, amplitude)
+    yield "extrapolation", ScenePoint("wanted", extrapolation["h0_m"], extrapolation["hv_m"])
+    found, positions = symmetry_of(config), config["positions"]
+    places = found.places(positions)
+    if isinstance(found, Directions):
+        # Designs and control points may lie between the directions given: also where the pad's
+        # farthest point is farthest out.
+        x_m, y_m = max(finger_of(config).outline(), key=lambda place: hypot(*place))
+        farthest = float(found.fold(degrees(atan2(y_m, x_m))))
+        places += [(radius, farthest) for radius in positions["phi_r_m"]]
+    for place in places:
+        factors = dict(zip(found.position, place, strict=True))
+        name = ", ".join(f"{key} = {value:g}" for key, value in factors.items())
+        point = ScenePoint.of(f"({name})", h0_m=gap, hv_m=amplitude, **factors)
+        yield "positions", point

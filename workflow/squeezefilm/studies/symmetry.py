@@ -2,26 +2,42 @@
 
 from collections.abc import Iterator
 from functools import lru_cache
-from math import atan2, cos, degrees, pi, radians, sin, sqrt
+from math import atan2, cos, degrees, radians, sin
 
 import numpy as np
 
-from squeezefilm.film.directions import Directions
+from squeezefilm.film.directions import Directions, Mirrors, Symmetry
 from squeezefilm.film.scene import Finger
 from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.film.vibration.surfaces import Rectangle, Surface
 
-# Places on the disc at which a profile is compared with its image: a sunflower's, so that no two
-# are related by symmetry.
+# Places on the surface at which a profile is compared with its image.
 PROBES = 4000
-GOLDEN_ANGLE = pi * (3 - sqrt(5))
 EQUAL = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
 
 
+def no_symmetry(surface: Surface) -> Symmetry:
+    """That of a film whose positions stand for no others."""
+    if isinstance(surface, Rectangle):
+        return Mirrors(x=False, y=False)
+    return Directions(0.0, 360.0, mirror=False)
+
+
 @lru_cache(maxsize=16)
-def symmetric_directions(
-    finger: Finger, profile: Profile, *, surface_radius_m: float
-) -> Directions:
+def symmetry(finger: Finger, profile: Profile, *, surface: Surface) -> Symmetry:
+    """What the force over the finger's position has in common with pad, profile and surface."""
+    if not isinstance(surface, Rectangle):
+        return _directions(finger, profile, surface)
+
+    def holds(axis_deg: float) -> bool:
+        change = _mirror(axis_deg)
+        return _keeps_pad(change, finger) and _keeps_profile(change, profile, surface)
+
+    return Mirrors(x=holds(90), y=holds(0))
+
+
+def _directions(finger: Finger, profile: Profile, surface: Surface) -> Directions:
     """The smallest sector found among subgroups of a square's symmetries.
 
     A mirror or a turn of the finger's centre about the disc's leaves the force as it is where it
@@ -34,9 +50,7 @@ def symmetric_directions(
     for base_deg in _axes(finger, profile):
 
         def holds(change: np.ndarray) -> bool:
-            return _keeps_pad(change, finger) and _keeps_profile(
-                change, profile, surface_radius_m=surface_radius_m
-            )
+            return _keeps_pad(change, finger) and _keeps_profile(change, profile, surface)
 
         mirrors = [base_deg + step for step in (0, 45, 90, 135) if holds(_mirror(base_deg + step))]
         if mirrors:
@@ -85,10 +99,8 @@ def _keeps_pad(change: np.ndarray, finger: Finger) -> bool:
     )
 
 
-def _keeps_profile(change: np.ndarray, profile: Profile, *, surface_radius_m: float) -> bool:
-    number = np.arange(PROBES) + 0.5
-    radius, angle = surface_radius_m * np.sqrt(number / PROBES), GOLDEN_ANGLE * number
-    x_m, y_m = radius * np.cos(angle), radius * np.sin(angle)
+def _keeps_profile(change: np.ndarray, profile: Profile, surface: Surface) -> bool:
+    x_m, y_m = surface.probes(PROBES)
     s = profile.amplitude(x_m=x_m, y_m=y_m)
     image_x_m, image_y_m = change @ np.stack([x_m, y_m])
     image = profile.amplitude(x_m=image_x_m, y_m=image_y_m)

@@ -14,12 +14,9 @@ efficiency against an optimum found by exchange on a fine grid.
 
 import argparse
 
-import numpy as np
-
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
 
@@ -48,9 +45,8 @@ def run(options: argparse.Namespace) -> None:
     if fit.model != options.model.replace("-", "_"):
         raise InputError(f"{options.fit}: a fit of the model {fit.model}, not of {options.model}")
     designs = two_factor_designs if options.model == "two-factor" else four_factor_designs
-    theta = np.array(fit.theta)
     with naming(options.fit):
-        found = designs(get_model(fit.model), theta, config, processes=options.processes)
+        found = designs(fit, config, processes=options.processes)
     for path, table in zip((options.output, options.distinct), found.tables, strict=False):
         write_table(table, path)
     write_table(found.searches, options.searches)

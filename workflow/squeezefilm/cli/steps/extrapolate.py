@@ -36,5 +36,9 @@ def run(options: argparse.Namespace) -> None:
             amplitudes[Path(path).stem] = amplitude_for_force(
                 fit.force_model, fit.theta, force_n=point["force_n"], h0_m=point["h0_m"]
             )
-    scenes = plan(h0_m=[point["h0_m"]] * len(amplitudes), hv_m=list(amplitudes.values()))
+    scenes = plan(
+        h0_m=[point["h0_m"]] * len(amplitudes),
+        hv_m=list(amplitudes.values()),
+        position=fit.position,
+    )
     write_table(scenes.assign(point_id=list(amplitudes)), options.output)

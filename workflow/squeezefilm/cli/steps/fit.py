@@ -34,7 +34,7 @@ from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.library import model_named
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import directions_of
+from squeezefilm.studies.study import symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 
 SECTIONS = ("fit", "models", "actuator", "finger")
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> None:
         return
     if options.runs:
         write_table(pd.DataFrame([_row(run, model) for run in runs]), options.runs)
-    about["directions"] = directions_of(config).to_dict()
+    about["directions"] = symmetry_of(config).to_dict()
     source = {"squeezefilm": __version__, "forces_sha256": digest(Path(options.forces))}
     if options.limits:
         source["limits_sha256"] = digest(Path(options.limits))

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import (
     FACTOR_COLUMNS,
     FORCE_COLUMNS,
@@ -54,8 +55,14 @@ def _gather_forces(scenes: pd.DataFrame, options: argparse.Namespace) -> None:
     first = 0
     with table_writer(options.output) as write:
         for part in in_order(scenes, options.chunks, read=read_forces, of=options.scenes):
-            planned = scenes[list(FACTOR_COLUMNS)].iloc[first : first + len(part)]
-            moved = (part[list(FACTOR_COLUMNS)].to_numpy() != planned.to_numpy()).any(axis=1)
+            factors = as_in(FACTOR_COLUMNS, scenes)
+            if as_in(FACTOR_COLUMNS, part) != factors:
+                raise InputError(
+                    f"{options.scenes}: positions are {factors[2]}, {factors[3]}, and in the parts "
+                    "they are not; simulate them anew"
+                )
+            planned = scenes[factors].iloc[first : first + len(part)]
+            moved = (part[factors].to_numpy() != planned.to_numpy()).any(axis=1)
             if moved.any():
                 raise InputError(
                     f"{options.scenes}: point {part['point_id'][moved].iloc[0]} was simulated with "
@@ -64,7 +71,7 @@ def _gather_forces(scenes: pd.DataFrame, options: argparse.Namespace) -> None:
             first += len(part)
             failed = part[part["status"] != "ok"]
             failures += [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
-            write(part[list(FORCE_COLUMNS)])
+            write(part[as_in(FORCE_COLUMNS, part)])
         if failures:
             named = "; ".join(failures[:NAMED])
             more = f" and {len(failures) - NAMED} more" if len(failures) > NAMED else ""

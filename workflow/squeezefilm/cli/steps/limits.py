@@ -10,6 +10,7 @@ Where the limit does not hold, the numbers are left out and `status` says so.
 
 import argparse
 
+from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
@@ -28,4 +29,4 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     table = read_scenes(options.scenes)
     scenes = [scene_of(point, config) for point in scene_points(table)]
-    write_table(with_limits(table, scenes)[list(LIMIT_COLUMNS)], options.output)
+    write_table(with_limits(table, scenes)[as_in(LIMIT_COLUMNS, table)], options.output)

@@ -15,6 +15,7 @@ from collections.abc import Iterable
 import pandas as pd
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import CARTESIAN, POLAR, as_in
 from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
@@ -26,6 +27,7 @@ from squeezefilm.studies.plans import (
     random_plan,
     sweep_pieces,
 )
+from squeezefilm.studies.study import surface_of
 
 SECTIONS = {
     "screen": ("screen",),
@@ -38,6 +40,7 @@ SECTIONS = {
     "four_factor_design": (),
     "four_factor_design_distinct": (),
 }
+FORMS = {"polar": POLAR, "cartesian": CARTESIAN}
 OF_A_DESIGN = (
     "four_factor",
     "two_factor_design",
@@ -50,6 +53,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("kind", choices=SECTIONS, metavar="KIND", help=", ".join(SECTIONS))
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--design", metavar="DESIGN.csv", help="the design a plan is made from")
+    parser.add_argument(
+        "--position",
+        choices=FORMS,
+        default="polar",
+        help="form of positions, of screen and error_map: polar, or cartesian on a rectangle",
+    )
     parser.add_argument("--output", required=True, metavar="SCENES.csv", help="table to write")
 
 
@@ -60,22 +69,31 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(f"the plan {options.kind} {takes}")
     design = None if options.design is None else read_design(options.design)
     with table_writer(options.output) as write:
-        for piece in make_plan(options.kind, config, design=design):
+        form = FORMS[options.position]
+        for piece in make_plan(options.kind, config, design=design, position=form):
             write(piece)
 
 
-def make_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> Iterable[pd.DataFrame]:
+def make_plan(
+    kind: str, config: Config, *, design: pd.DataFrame | None, position: tuple[str, str] = POLAR
+) -> Iterable[pd.DataFrame]:
     """The scenes of one kind of plan; those of a sweep in pieces."""
     if kind == "sweep":
         points, first, seed = (config[kind][key] for key in ("points", "first", "seed"))
         return sweep_pieces(points=points, first=first, seed=seed, **box_of(config).ranges)
-    return [_small_plan(kind, config, design=design)]
+    return [_small_plan(kind, config, design=design, position=position)]
 
 
-def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd.DataFrame:
+def _small_plan(
+    kind: str, config: Config, *, design: pd.DataFrame | None, position: tuple[str, str]
+) -> pd.DataFrame:
     if kind in ("screen", "error_map"):
         levels = config[kind]
-        return centred_grid(h0_m=level_values(levels["h0_m"]), hv_m=level_values(levels["hv_m"]))
+        return centred_grid(
+            h0_m=level_values(levels["h0_m"]),
+            hv_m=level_values(levels["hv_m"]),
+            position=position,
+        )
     if kind in ("four_factor_control", "model_control"):
         points, seed = config[kind]["points"], config[kind]["seed"]
         return random_plan(points=points, seed=seed, **box_of(config).ranges)
@@ -85,5 +103,6 @@ def _small_plan(kind: str, config: Config, *, design: pd.DataFrame | None) -> pd
             positions=finger_positions(config),
             h0_m=design["h0_m"].to_numpy(),
             hv_m=design["hv_m"].to_numpy(),
+            position=surface_of(config).position,
         )
-    return design[list(SCENE_COLUMNS)]
+    return design[as_in(SCENE_COLUMNS, design)]

@@ -52,4 +52,5 @@ def run(options: argparse.Namespace) -> None:
     write_table(forces, options.forces)
     write_table(figure.build(smoothed, summary), options.figure)
     write_json(summary, options.summary)
-    print(figure.note(summary, name=smoothed.scan.path.name))
+    modes = smoothed.profile.surface.modes
+    print(figure.note(summary, name=smoothed.scan.path.name, modes=modes))

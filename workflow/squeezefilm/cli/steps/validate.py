@@ -13,6 +13,7 @@ from typing import Any
 import pandas as pd
 
 from squeezefilm.io.errors import InputError, naming
+from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import (
     FACTOR_COLUMNS,
     SCENE_COLUMNS,
@@ -74,11 +75,11 @@ def _judged(
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
     summary = summarise(model_n=predicted, simulation_n=simulated, band=band)
     worst = forces.iloc[summary.pop("worst_index")]
-    table = forces[list(SCENE_COLUMNS)].assign(
+    table = forces[as_in(SCENE_COLUMNS, forces)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors
     )
     return table, {
         **summary,
         "worst_point_id": worst["point_id"],
-        **{f"worst_{name}": float(worst[name]) for name in FACTOR_COLUMNS},
+        **{f"worst_{name}": float(worst[name]) for name in as_in(FACTOR_COLUMNS, forces)},
     }

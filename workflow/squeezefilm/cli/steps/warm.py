@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    at_rest = ScenePoint("any", h0_m=5e-6, hv_m=0.0, phi_r_m=0.0, phi_deg=0.0)
+    at_rest = ScenePoint("any", h0_m=5e-6, hv_m=0.0)
     # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
     scene = scene_of(at_rest, config, check=False)
     with node_cache.one_build_at_a_time():

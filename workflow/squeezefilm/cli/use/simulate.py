@@ -31,6 +31,7 @@ from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.io.errors import InputError, RunError, naming
+from squeezefilm.io.positions import as_in
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
@@ -174,10 +175,10 @@ def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
     """The rows of a plan with what was solved for them."""
     columns = {
         name: [getattr(solution, name) for solution in solutions]
-        for name in FORCE_COLUMNS
+        for name in as_in(FORCE_COLUMNS, rows)
         if name not in rows.columns
     }
-    return rows.assign(**columns)[list(FORCE_COLUMNS)]
+    return rows.assign(**columns)[as_in(FORCE_COLUMNS, rows)]
 
 
 def _work_shares(solutions: Sequence[Solution]) -> list[float]:

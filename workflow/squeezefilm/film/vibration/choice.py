@@ -13,6 +13,7 @@ from squeezefilm.film.vibration.shapes import (
     largest_of_formula,
     largest_radial,
 )
+from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.io.errors import InputError
 
 KINDS: dict[str, type] = {
@@ -24,14 +25,14 @@ KINDS: dict[str, type] = {
 }
 
 
-def make_profile(*, kind: str, surface_radius_m: float, **settings: Any) -> Profile:
+def make_profile(*, kind: str, surface: Surface, **settings: Any) -> Profile:
     """The profile of a config's ``actuator.profile`` section, whose keys the schema has checked.
 
-    surface_radius_m: radius of the actuator's disc, over which a profile has its maximum.
+    surface: the actuator's, over which a profile has its maximum.
     Raises InputError for a formula that is no profile, naming the place.
     """
     if kind in ("standing-wave", "bessel", "formula"):
-        settings["surface_radius_m"] = surface_radius_m
+        settings["surface"] = surface
     profile: Profile = KINDS[kind](**settings)
     size = 1.0
     if isinstance(profile, Formula):
@@ -40,7 +41,7 @@ def make_profile(*, kind: str, surface_radius_m: float, **settings: Any) -> Prof
         size = largest_radial(profile)
     if not (isfinite(size) and size > 0):
         raise InputError(
-            f"actuator.profile: the {kind} has no finite value everywhere on the disc of "
-            f"{surface_radius_m * 1e3:g} mm, or is zero on all of it"
+            f"actuator.profile: the {kind} has no finite value everywhere on the "
+            f"{surface.text}, or is zero on all of it"
         )
     return profile

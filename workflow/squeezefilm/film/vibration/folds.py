@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.film.vibration.least_squares import POINTS_PER_MODE, best_fit
-from squeezefilm.film.vibration.zernike import modes_at, orders_up_to
+from squeezefilm.film.vibration.surfaces import Surface
 
 FOLDED = (
     "the scan has no phase or sign and looks folded up at a node line: the force is that of "
@@ -31,24 +31,30 @@ LEAST_NOISE = 1e-3
 
 
 def looks_folded(
-    path: Path, *, x: np.ndarray, y: np.ndarray, amplitude: np.ndarray, axisymmetric: bool
+    path: Path,
+    surface: Surface,
+    *,
+    x: np.ndarray,
+    y: np.ndarray,
+    amplitude: np.ndarray,
+    axisymmetric: bool,
 ) -> bool:
     """Whether signs describe the amplitudes, none negative, clearly better than none.
 
     Args:
         path: of the scan, for messages.
-        x, y: the points on the unit disc, shape (points,).
+        x, y: the points, scaled, shape (points,).
     """
     # Strays would draw the fits to themselves.
     amplitude = np.minimum(amplitude, 1.3 * float(np.quantile(amplitude, 0.98)))
-    signs = _best_signs(x, y, amplitude, axisymmetric)
+    signs = _best_signs(surface, x, y, amplitude, axisymmetric)
     turned = signs < 0
     if turned.mean() > 0.5:
         turned = ~turned
     if not turned.any():
         return False
-    signed = best_fit(path, x, y, signs * amplitude, axisymmetric).left_out
-    plain = best_fit(path, x, y, amplitude, axisymmetric).left_out
+    signed = best_fit(path, surface, x, y, signs * amplitude, axisymmetric).left_out
+    plain = best_fit(path, surface, x, y, amplitude, axisymmetric).left_out
     noise = 1.4826 * float(np.median(np.abs(signed))) + LEAST_NOISE * float(np.median(amplitude))
     if amplitude[turned].mean() < LEAST_TURNED * noise:
         return False
@@ -58,16 +64,15 @@ def looks_folded(
 
 
 def _best_signs(
-    x: np.ndarray, y: np.ndarray, amplitude: np.ndarray, axisymmetric: bool
+    surface: Surface, x: np.ndarray, y: np.ndarray, amplitude: np.ndarray, axisymmetric: bool
 ) -> np.ndarray:
     """The signs under which modes of SEARCH_DEGREE or less leave least of the amplitudes."""
     degree = SEARCH_DEGREE
-    while degree and POINTS_PER_MODE * len(orders_up_to(degree, axisymmetric=axisymmetric)) > len(
-        x
-    ):
+    orders = surface.orders_up_to(degree, axisymmetric=axisymmetric)
+    while degree and POINTS_PER_MODE * len(orders) > len(x):
         degree -= 1
-    orders = orders_up_to(degree, axisymmetric=axisymmetric)
-    orthogonal, _ = np.linalg.qr(modes_at(orders, x=x, y=y))
+        orders = surface.orders_up_to(degree, axisymmetric=axisymmetric)
+    orthogonal, _ = np.linalg.qr(surface.modes_at(orders, x=x, y=y))
     patterns = _rings(x, y) if axisymmetric else _patterns(x, y)
     signs = np.where(np.stack(list(patterns)) < 0, -1.0, 1.0)  # (patterns, points)
     for _ in range(ROUNDS):

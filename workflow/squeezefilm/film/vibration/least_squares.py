@@ -1,4 +1,4 @@
-"""Least squares on Zernike modes, the degree by cross-validation."""
+"""Least squares on a surface's smooth modes, the degree by cross-validation."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.film.vibration.zernike import modes_at, orders_up_to
+from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.io.errors import InputError
 
 LARGEST_DEGREE = 24
@@ -34,7 +34,12 @@ class Fit:
 
 
 def best_fit(
-    path: Path, x: np.ndarray, y: np.ndarray, measured: np.ndarray, axisymmetric: bool
+    path: Path,
+    surface: Surface,
+    x: np.ndarray,
+    y: np.ndarray,
+    measured: np.ndarray,
+    axisymmetric: bool,
 ) -> Fit:
     """Least squares, DEGREES_MORE above the degree of least leave-one-out error.
 
@@ -43,18 +48,18 @@ def best_fit(
 
     Args:
         path: of the scan, for messages.
-        x, y: the points on the unit disc.
+        x, y: the points, scaled.
 
     Raises InputError where the points determine no profile.
     """
-    degrees, orthogonal, triangle = _decomposed(x.tobytes(), y.tobytes(), axisymmetric)
+    degrees, orthogonal, triangle = _decomposed(surface, x.tobytes(), y.tobytes(), axisymmetric)
     along = orthogonal.T @ measured
     # More modes are never better determined: where the most are, one condition number will do.
     sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
     scores: dict[int, float] = {}
     errors: dict[int, np.ndarray] = {}
     for degree in degrees:
-        count = len(orders_up_to(degree, axisymmetric=axisymmetric))
+        count = len(surface.orders_up_to(degree, axisymmetric=axisymmetric))
         leverage = np.sum(orthogonal[:, :count] ** 2, axis=1)
         determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
         if not determined or leverage.max() > 1 - 1e-6:
@@ -66,14 +71,14 @@ def best_fit(
         raise InputError(f"{path}: the points do not determine a profile")
     best = min(scores, key=lambda degree: scores[degree])
     degree = max(each for each in scores if each <= best + DEGREES_MORE)
-    orders = orders_up_to(degree, axisymmetric=axisymmetric)
+    orders = surface.orders_up_to(degree, axisymmetric=axisymmetric)
     root = np.linalg.inv(triangle[: len(orders), : len(orders)])
     return Fit(degree, orders, root @ along[: len(orders)], errors[degree], root, scores)
 
 
 @lru_cache(maxsize=2)
 def _decomposed(
-    x: bytes, y: bytes, axisymmetric: bool
+    surface: Surface, x: bytes, y: bytes, axisymmetric: bool
 ) -> tuple[tuple[int, ...], np.ndarray, np.ndarray]:
     """Degrees that so many points allow, and the QR decomposition of their modes there.
 
@@ -84,8 +89,8 @@ def _decomposed(
     degrees = tuple(
         degree
         for degree in range(0, LARGEST_DEGREE + 1, 2 if axisymmetric else 1)
-        if POINTS_PER_MODE * len(orders_up_to(degree, axisymmetric=axisymmetric))
+        if POINTS_PER_MODE * len(surface.orders_up_to(degree, axisymmetric=axisymmetric))
         <= len(places["x"])
     )
-    orders = orders_up_to(degrees[-1], axisymmetric=axisymmetric)
-    return degrees, *np.linalg.qr(modes_at(orders, **places))
+    orders = surface.orders_up_to(degrees[-1], axisymmetric=axisymmetric)
+    return degrees, *np.linalg.qr(surface.modes_at(orders, **places))

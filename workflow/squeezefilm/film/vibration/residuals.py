@@ -8,23 +8,36 @@ import pandas as pd
 from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.film.vibration.scan_tables import points_table
 from squeezefilm.film.vibration.scans import SmoothedScan
+from squeezefilm.film.vibration.surfaces import Rectangle
 
 RADII, ANGLES = 81, 72
+SIDE = 61
+"""Points of the profile's map along each side of a rectangle."""
 
 
 def build(smoothed: SmoothedScan, summary: dict[str, Any]) -> pd.DataFrame:
-    """Layers points (amplitude, residual) and profile (its range over angles, standard error)."""
+    """The points (amplitude, residual), and the profile with its standard error.
+
+    On a disc over the distance from its centre, as its range over angles; on a rectangle as a map.
+    Layers points, outliers, and profile or map.
+    """
     points = points_table(smoothed)
+    flat = isinstance(smoothed.profile.surface, Rectangle)
+    place = (
+        {"x_mm": points["x_mm"], "y_mm": points["y_mm"]}
+        if flat
+        else {"r_mm": np.hypot(points["x_mm"], points["y_mm"])}
+    )
     measured = pd.DataFrame(
         {
             "layer": np.where(points["outlier"], "outliers", "points"),
-            "r_mm": np.hypot(points["x_mm"], points["y_mm"]),
+            **place,
             "amplitude_um": points["measured_um"],
             "residual_um": points["residual_um"],
         }
     )
-    text = note(summary, name=smoothed.scan.path.name)
-    parts = [measured, _profile(smoothed)]
+    text = note(summary, name=smoothed.scan.path.name, modes=smoothed.profile.surface.modes)
+    parts = [measured, _map(smoothed) if flat else _profile(smoothed)]
     return (
         pd.concat(parts, ignore_index=True)
         .round(9)
@@ -32,7 +45,7 @@ def build(smoothed: SmoothedScan, summary: dict[str, Any]) -> pd.DataFrame:
     )
 
 
-def note(summary: dict[str, Any], *, name: str) -> str:
+def note(summary: dict[str, Any], *, name: str, modes: str) -> str:
     """The scan and its profile in words."""
     outliers = summary["outlier_lines"]
     lines = ", ".join(map(str, outliers[:6])) + (", …" if len(outliers) > 6 else "")
@@ -44,7 +57,7 @@ def note(summary: dict[str, Any], *, name: str) -> str:
     lost = [f"averaging takes off at most {loss:.1g} of the maximum"] if loss else []
     read = "".join(f" {text[0].upper()}{text[1:]}." for text in (*summary["notes"], *lost))
     return (
-        f"{name}: {summary['points']} points, {summary['missing']} missing{far}. Zernike modes up "
+        f"{name}: {summary['points']} points, {summary['missing']} missing{far}. {modes} modes up "
         f"to degree {summary['degree']}, by cross-validation. Noise "
         f"{summary['noise_share']:.1%} of the maximum of {summary['peak_um']:.3g} µm, from which "
         f"{summary['peak_bias_share']:.1%} were taken as the noise's; standard error of the "
@@ -59,7 +72,7 @@ def note(summary: dict[str, Any], *, name: str) -> str:
 def _profile(smoothed: SmoothedScan) -> pd.DataFrame:
     """Least and largest profile over all angles at each radius, and the largest standard error."""
     r, phi = np.meshgrid(
-        np.linspace(0, smoothed.profile.surface_radius_m, RADII),
+        np.linspace(0, smoothed.profile.surface.half_m[0], RADII),
         np.linspace(0, 2 * np.pi, ANGLES, endpoint=False),
         indexing="ij",
     )
@@ -73,5 +86,24 @@ def _profile(smoothed: SmoothedScan) -> pd.DataFrame:
             "lowest_um": profile.min(axis=1),
             "highest_um": profile.max(axis=1),
             "error_um": error.max(axis=1),
+        }
+    )
+
+
+def _map(smoothed: SmoothedScan) -> pd.DataFrame:
+    """The profile and its standard error all over a rectangle."""
+    half_x_m, half_y_m = smoothed.profile.surface.half_m
+    side = np.linspace(-1, 1, SIDE)
+    x_m, y_m = (each.ravel() for each in np.meshgrid(half_x_m * side, half_y_m * side))
+    profile = smoothed.profile.amplitude(x_m=x_m, y_m=y_m)
+    error = smoothed.standard_error(x_m=x_m, y_m=y_m)
+    micrometres = smoothed.peak_m * 1e6
+    return pd.DataFrame(
+        {
+            "layer": "map",
+            "x_mm": x_m * 1e3,
+            "y_mm": y_m * 1e3,
+            "profile_um": profile * micrometres,
+            "error_um": error * micrometres,
         }
     )

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.film.vibration.scans import SmoothedScan, polar_net
+from squeezefilm.film.vibration.scans import SmoothedScan
 
 
 def points_table(smoothed: SmoothedScan) -> pd.DataFrame:
@@ -33,7 +33,7 @@ def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[st
         noise: largest share of a force that the noise leaves open, at 95 %.
         error: the same with what motion out of phase would do.
     """
-    r, _, x_m, y_m = polar_net(smoothed.profile.surface_radius_m)
+    x_m, y_m, weights = smoothed.profile.surface.net()
     standard = smoothed.standard_error(x_m=x_m, y_m=y_m)
     return {
         "points": len(smoothed.measured_m),
@@ -47,7 +47,7 @@ def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[st
         "cross_validation_share": smoothed.scores[smoothed.degree] / smoothed.peak_m,
         "quadrature_share": smoothed.quadrature,
         "largest_standard_error_share": float(standard.max()),
-        "mean_standard_error_share": float(np.average(standard, weights=r + 1e-30)),
+        "mean_standard_error_share": float(np.average(standard, weights=weights)),
         "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
         "out_of_phase_effect": smoothed.out_of_phase_effect,
         "averaging_loss_share": smoothed.averaging_loss,

@@ -23,13 +23,14 @@ from squeezefilm.film.vibration.binning import averaging_loss, binned
 from squeezefilm.film.vibration.folds import looks_folded
 from squeezefilm.film.vibration.least_squares import Fit, best_fit
 from squeezefilm.film.vibration.shapes import Modes, largest_magnitude
+from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.film.vibration.vibrometer import Scan, read_scan
-from squeezefilm.film.vibration.zernike import modes_at
 from squeezefilm.io.errors import InputError
 
 # A profile that is less sure than this share of its maximum somewhere is not known there.
 LARGEST_ERROR = 0.25
-# Nor is one that has no measured point within this share of the disc's radius.
+# Nor is one that has no measured point within this share of a disc's radius, or of half a
+# rectangle's shorter side.
 LARGEST_HOLE = 0.35
 # Share of the motion, in rms, out of phase with the rest: more is a travelling wave.
 LARGEST_QUADRATURE = 0.3
@@ -42,7 +43,6 @@ OUTLIER, LEAST_OUTLIER = 4.5, 0.005
 LARGEST_STRAY = 0.05
 REFITS = 20
 PEAK_DRAWS, PEAK_SEED = 200, 1
-RADII, ANGLES = 41, 72
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,20 +81,21 @@ class SmoothedScan:
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Standard error of the profile by noise, in units of its maximum."""
-        radius = self.profile.surface_radius_m
-        modes = modes_at(self.profile.orders, x=x_m / radius, y=y_m / radius)
+        half_x_m, half_y_m = self.profile.surface.half_m
+        places = {"x": x_m / half_x_m, "y": y_m / half_y_m}
+        modes = self.profile.surface.modes_at(self.profile.orders, **places)
         return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.root, axis=-1)
 
     @property
     def out_of_phase_effect(self) -> float:
-        """By which share forces are low without the motion out of phase, on average over the disc.
+        """By which share forces are low without the motion out of phase, on average.
 
         ∫ s₂² / ∫ s₁²: small forces go as the square of the amplitude, and both motions add
         (scan_errors.py has the effect on one scene).
         """
-        r, _, x_m, y_m = polar_net(self.profile.surface_radius_m)
+        x_m, y_m, weights = self.profile.surface.net()
         first, second = (
-            np.sum(r * modes.amplitude(x_m=x_m, y_m=y_m) ** 2)
+            np.sum(weights * modes.amplitude(x_m=x_m, y_m=y_m) ** 2)
             for modes in (self.profile, self.out_of_phase)
         )
         return float(second / first)
@@ -102,7 +103,7 @@ class SmoothedScan:
     @property
     def averaging_loss(self) -> float:
         """What averaging points over cells takes off the profile at most, of its maximum."""
-        _, _, x_m, y_m = polar_net(self.profile.surface_radius_m)
+        x_m, y_m, _ = self.profile.surface.net()
         return averaging_loss(self.profile, cell_m=self.scan.cell_m, x_m=x_m, y_m=y_m)
 
     def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
@@ -111,8 +112,10 @@ class SmoothedScan:
         The residuals are widened by √(points/(points − modes)) to the noise's size, which their
         fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2).
         """
-        radius, orders, fitted = self.profile.surface_radius_m, self.profile.orders, ~self.outliers
-        basis = modes_at(orders, x=self.x_m[fitted] / radius, y=self.y_m[fitted] / radius)
+        surface, orders, fitted = self.profile.surface, self.profile.orders, ~self.outliers
+        half_x_m, half_y_m = surface.half_m
+        places = {"x": self.x_m[fitted] / half_x_m, "y": self.y_m[fitted] / half_y_m}
+        basis = surface.modes_at(orders, **places)
         points, modes = basis.shape
         residual = self.residual_m[fitted]
         centred = (residual - residual.mean()) * math.sqrt(points / (points - modes))
@@ -120,10 +123,10 @@ class SmoothedScan:
         raw_m = self.peak_m * np.array(self.profile.coefficients)
         drawn = raw_m + (noise @ basis) @ self.root @ self.root.T
         # The finer search for the maximum moves it by as little for each.
-        finer = (self.peak_m + self.peak_bias_m) / _largest(raw_m[None], orders)[0]
-        peaks = _largest(drawn, orders) * finer - self.peak_bias_m
+        finer = (self.peak_m + self.peak_bias_m) / _largest(raw_m[None], orders, surface)[0]
+        peaks = _largest(drawn, orders, surface) * finer - self.peak_bias_m
         return [
-            Modes(orders, tuple(map(float, each / peak)), radius, largest=self.profile.largest)
+            Modes(orders, tuple(map(float, each / peak)), surface, largest=self.profile.largest)
             for each, peak in zip(drawn, peaks, strict=True)
         ]
 
@@ -132,28 +135,28 @@ class SmoothedScan:
 def smoothed_scan(
     path: Path,
     *,
-    surface_radius_m: float,
+    surface: Surface,
     axisymmetric: bool,
     sign: str = "measured",
     frequency_hz: float | None = None,
 ) -> SmoothedScan:
-    """The smooth profile of a scan's file on a disc; read and fitted once a process.
+    """The smooth profile of a scan's file on a surface; read and fitted once a process.
 
     Raises InputError naming the file and the row or column that is wrong, or what the points do not
     determine.
     """
     return smoothed(
         read_scan(path, frequency_hz=frequency_hz),
-        surface_radius_m=surface_radius_m,
+        surface=surface,
         axisymmetric=axisymmetric,
         sign=sign,
     )
 
 
 def smoothed(
-    scan: Scan, *, surface_radius_m: float, axisymmetric: bool, sign: str = "measured"
+    scan: Scan, *, surface: Surface, axisymmetric: bool, sign: str = "measured"
 ) -> SmoothedScan:
-    """The smooth profile of a scan on a disc.
+    """The smooth profile of a scan on a surface.
 
     Args:
         sign: ``unknown`` takes amplitudes without phase or sign as they are although they look
@@ -161,13 +164,14 @@ def smoothed(
 
     Raises InputError naming the file, and what its points do not determine.
     """
-    places_on_disc(scan, surface_radius_m, axisymmetric=axisymmetric)  # names a line of the file
+    places_on(scan, surface, axisymmetric=axisymmetric)  # names a line of the file
     scan = binned(scan)
-    x_m, y_m = places_on_disc(scan, surface_radius_m, axisymmetric=axisymmetric)
+    x_m, y_m = places_on(scan, surface, axisymmetric=axisymmetric)
     in_phase, across, quadrature = _in_one_phase(scan)
-    x, y = x_m / surface_radius_m, y_m / surface_radius_m
+    half_x_m, half_y_m = surface.half_m
+    x, y = x_m / half_x_m, y_m / half_y_m
     folded = not scan.signed and looks_folded(
-        scan.path, x=x, y=y, amplitude=np.abs(in_phase), axisymmetric=axisymmetric
+        scan.path, surface, x=x, y=y, amplitude=np.abs(in_phase), axisymmetric=axisymmetric
     )
     if folded and sign != "unknown":
         raise InputError(
@@ -176,23 +180,21 @@ def smoothed(
             "column phase_deg or sign, or say actuator.profile.sign: unknown to take them as they "
             "are"
         )
-    fit, kept = _without_strays(scan, x, y, in_phase, axisymmetric)
-    residual = in_phase - modes_at(fit.orders, x=x, y=y) @ fit.coefficients
+    fit, kept = _without_strays(scan, surface, x, y, in_phase, axisymmetric)
+    residual = in_phase - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients
     # Half a period later every amplitude has the other sign: positive at its largest by choice.
     fitted = in_phase - residual
     turn = 1.0 if fitted[np.argmax(np.abs(fitted))] > 0 else -1.0
     noise_m = float(np.linalg.norm(residual[kept]) / math.sqrt(kept.sum() - len(fit.orders)))
-    raw = Modes(fit.orders, tuple(map(float, turn * fit.coefficients)), surface_radius_m)
-    largest_m = largest_magnitude(
-        lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), radius_m=surface_radius_m
-    )
-    bias_m = min(_bias_of_largest(fit, noise_m), LARGEST_ERROR * largest_m)
+    raw = Modes(fit.orders, tuple(map(float, turn * fit.coefficients)), surface)
+    largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
+    bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
-    other = best_fit(scan.path, x[kept], y[kept], across[kept], axisymmetric)
+    other = best_fit(scan.path, surface, x[kept], y[kept], across[kept], axisymmetric)
     result = SmoothedScan(
         scan=scan,
-        profile=_in_units(turn * fit.coefficients, fit, peak_m, surface_radius_m, largest_m),
-        out_of_phase=_in_units(other.coefficients, other, peak_m, surface_radius_m, largest_m),
+        profile=_in_units(turn * fit.coefficients, fit, peak_m, surface, largest_m),
+        out_of_phase=_in_units(other.coefficients, other, peak_m, surface, largest_m),
         peak_m=peak_m,
         peak_bias_m=bias_m,
         noise_m=noise_m,
@@ -218,20 +220,8 @@ def smoothed(
     return result
 
 
-def polar_net(radius_m: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """r_m, phi, x_m and y_m of a net of points over the disc, each of shape (RADII, ANGLES)."""
-    r_m, phi = np.meshgrid(
-        np.linspace(0, radius_m, RADII),
-        np.linspace(0, 2 * np.pi, ANGLES, endpoint=False),
-        indexing="ij",
-    )
-    return r_m, phi, r_m * np.cos(phi), r_m * np.sin(phi)
-
-
-def places_on_disc(
-    scan: Scan, surface_radius_m: float, *, axisymmetric: bool
-) -> tuple[np.ndarray, np.ndarray]:
-    """The points' x_m and y_m, all of them on the disc.
+def places_on(scan: Scan, surface: Surface, *, axisymmetric: bool) -> tuple[np.ndarray, np.ndarray]:
+    """The points' x_m and y_m, all of them on the surface.
 
     Raises InputError naming the line of one that is not.
     """
@@ -241,12 +231,12 @@ def places_on_disc(
             "profile; say so by actuator.profile.axisymmetric: true"
         )
     x_m, y_m = scan.x_m, np.zeros_like(scan.x_m) if scan.y_m is None else scan.y_m
-    off = np.flatnonzero(np.hypot(x_m, y_m) > surface_radius_m * (1 + 1e-6))
+    off = np.flatnonzero(surface.reach(x_m, y_m) > 1 + 1e-6)
     if len(off):
         raise InputError(
             f"{scan.path}: line {scan.lines[off[0]]}: the point lies "
-            f"{np.hypot(x_m, y_m)[off[0]] * 1e3:.2f} mm from the centre, off the actuator's "
-            f"{surface_radius_m * 1e3:.2f} mm disc (actuator.surface_radius_m)"
+            f"{surface.where(x_m[off[0]], y_m[off[0]])}, off the actuator's {surface.text} "
+            f"({surface.key})"
         )
     return x_m, y_m
 
@@ -268,7 +258,12 @@ def _in_one_phase(scan: Scan) -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def _without_strays(
-    scan: Scan, x: np.ndarray, y: np.ndarray, measured: np.ndarray, axisymmetric: bool
+    scan: Scan,
+    surface: Surface,
+    x: np.ndarray,
+    y: np.ndarray,
+    measured: np.ndarray,
+    axisymmetric: bool,
 ) -> tuple[Fit, np.ndarray]:
     """Least squares on the points that are not far from the rest, and which those are.
 
@@ -278,8 +273,8 @@ def _without_strays(
     kept = np.ones(len(measured), dtype=bool)
     floor = LEAST_OUTLIER * float(np.median(np.sort(np.abs(measured))[-max(5, len(x) // 20) :]))
     for _ in range(REFITS):
-        fit = best_fit(scan.path, x[kept], y[kept], measured[kept], axisymmetric)
-        residual = np.abs(measured - modes_at(fit.orders, x=x, y=y) @ fit.coefficients)
+        fit = best_fit(scan.path, surface, x[kept], y[kept], measured[kept], axisymmetric)
+        residual = np.abs(measured - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients)
         near = residual <= max(OUTLIER * 1.4826 * float(np.median(residual)), floor)
         if np.array_equal(near, kept):
             break
@@ -291,49 +286,54 @@ def _without_strays(
             f"{scan.path}: {len(strays)} of {len(kept)} points (lines {lines}, …) lie far from "
             "every smooth profile through the rest: more than stray points; look at them"
         )
-    fit = best_fit(scan.path, x[kept], y[kept], measured[kept], axisymmetric)
+    fit = best_fit(scan.path, surface, x[kept], y[kept], measured[kept], axisymmetric)
     return fit, kept
 
 
 @lru_cache(maxsize=32)
-def _net_of_modes(orders: tuple[tuple[int, int], ...]) -> np.ndarray:
-    """The modes on the unit disc's net, shape (points, modes)."""
-    _, _, x, y = polar_net(1.0)
-    return modes_at(orders, x=x.ravel(), y=y.ravel())
+def _net_of_modes(orders: tuple[tuple[int, int], ...], surface: Surface) -> np.ndarray:
+    """The modes on the surface's net, shape (points, modes)."""
+    x_m, y_m, _ = surface.net()
+    half_x_m, half_y_m = surface.half_m
+    return surface.modes_at(orders, x=x_m.ravel() / half_x_m, y=y_m.ravel() / half_y_m)
 
 
-def _largest(coefficients: np.ndarray, orders: tuple[tuple[int, int], ...]) -> np.ndarray:
+def _largest(
+    coefficients: np.ndarray, orders: tuple[tuple[int, int], ...], surface: Surface
+) -> np.ndarray:
     """Largest magnitude on the net of sums of modes; coefficients of shape (sums, modes)."""
-    largest: np.ndarray = np.abs(coefficients @ _net_of_modes(orders).T).max(axis=1)
+    largest: np.ndarray = np.abs(coefficients @ _net_of_modes(orders, surface).T).max(axis=1)
     return largest
 
 
-def _bias_of_largest(fit: Fit, noise_m: float) -> float:
+def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
     """By how much noise raises the largest magnitude, by what more of it would do."""
     random = np.random.default_rng(PEAK_SEED)
     change = noise_m * random.standard_normal((PEAK_DRAWS, len(fit.orders))) @ fit.root.T
     # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
-    drawn = _largest(fit.coefficients + np.concatenate([change, -change]), fit.orders)
-    return max(float(drawn.mean() - _largest(fit.coefficients[None], fit.orders)[0]), 0.0)
+    drawn = _largest(fit.coefficients + np.concatenate([change, -change]), fit.orders, surface)
+    found = _largest(fit.coefficients[None], fit.orders, surface)[0]
+    return max(float(drawn.mean() - found), 0.0)
 
 
 def _in_units(
-    coefficients: np.ndarray, fit: Fit, peak_m: float, radius_m: float, largest_m: float
+    coefficients: np.ndarray, fit: Fit, peak_m: float, surface: Surface, largest_m: float
 ) -> Modes:
     return Modes(
-        fit.orders, tuple(float(c) for c in coefficients / peak_m), radius_m, largest_m / peak_m
+        fit.orders, tuple(float(c) for c in coefficients / peak_m), surface, largest_m / peak_m
     )
 
 
 def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
-    """Refuse a profile that the scan leaves open somewhere on the disc."""
+    """Refuse a profile that the scan leaves open somewhere on the surface."""
     from scipy.spatial import cKDTree
 
-    path, disc_m = smoothed.scan.path, smoothed.profile.surface_radius_m
-    radius_m, _, x_m, y_m = polar_net(disc_m)
+    path, surface = smoothed.scan.path, smoothed.profile.surface
+    x_m, y_m, _ = surface.net()
     seen = ~smoothed.outliers
     if axisymmetric:  # a point stands for the circle through it
-        measured, places = np.hypot(smoothed.x_m, smoothed.y_m)[seen, None], radius_m[..., None]
+        measured = np.hypot(smoothed.x_m, smoothed.y_m)[seen, None]
+        places = np.hypot(x_m, y_m)[..., None]
     else:
         measured = np.column_stack([smoothed.x_m, smoothed.y_m])[seen]
         places = np.stack([x_m, y_m], axis=-1)
@@ -341,13 +341,13 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     error = smoothed.standard_error(x_m=x_m, y_m=y_m)
     hole = np.unravel_index(np.argmax(distance), distance.shape)
     worst = np.unravel_index(np.argmax(error), error.shape)
-    if distance[hole] > LARGEST_HOLE * disc_m:
-        where = f"r = {radius_m[hole] * 1e3:.2f} mm"
+    if distance[hole] > LARGEST_HOLE * min(surface.half_m):
+        where = f"r = {places[hole][0] * 1e3:.2f} mm"
         if not axisymmetric:
             where = f"x = {x_m[hole] * 1e3:.2f} mm, y = {y_m[hole] * 1e3:.2f} mm"
         raise InputError(
             f"{path}: no point was measured within {distance[hole] * 1e3:.1f} mm of {where}; the "
-            "scan needs points there, or actuator.surface_radius_m is too large"
+            f"scan needs points there, or {surface.key} is too large"
         )
     if error[worst] > LARGEST_ERROR:
         raise InputError(

@@ -8,10 +8,14 @@ from typing import Protocol
 
 import numpy as np
 
+from squeezefilm.film.vibration.surfaces import Disc, Surface
 from squeezefilm.formulas.expressions import Expression, parse
 
 MOST_KEPT = 1_000_000
 """Values of modes, points times modes, that are kept to be used again: 8 MB."""
+
+
+UNBOUNDED = Disc(inf)
 
 
 class Profile(Protocol):
@@ -46,14 +50,14 @@ class Piston:
 class StandingWave:
     """s ~ cos(2π u/λ), u the distance along ``direction_deg`` from a crest at ``crest_m``.
 
-    Over its largest magnitude on the disc, which is below the crest's where no crest or trough lies
-    on it; on a disc without bounds, if its radius is left out.
+    Over its largest magnitude on the surface, which is below the crest's where no crest or trough
+    lies on it; on one without bounds, if it is left out.
     """
 
     wavelength_m: float
     direction_deg: float
     crest_m: float
-    surface_radius_m: float = inf
+    surface: Surface = UNBOUNDED
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
@@ -62,9 +66,9 @@ class StandingWave:
 
     @property
     def largest(self) -> float:
-        """Largest magnitude on the disc: 1 if the phase passes a multiple of π there."""
+        """Largest magnitude on the surface: 1 if the phase passes a multiple of π there."""
         middle = -2 * pi * self.crest_m / self.wavelength_m
-        reach = 2 * pi * self.surface_radius_m / self.wavelength_m
+        reach = 2 * pi * self.surface.reach_along(self.direction_deg) / self.wavelength_m
         if abs(middle - pi * round(middle / pi)) <= reach:
             return 1.0
         return max(abs(cos(middle - reach)), abs(cos(middle + reach)))
@@ -82,7 +86,7 @@ class BesselMode:
     wave_number_rad_per_m: float
     edge_share: float
     direction_deg: float
-    surface_radius_m: float
+    surface: Surface
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         angle = np.arctan2(y_m, x_m) - radians(self.direction_deg)
@@ -100,7 +104,7 @@ class Formula:
     """An expression in x, y, r (metres) and phi (radians), over its largest magnitude."""
 
     expression: str
-    surface_radius_m: float
+    surface: Surface
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return _value_of_formula(self.expression, x_m, y_m) / largest_of_formula(self)
@@ -108,65 +112,63 @@ class Formula:
 
 @dataclass(frozen=True)
 class Modes:
-    """A sum of Zernike modes on the actuator's disc: a measured profile, smoothed (scans.py).
+    """A sum of smooth modes on the surface: a measured profile, smoothed (scans.py).
 
-    ``orders`` are the modes' (n, m), cosine for m ≥ 0 and sine for m < 0. ``largest`` is the
-    largest magnitude on the disc: above 1 by what noise has put on the maximum.
+    ``orders`` are the modes' two numbers (zernike.py, legendre.py). ``largest`` is the largest
+    magnitude on the surface: above 1 by what noise has put on the maximum.
     """
 
     orders: tuple[tuple[int, int], ...]
     coefficients: tuple[float, ...]
-    surface_radius_m: float
+    surface: Surface
     largest: float = 1.0
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
-        x, y = x / self.surface_radius_m, y / self.surface_radius_m
+        half_x_m, half_y_m = self.surface.half_m
+        x, y = x / half_x_m, y / half_y_m
         if x.size * len(self.orders) > MOST_KEPT:
-            modes = _modes_at(self.orders, x, y)
+            modes = self.surface.modes_at(self.orders, x=x, y=y)
         else:
-            modes = _modes_again(self.orders, x.shape, x.tobytes(), y.tobytes())
+            modes = _modes_again(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
         return modes @ np.array(self.coefficients)
-
-
-def _modes_at(orders: tuple[tuple[int, int], ...], x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    from squeezefilm.film.vibration.zernike import modes_at  # SciPy's functions are slow to import
-
-    return modes_at(orders, x=x, y=y)
 
 
 @lru_cache(maxsize=16)
 def _modes_again(
-    orders: tuple[tuple[int, int], ...], shape: tuple[int, ...], x: bytes, y: bytes
+    surface: Surface,
+    orders: tuple[tuple[int, int], ...],
+    shape: tuple[int, ...],
+    x: bytes,
+    y: bytes,
 ) -> np.ndarray:
     """The modes at points given as bytes: profiles with other noise are asked at the same ones."""
-    return _modes_at(orders, *(np.frombuffer(each).reshape(shape) for each in (x, y)))
+    x_, y_ = (np.frombuffer(each).reshape(shape) for each in (x, y))
+    return surface.modes_at(orders, x=x_, y=y_)
 
 
 def largest_magnitude(
-    shape: Callable[[np.ndarray, np.ndarray], np.ndarray], *, radius_m: float
+    shape: Callable[[np.ndarray, np.ndarray], np.ndarray], *, surface: Surface
 ) -> float:
-    """Largest |shape(x_m, y_m)| on the disc: the best of a polar grid, then improved.
+    """Largest |shape(x_m, y_m)| on the surface: the best of a net, then improved.
 
-    NaN when the shape is not finite everywhere on the grid.
+    NaN when the shape is not finite everywhere on the net.
     """
     from scipy.optimize import minimize
 
-    radius, angle = np.meshgrid(
-        np.linspace(0, radius_m, 101), np.linspace(0, 2 * pi, 192, endpoint=False), indexing="ij"
-    )
+    net, place, steps = surface.search()
     with np.errstate(all="ignore"):
-        sizes = np.abs(shape(radius * np.cos(angle), radius * np.sin(angle)))
+        sizes = np.abs(shape(*place(net[0], net[1])))
     if not np.all(np.isfinite(sizes)):
         return np.nan
     best = np.unravel_index(np.argmax(sizes), sizes.shape)
-    start = np.array([radius[best] / radius_m, angle[best]])
+    start = np.array([each[best] for each in net])
 
-    def negative(place: np.ndarray) -> float:
-        r, phi = min(abs(place[0]), 1.0) * radius_m, place[1]
-        return -float(np.abs(shape(np.array(r * np.cos(phi)), np.array(r * np.sin(phi)))))
+    def negative(at: np.ndarray) -> float:
+        x_m, y_m = place(at[0], at[1])
+        return -float(np.abs(shape(np.array(x_m), np.array(y_m))))
 
-    simplex = start + np.array([[0, 0], [-0.005, 0], [0, 0.03]])
+    simplex = start + steps
     found = minimize(negative, start, method="Nelder-Mead", options={"initial_simplex": simplex})
     return max(float(sizes.max()), -float(found.fun))
 
@@ -183,7 +185,7 @@ def _radial_mode(
 
 @lru_cache(maxsize=16)
 def largest_radial(mode: BesselMode) -> float:
-    """Largest |amplitude| of a mode on the disc before it is scaled to 1."""
+    """Largest |amplitude| of a mode on the surface before it is scaled to 1."""
     # Along the direction of the antinode; the cosine is 1 there.
     return largest_magnitude(
         lambda x_m, y_m: _radial_mode(
@@ -192,7 +194,7 @@ def largest_radial(mode: BesselMode) -> float:
             wave_number_rad_per_m=mode.wave_number_rad_per_m,
             edge_share=mode.edge_share,
         ),
-        radius_m=mode.surface_radius_m,
+        surface=mode.surface,
     )
 
 
@@ -209,8 +211,8 @@ def _value_of_formula(expression: str, x_m: np.ndarray, y_m: np.ndarray) -> np.n
 
 @lru_cache(maxsize=16)
 def largest_of_formula(formula: Formula) -> float:
-    """Largest |value| of a formula on the disc; its amplitude is that share of it."""
+    """Largest |value| of a formula on the surface; its amplitude is that share of it."""
     return largest_magnitude(
         lambda x_m, y_m: _value_of_formula(formula.expression, x_m, y_m),
-        radius_m=formula.surface_radius_m,
+        surface=formula.surface,
     )

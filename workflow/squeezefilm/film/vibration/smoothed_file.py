@@ -3,7 +3,6 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -13,11 +12,13 @@ import numpy as np
 
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.film.vibration.shapes import Modes
+from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.film.vibration.vibrometer import Scan
 from squeezefilm.io.atomic import digest, whole_file
 from squeezefilm.io.errors import InputError
 
 ARRAYS = ("x_m", "y_m", "measured_m", "residual_m", "outliers", "root")
+OF_MODES = ("orders", "coefficients", "largest")
 OF_SCAN = ("x_m", "y_m", "amplitude_m", "lines")
 NUMBERS = ("peak_m", "peak_bias_m", "noise_m", "quadrature", "degree", "folded")
 
@@ -35,8 +36,8 @@ def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str,
         "made_from": _made_from(scan.path, settings),
         **{name: getattr(smoothed, name) for name in NUMBERS},
         "scores": list(smoothed.scores.items()),
-        "profile": asdict(smoothed.profile),
-        "out_of_phase": asdict(smoothed.out_of_phase),
+        "profile": _plain(smoothed.profile),
+        "out_of_phase": _plain(smoothed.out_of_phase),
         "missing": scan.missing,
         "signed": scan.signed,
         "notes": scan.notes,
@@ -83,19 +84,24 @@ def read_smoothed(path: Path, scan: Path, *, settings: Mapping[str, Any]) -> Smo
             notes=tuple(facts["notes"]),
             cell_m=facts["cell_m"],
         ),
-        profile=_modes(facts["profile"]),
-        out_of_phase=_modes(facts["out_of_phase"]),
+        profile=_modes(facts["profile"], settings["surface"]),
+        out_of_phase=_modes(facts["out_of_phase"], settings["surface"]),
         scores={int(degree): score for degree, score in facts["scores"]},
         **numbers,
         **values,
     )
 
 
-def _modes(plain: Mapping[str, Any]) -> Modes:
+def _plain(modes: Modes) -> dict[str, Any]:
+    """Modes as plain values, but for the surface, which is one of the settings."""
+    return {name: getattr(modes, name) for name in OF_MODES}
+
+
+def _modes(plain: Mapping[str, Any], surface: Surface) -> Modes:
     orders = tuple((int(n), int(m)) for n, m in plain["orders"])
-    return Modes(**{**plain, "orders": orders, "coefficients": tuple(plain["coefficients"])})
+    return Modes(orders, tuple(plain["coefficients"]), surface, largest=plain["largest"])
 
 
 def _made_from(scan: Path, settings: Mapping[str, Any]) -> str:
-    text = json.dumps(dict(settings), sort_keys=True)
+    text = json.dumps(dict(settings), sort_keys=True, default=repr)
     return hashlib.sha256(f"{digest(scan)} {text}".encode()).hexdigest()

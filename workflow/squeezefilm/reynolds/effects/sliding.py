@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import atan2, cos, degrees, hypot, radians, sin
+from math import cos, radians, sin
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def line(scene: Scene) -> list[Scene]:
 def _moved(scene: Scene, share: float) -> Scene:
     turn, length_m = radians(scene.finger.rotation_deg), share * scene.finger.length_x_m
     x_m, y_m = scene.x_m + length_m * cos(turn), scene.y_m + length_m * sin(turn)
-    return replace(scene, phi_r_m=hypot(x_m, y_m), phi_deg=degrees(atan2(y_m, x_m)))
+    return replace(scene, x_m=x_m, y_m=y_m)
 
 
 def change_by_passing(

@@ -14,7 +14,9 @@ from squeezefilm.designs.continuous_design import ContinuousDesign, optimal_in_b
 from squeezefilm.designs.exact_design import exchange
 from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import SCENE_COLUMNS, scene_points
+from squeezefilm.io.positions import CARTESIAN
+from squeezefilm.io.tables import scene_points
+from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.fitting.profile_likelihood import ParameterRange, parameter_ranges
@@ -177,7 +179,7 @@ def _design(
 ) -> NamedDesign:
     order = np.arange(len(points)) if origins else np.lexsort(np.round(points, 12).T[::-1])
     points, weights = points[order], weights[order]
-    table = study.space.table(points)[list(SCENE_COLUMNS)]
+    table = study.space.table(points)
     table["point_id"] = [f"{name}-{number}" for number in table["point_id"]]
     table = table.assign(design=name, weight=weights, origin=origins or "design")
     return NamedDesign(name, points, weights, table, certificate)
@@ -250,6 +252,8 @@ def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
         layers["gap"] = box.from_unit(gaps)
     else:
         ends = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0]]
+        if box.names[2:] == CARTESIAN:
+            ends = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [1.0, 1.0]]
         layers["gap"] = box.from_unit(
             np.concatenate([np.column_stack([gaps, np.tile(end, (len(gaps), 1))]) for end in ends])
         )
@@ -260,14 +264,14 @@ def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
         points = points[study.space.allowed(points)]
         level = sensitivity(own, study.derivatives(points), weights=local.weights)
         scenes = study.space.table(points)
-        radius_mm, angle = 1e3 * scenes["phi_r_m"], np.radians(scenes["phi_deg"])
+        at = factors_of(scenes)
         part = pd.DataFrame(
             {
                 "layer": layer,
                 "h0_um": np.round(1e6 * scenes["h0_m"], 9),
                 "hv_um": np.round(1e6 * scenes["hv_m"], 9),
-                "x_mm": np.round(radius_mm * np.cos(angle), 9),
-                "y_mm": np.round(radius_mm * np.sin(angle), 9),
+                "x_mm": np.round(1e3 * at.x_m, 9),
+                "y_mm": np.round(1e3 * at.y_m, 9),
                 "sensitivity": level,
             }
         )

@@ -23,8 +23,8 @@ from squeezefilm.designs.paper_design import (
 )
 from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_regions
 from squeezefilm.io.parallel import parallel_map
-from squeezefilm.io.tables import DESIGN_COLUMNS
-from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.models.fitted import FittedModel
+from squeezefilm.models.force_model import ExpressionModel, Factors, get_model
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
 
@@ -42,25 +42,27 @@ class PaperDesigns:
     summary: dict[str, Any]
 
 
-def two_factor_designs(
-    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
-) -> PaperDesigns:
-    settings, box = config["design"], box_of(config, model.factor_names)
-    determinant = Criterion(_gradient(model, theta), box)
+def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
+    model, theta = get_model(fit.model), np.array(fit.theta)
+    settings, box = config["design"], box_of(config, centred=True)
+    determinant = Criterion(_gradient(model, theta, box), box)
     best = exchange_design(determinant, 3, levels=TWO_FACTOR_LEVELS)
     rows, summary = [], {}
     for scaling in TWO_FACTOR_SCALINGS:
         criterion = Criterion(determinant.gradient, box, distance=coordinates(scaling, box))
         designs = _searches(criterion, 3, settings, processes=processes)
         patterns = find_patterns(designs, box)
-        rows += _search_rows(scaling, designs, patterns, box, model)
-        summary[scaling] = _pattern_summaries(patterns, determinant, best, model)
+        rows += _search_rows(scaling, designs, patterns, box)
+        summary[scaling] = _pattern_summaries(patterns, determinant, best, box)
         if scaling == settings["scaling"]:
             regions = augment(
                 criterion, find_regions(patterns, box), settings["points"], candidates=corners(box)
             )
     table = _design_table(
-        [region.point for region in regions], [region.origin for region in regions], model
+        [region.point for region in regions],
+        [region.origin for region in regions],
+        box,
+        fit.position,
     )
     about = {
         "scaling": settings["scaling"],
@@ -74,11 +76,10 @@ def two_factor_designs(
     return PaperDesigns([table], pd.DataFrame(rows), about)
 
 
-def four_factor_designs(
-    model: ExpressionModel, theta: np.ndarray, config: Config, *, processes: int
-) -> PaperDesigns:
-    settings, box = config["four_factor_design"], box_of(config, model.factor_names)
-    gradient = _gradient(model, theta)
+def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
+    model, theta = get_model(fit.model), np.array(fit.theta)
+    settings, box = config["four_factor_design"], box_of(config)
+    gradient = _gradient(model, theta, box)
     forms = {
         "paper": Criterion(gradient, box),
         "distinct": Criterion(
@@ -91,15 +92,17 @@ def four_factor_designs(
         best = exchange_design(criterion, points, levels=FOUR_FACTOR_LEVELS)
         designs = _searches(criterion, points, settings, processes=processes)
         patterns = find_patterns(designs, box)
-        rows += _search_rows(form, designs, patterns, box, model)
-        summary[form] = _pattern_summaries(patterns, criterion, best, model)
-        tables.append(_design_table(patterns[0].design.points, [form] * points, model))
+        rows += _search_rows(form, designs, patterns, box)
+        summary[form] = _pattern_summaries(patterns, criterion, best, box)
+        tables.append(_design_table(patterns[0].design.points, [form] * points, box, box.names[2:]))
     about = {"searches": settings["searches"], "forms": summary}
     return PaperDesigns(tables, pd.DataFrame(rows), about)
 
 
-def _gradient(model: ExpressionModel, theta: np.ndarray) -> Gradient:
-    return lambda points: model.gradient(theta, model.factors(points))
+def _gradient(model: ExpressionModel, theta: np.ndarray, box: Box) -> Gradient:
+    return lambda points: model.gradient(
+        theta, Factors.of(**dict(zip(box.names, points.T, strict=True)))
+    )
 
 
 def _searches(
@@ -116,7 +119,6 @@ def _search_rows(
     designs: Sequence[Design],
     patterns: Sequence[Pattern],
     box: Box,
-    model: ExpressionModel,
 ) -> list[dict[str, Any]]:
     """One row for each point of each search, with the pattern that the search ended in."""
     rows = []
@@ -128,12 +130,12 @@ def _search_rows(
         )
         for point in design.points:
             about = {"scaling": scaling, "search": search, "pattern": name}
-            rows.append({**about, **_named(point, model), "objective": design.value})
+            rows.append({**about, **_named(point, box), "objective": design.value})
     return rows
 
 
 def _pattern_summaries(
-    patterns: Sequence[Pattern], criterion: Criterion, best: Design, model: ExpressionModel
+    patterns: Sequence[Pattern], criterion: Criterion, best: Design, box: Box
 ) -> list[dict[str, Any]]:
     return [
         {
@@ -145,22 +147,22 @@ def _pattern_summaries(
             "d_efficiency": d_efficiency(
                 criterion.derivatives(pattern.design.points), criterion.derivatives(best.points)
             ),
-            "points": [_named(point, model) for point in pattern.design.points],
+            "points": [_named(point, box) for point in pattern.design.points],
         }
         for pattern in patterns
     ]
 
 
-def _named(point: Iterable[float], model: ExpressionModel) -> dict[str, float]:
+def _named(point: Iterable[float], box: Box) -> dict[str, float]:
     """A point with its factors' names; twelve digits, so that a limit reads 2e-06."""
-    return {
-        name: float(f"{value:.12g}") for name, value in zip(model.factor_names, point, strict=True)
-    }
+    return {name: float(f"{value:.12g}") for name, value in zip(box.names, point, strict=True)}
 
 
 def _design_table(
-    points: Iterable[Iterable[float]], origins: Sequence[str], model: ExpressionModel
+    points: Iterable[Iterable[float]],
+    origins: Sequence[str],
+    box: Box,
+    position: tuple[str, ...],
 ) -> pd.DataFrame:
-    factors = pd.DataFrame([_named(point, model) for point in points])
-    scenes = plan(**{name: factors[name].to_numpy() for name in model.factor_names})
-    return scenes.assign(origin=origins)[list(DESIGN_COLUMNS)]
+    factors = pd.DataFrame([_named(point, box) for point in points])
+    return plan(**factors, position=position).assign(origin=origins)

@@ -15,8 +15,9 @@ import pandas as pd
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, scene_points
-from squeezefilm.models.force_model import Factors
+from squeezefilm.io.positions import form_of
+from squeezefilm.io.tables import ScenePoint, scene_points
+from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.limit_table import (
     LARGEST_EPSILON_SQUARE,
     POINTS,
@@ -92,9 +93,9 @@ def limit_table_of(config: Config) -> LimitTable:
     """
     box = box_of(config).ranges
     box.pop("hv_m")
-    ranges = box | {"epsilon_square": (0.0, LARGEST_EPSILON_SQUARE)}
+    ranges = {"h0_m": box.pop("h0_m"), "epsilon_square": (0.0, LARGEST_EPSILON_SQUARE), **box}
     h0_m = ranges["h0_m"][1]
-    widest = scene_of(ScenePoint("widest", h0_m, 0.1 * h0_m, 0.0, 0.0), config, check=False)
+    widest = scene_of(ScenePoint("widest", h0_m, 0.1 * h0_m), config, check=False)
     at, shape = nodes(ranges, POINTS_WITH_INERTIA if _has_inertia(widest) else POINTS)
     limits = _limits(config, at)
     square = at["epsilon_square"].reshape(shape)
@@ -111,18 +112,15 @@ def limit_table_of(config: Config) -> LimitTable:
     drawn = {axis: random.uniform(*ranges[axis], CHECK_POINTS) for axis in ranges}
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
     checked = _limits(config, drawn)
-    found = table.complete(Factors.of(**{name: checked[name] for name in FACTOR_COLUMNS}))
+    found = table.complete(factors_of(checked))
     errors = [np.abs(found.column(name) / checked[name] - 1).max() for name in METHODS]
     return replace(table, error=float(max(errors)))
 
 
 def _limits(config: Config, at: dict[str, np.ndarray]) -> pd.DataFrame:
-    table = plan(
-        h0_m=at["h0_m"],
-        hv_m=at["h0_m"] * np.sqrt(at["epsilon_square"]),
-        phi_r_m=at["phi_r_m"],
-        phi_deg=at["phi_deg"],
-    )
+    factors = {"h0_m": at["h0_m"], "hv_m": at["h0_m"] * np.sqrt(at["epsilon_square"])}
+    table = plan(position=form_of(at), **factors)
+    table = table.assign(**{name: at[name] for name in form_of(at)})
     limits = with_limits(table, [scene_of(point, config) for point in scene_points(table)])
     if not np.all(np.isfinite(limits[list(METHODS)])):
         raise InputError(f"{config.path}: {DOES_NOT_HOLD}, or another of the study's space")

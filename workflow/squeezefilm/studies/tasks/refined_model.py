@@ -9,6 +9,7 @@ import pandas as pd
 
 from squeezefilm.designs.refine_loop import Goal, Outcome, Pool, Round, refine_loop
 from squeezefilm.io.errors import RunError
+from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, scene_points
 from squeezefilm.models.description import describe
 from squeezefilm.models.fitting.fit import Fit
@@ -20,7 +21,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import directions_of, scene_of
+from squeezefilm.studies.study import scene_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
 TYPICAL = 1000
@@ -60,7 +61,7 @@ class SimulatedSpace:
         self.known = with_limits(self.table, self.scenes)
         self.solutions: dict[int, Solution] = {}
         self.device = device_of(config)
-        names = (*FACTOR_COLUMNS, *COLUMNS.values())
+        names = (*as_in(FACTOR_COLUMNS, self.table), *COLUMNS.values())
         self.pool = Pool(
             Factors.of(**{name: self.known[name].to_numpy() for name in names}),
             space.coordinates(space.points(self.table)),
@@ -79,17 +80,18 @@ class SimulatedSpace:
         )
         for point, solution in zip(points, found, strict=True):
             if solution.status != "ok":
-                factors = self.table.loc[point, list(FACTOR_COLUMNS)].to_dict()
+                factors = self.table[as_in(FACTOR_COLUMNS, self.table)].loc[point].to_dict()
                 raise RunError(f"no force at {factors}: {solution.status}")
             self.solutions[int(point)] = solution
         return self.forces_and_errors(points)
 
     def forces(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
         rows = self.table.loc[points].assign(point_id=labels).reset_index(drop=True)
-        for name in FORCE_COLUMNS:
+        columns = as_in(FORCE_COLUMNS, rows)
+        for name in columns:
             if name not in rows.columns:
                 rows[name] = [getattr(self.solutions[int(point)], name) for point in points]
-        return rows[list(FORCE_COLUMNS)]
+        return rows[columns]
 
     def forces_and_errors(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Of points simulated before, in newtons."""
@@ -101,7 +103,7 @@ class SimulatedSpace:
 
     def limits(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
         rows = self.known.loc[points].assign(point_id=labels).reset_index(drop=True)
-        return rows[list(LIMIT_COLUMNS)]
+        return rows[as_in(LIMIT_COLUMNS, rows)]
 
 
 def refined_model(
@@ -206,7 +208,7 @@ def _map(
         error, source = own[places] - limit[places], "physics limit"
     else:
         error, source = _interpolated(pool, outcome.simulated, seen, places), "interpolation"
-    rows = space.table.loc[places, list(FACTOR_COLUMNS)].reset_index(drop=True)
+    rows = space.table[as_in(FACTOR_COLUMNS, space.table)].loc[places].reset_index(drop=True)
     kinds = np.repeat(["candidate", "sample"], [len(pool.candidates), len(pool.typical)])
     return rows.assign(layer=kinds, error_n=error), source
 
@@ -224,7 +226,7 @@ def _interpolated(
 def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpace) -> pd.DataFrame:
     rows = []
     for done in outcome.rounds:
-        worst = space.table.loc[done.worst_at, list(FACTOR_COLUMNS)]
+        worst = space.table[as_in(FACTOR_COLUMNS, space.table)].loc[done.worst_at]
         theta = zip(model.parameter_names, done.theta, strict=True)
         rows.append(
             {
@@ -232,7 +234,7 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
                 "simulations": done.simulations,
                 "fitted_points": len(done.design),
                 **{name: getattr(done, name) for name in ESTIMATED},
-                **{f"worst_{name}": worst[name] for name in FACTOR_COLUMNS},
+                **{f"worst_{name}": value for name, value in worst.items()},
                 **{name: getattr(done, name) for name in SHARES},
                 **{f"parameter_{name}": value for name, value in theta},
             }
@@ -275,7 +277,7 @@ def _fit_values(
             scan_error=scan_error,
             control=_verified(model, space, last),
         ),
-        "directions": directions_of(space.config).to_dict(),
+        "directions": symmetry_of(space.config).to_dict(),
         "parameter_ranges": [each.to_dict() for each in ranges],
         "parameter_ranges_note": (
             "95 % profile-likelihood intervals; residuals are the model's lack of fit, the same "

@@ -7,16 +7,18 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 import pandas as pd
 
+from squeezefilm.film.directions import Directions
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
-from squeezefilm.io.tables import ScenePoint
+from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.limits.forces import fast_limit, limit_axis
 from squeezefilm.studies.config import Config
+from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
-from squeezefilm.studies.study import directions_of, scene_of
+from squeezefilm.studies.study import scene_of, symmetry_of
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 TOLERANCE = 1e-3
@@ -128,10 +130,10 @@ def errors_in_study(
 ) -> pd.DataFrame:
     """Forces of some of a study's scenes, and what the scan leaves open in them."""
     points = _points(config)
-    scenes = [scene_of(point, config) for point in points]
+    scenes = [scene_of(point, config) for point in scene_points(points)]
     errors = scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
     force_n = np.abs(errors.force_n)
-    return pd.DataFrame([asdict(point) for point in points]).assign(
+    return points.assign(
         **asdict(errors),
         noise_share=errors.noise_n / force_n,
         scan_error_n=errors.total_n,
@@ -139,14 +141,16 @@ def errors_in_study(
     )
 
 
-def _points(config: Config) -> list[ScenePoint]:
+def _points(config: Config) -> pd.DataFrame:
     """The largest amplitude over the smallest and the largest gap, and farthest from the centre."""
     gaps, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
-    radius = max(config["positions"]["phi_r_m"])
-    places = [(gaps["start"], 0.0, 0.0), (gaps["stop"], 0.0, 0.0)]
-    angles = directions_of(config).images(config["positions"]["phi_deg"])
-    places += [(gaps["start"], radius, angle) for angle in angles]
-    return [
-        ScenePoint(str(number), gap, amplitude, r, angle)
-        for number, (gap, r, angle) in enumerate(places, start=1)
-    ]
+    found, positions = symmetry_of(config), config["positions"]
+    places = found.places(positions)[1:]
+    if isinstance(found, Directions):
+        farthest = max(positions["phi_r_m"])
+        places = [place for place in places if place[0] == farthest]
+    rows = [(gaps["start"], 0.0, 0.0), (gaps["stop"], 0.0, 0.0)]
+    rows += [(gaps["start"], *place) for place in places]
+    gap, first, second = zip(*rows, strict=True)
+    place = dict(zip(found.position, (first, second), strict=True))
+    return plan(h0_m=gap, hv_m=[amplitude] * len(gap), **place)

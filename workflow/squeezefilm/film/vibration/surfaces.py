@@ -1,0 +1,199 @@
+"""The surface that vibrates, a disc or a rectangle: its edge, its symmetry's form, smooth modes.
+
+All that differs between the two is here. Coordinates are from the surface's centre; scaled ones
+are 1 at its edge: on a disc over its radius, on a rectangle each over half its side.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import cos, pi, radians, sin, sqrt
+from typing import Protocol
+
+import numpy as np
+
+from squeezefilm.film.vibration import legendre, zernike
+from squeezefilm.io.positions import CARTESIAN, POLAR
+
+RADII, ANGLES = 41, 72
+LINES = 53
+"""Points of the nets on which a profile is looked at all over: along a radius, around; a side."""
+GOLDEN_ANGLE = pi * (3 - sqrt(5))
+PLASTIC = 1.32471795724474602596
+"""The number whose powers spread points over a square as the golden one does along a line."""
+
+Place = tuple[np.ndarray, np.ndarray]
+Coordinate = float | np.ndarray
+
+
+class Surface(Protocol):
+    """A disc or a rectangle; hashable."""
+
+    position: tuple[str, str]
+    """Columns of a finger's position on it."""
+    key: str
+    """The study's key of its size."""
+    modes: str
+    """Whose polynomials its smooth modes are."""
+
+    @property
+    def half_m(self) -> tuple[float, float]:
+        """Half of what it is across along x and along y."""
+        ...
+
+    @property
+    def text(self) -> str:
+        """What it is, with its size."""
+        ...
+
+    def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """How far out points lie: 0 at the centre, 1 on the edge."""
+        ...
+
+    def reach_along(self, direction_deg: float) -> float:
+        """Farthest distance from the centre along a direction, in metres."""
+        ...
+
+    def where(self, x_m: float, y_m: float) -> str:
+        """A place in words."""
+        ...
+
+    def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """x_m, y_m of a net of points, edge included, and weights in proportion to their areas."""
+        ...
+
+    def probes(self, count: int) -> Place:
+        """Points x_m, y_m all over it of which no two are related by symmetry."""
+        ...
+
+    def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
+        """A fine net by two numbers each, their place in metres, and first steps to improve one."""
+        ...
+
+    def orders_up_to(self, degree: int, *, axisymmetric: bool) -> tuple[tuple[int, int], ...]:
+        """Smooth modes up to a degree."""
+        ...
+
+    def modes_at(
+        self, orders: tuple[tuple[int, int], ...], *, x: np.ndarray, y: np.ndarray
+    ) -> np.ndarray:
+        """Values of smooth modes at scaled points, shape (*x.shape, modes)."""
+        ...
+
+    def __hash__(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A disc; fingers lie on it by their polar position, modes are Zernike's."""
+
+    radius_m: float
+    position = POLAR
+    key = "actuator.surface_radius_m"
+    modes = "Zernike"
+
+    @property
+    def half_m(self) -> tuple[float, float]:
+        return self.radius_m, self.radius_m
+
+    @property
+    def text(self) -> str:
+        return f"{self.radius_m * 1e3:.2f} mm disc"
+
+    def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        reach: np.ndarray = np.hypot(x_m, y_m) / self.radius_m
+        return reach
+
+    def reach_along(self, direction_deg: float) -> float:
+        return self.radius_m
+
+    def where(self, x_m: float, y_m: float) -> str:
+        return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
+
+    def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        r_m, phi = np.meshgrid(
+            np.linspace(0, self.radius_m, RADII),
+            np.linspace(0, 2 * pi, ANGLES, endpoint=False),
+            indexing="ij",
+        )
+        return r_m * np.cos(phi), r_m * np.sin(phi), r_m
+
+    def probes(self, count: int) -> Place:
+        number = np.arange(count) + 0.5
+        radius, angle = self.radius_m * np.sqrt(number / count), GOLDEN_ANGLE * number
+        return radius * np.cos(angle), radius * np.sin(angle)
+
+    def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
+        def place(radius: Coordinate, angle: Coordinate) -> Place:
+            r_m = np.minimum(np.abs(radius), 1.0) * self.radius_m
+            return r_m * np.cos(angle), r_m * np.sin(angle)
+
+        radius, angle = np.meshgrid(
+            np.linspace(0, 1, 101), np.linspace(0, 2 * pi, 192, endpoint=False), indexing="ij"
+        )
+        return (radius, angle), place, np.array([[0, 0], [-0.005, 0], [0, 0.03]])
+
+    def orders_up_to(self, degree: int, *, axisymmetric: bool) -> tuple[tuple[int, int], ...]:
+        return zernike.orders_up_to(degree, axisymmetric=axisymmetric)
+
+    def modes_at(
+        self, orders: tuple[tuple[int, int], ...], *, x: np.ndarray, y: np.ndarray
+    ) -> np.ndarray:
+        return zernike.modes_at(orders, x=x, y=y)
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A rectangle along x and y; fingers lie on it by x and y, modes are Legendre's products."""
+
+    length_x_m: float
+    length_y_m: float
+    position = CARTESIAN
+    key = "actuator.surface"
+    modes = "Legendre"
+
+    @property
+    def half_m(self) -> tuple[float, float]:
+        return self.length_x_m / 2, self.length_y_m / 2
+
+    @property
+    def text(self) -> str:
+        return f"{self.length_x_m * 1e3:.2f} × {self.length_y_m * 1e3:.2f} mm rectangle"
+
+    def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        half_x, half_y = self.half_m
+        reach: np.ndarray = np.maximum(np.abs(x_m) / half_x, np.abs(y_m) / half_y)
+        return reach
+
+    def reach_along(self, direction_deg: float) -> float:
+        c, s = cos(radians(direction_deg)), sin(radians(direction_deg))
+        return (abs(c) * self.length_x_m + abs(s) * self.length_y_m) / 2
+
+    def where(self, x_m: float, y_m: float) -> str:
+        return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
+
+    def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        side, share = np.linspace(-1, 1, LINES), np.ones(LINES)
+        share[[0, -1]] = 0.5
+        x, y = np.meshgrid(side, side, indexing="ij")
+        return x * self.half_m[0], y * self.half_m[1], np.outer(share, share)
+
+    def probes(self, count: int) -> Place:
+        number = np.arange(count) + 0.5
+        x, y = 2 * (number / PLASTIC % 1) - 1, 2 * (number / PLASTIC**2 % 1) - 1
+        return x * self.half_m[0], y * self.half_m[1]
+
+    def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
+        def place(x: Coordinate, y: Coordinate) -> Place:
+            return np.clip(x, -1, 1) * self.half_m[0], np.clip(y, -1, 1) * self.half_m[1]
+
+        side = np.linspace(-1, 1, 141)
+        x, y = np.meshgrid(side, side, indexing="ij")
+        return (x, y), place, np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
+
+    def orders_up_to(self, degree: int, *, axisymmetric: bool) -> tuple[tuple[int, int], ...]:
+        return legendre.orders_up_to(degree)
+
+    def modes_at(
+        self, orders: tuple[tuple[int, int], ...], *, x: np.ndarray, y: np.ndarray
+    ) -> np.ndarray:
+        return legendre.modes_at(orders, x=x, y=y)
