@@ -208,7 +208,7 @@ rule plan_response:
         "--output {output.response} --gains {output.gains} >{log} 2>&1"
 
 
-rule levitation:
+rule plan_levitation:
     input:
         code=code("levitate"),
         config=ancient(CONFIG_FILE),
