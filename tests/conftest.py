@@ -1,6 +1,7 @@
 """What all tests share."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,20 @@ SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py"
 def repository():
     """The root of the checkout."""
     return Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def library_source(repository, tmp_path_factory):
+    """A copy of what the library's wheel is made from: building one leaves files beside it."""
+    folder = tmp_path_factory.mktemp("library")
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(repository / name, folder / name)
+    shutil.copytree(
+        repository / "workflow" / "squeezefilm",
+        folder / "workflow" / "squeezefilm",
+        ignore=shutil.ignore_patterns("__pycache__"),
+    )
+    return folder
 
 
 @pytest.fixture(scope="session")

@@ -38,11 +38,11 @@ def run(*words: object, folder: Path) -> str:
 
 
 @pytest.fixture(scope="module")
-def alone(repository, tmp_path_factory):
+def alone(repository, library_source, tmp_path_factory):
     """A folder with an environment in it that has the wheel and the extras of the library."""
     folder = tmp_path_factory.mktemp("elsewhere")
     uv = [sys.executable, "-m", "uv", "--quiet"]
-    run(*uv, "build", "--wheel", "--out-dir", folder, repository, folder=folder)
+    run(*uv, "build", "--wheel", "--out-dir", folder, library_source, folder=folder)
     run(*uv, "venv", "--python", sys.executable, folder / "alone", folder=folder)
     (wheel,) = folder.glob("*.whl")
     python = folder / "alone/bin/python"

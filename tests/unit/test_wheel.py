@@ -1,7 +1,6 @@
 """The library as it is installed: the wheel, outside the checkout, without the workflow."""
 
 import os
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -9,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-SOURCES = ("pyproject.toml", "README.md", "LICENSE", "workflow/squeezefilm")
 # What the extras bring: the library must do without.
 EXTRAS = ("matplotlib", "markdown_it", "plotly", "pyarrow", "pygments", "pymoo", "skfem", "xarray")
 ALONE = f"""
@@ -26,21 +24,13 @@ assert sf.__file__.startswith(sys.argv[1]), sf.__file__
 
 
 @pytest.fixture(scope="module")
-def installed(repository, tmp_path_factory):
+def installed(library_source, tmp_path_factory):
     """The wheel's content in a folder, as an installer lays it out."""
-    source = tmp_path_factory.mktemp("source")
-    for name in SOURCES:
-        target = source / name
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if (repository / name).is_dir():
-            shutil.copytree(repository / name, target, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy(repository / name, target)
     build = "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])"
     folder = tmp_path_factory.mktemp("wheel")
     subprocess.run(
         [sys.executable, "-W", "ignore", "-c", build, str(folder)],
-        cwd=source,
+        cwd=library_source,
         check=True,
         capture_output=True,
     )

@@ -27,7 +27,7 @@ def copy_checkout(source: Path, target: Path, *more: str) -> Path:
                 source / name,
                 target / name,
                 copy_function=shutil.copy,
-                ignore=shutil.ignore_patterns("__pycache__"),
+                ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"),
             )
         else:
             shutil.copy(source / name, target / name)

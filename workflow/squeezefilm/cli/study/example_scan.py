@@ -1,8 +1,10 @@
-"""Write a vibrometer's table of the paper's actuator: its sinc, with noise and missing points.
+"""Write a vibrometer's table of an example: its profile, with noise and missing points.
 
     squeezefilm example-scan --output config/vibrometer.csv
+    squeezefilm example-scan --surface plate --output config/plate.csv
 
-Equal options give the same file, byte for byte; without any they give the one in config/.
+The disc is the paper's with its sinc; the plate, 30 × 20 mm, has a wave of 24 mm along x that is
+weaker towards its sides. Equal options give the same file, byte for byte: these are in config/.
 """
 
 import argparse
@@ -11,18 +13,24 @@ import io
 
 import numpy as np
 
-from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.film.vibration.shapes import Formula, Profile, Sinc
+from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 
-PROFILE = Sinc(wave_number_per_m=109.8)
-RADIUS_MM, STEP_MM = 9.9, 0.75
+PLATE = Rectangle(0.030, 0.020)
+EXAMPLES: dict[str, tuple[Surface, Profile, float]] = {
+    "disc": (Disc(9.9e-3), Sinc(wave_number_per_m=109.8), 0.75),
+    "plate": (PLATE, Formula("cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)", PLATE), 1.25),
+}
+"""Where points lie, the profile, and the raster's step in mm."""
 PEAK_UM = 1.2
 PHASE_NOISE_DEG = 1.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--output", required=True, metavar="SCAN.csv")
+    parser.add_argument("--surface", choices=EXAMPLES, default="disc", help="what is scanned")
     parser.add_argument("--noise", type=float, default=0.02, help="share of the largest amplitude")
     parser.add_argument("--missing", type=float, default=0.03, help="share of the points")
     parser.add_argument("--seed", type=int, default=1)
@@ -31,19 +39,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     if not (0 <= options.noise <= 1 and 0 <= options.missing <= 0.9 and options.seed >= 0):
         raise InputError("--noise lies in 0 … 1, --missing in 0 … 0.9, --seed is not negative")
-    text = scan_text(noise=options.noise, missing=options.missing, seed=options.seed)
+    text = scan_text(
+        noise=options.noise, missing=options.missing, seed=options.seed, surface=options.surface
+    )
     write_text(text, options.output)
 
 
-def scan_text(*, noise: float, missing: float, seed: int) -> str:
-    """A raster over the disc as CSV text: place, amplitude and phase at each point."""
+def scan_text(*, noise: float, missing: float, seed: int, surface: str = "disc") -> str:
+    """A raster over the surface as CSV text: place, amplitude and phase at each point."""
     random = np.random.default_rng(seed)
-    steps = int(RADIUS_MM / STEP_MM)
-    line = STEP_MM * np.arange(-steps, steps + 1)
-    x, y = (values.ravel() for values in np.meshgrid(line, line))
-    on_disc = np.hypot(x, y) <= RADIUS_MM
-    x, y = x[on_disc], y[on_disc]
-    amplitude = PROFILE.amplitude(x_m=x / 1e3, y_m=y / 1e3)
+    where, profile, step_mm = EXAMPLES[surface]
+    lines = (
+        step_mm * np.arange(-steps, steps + 1)
+        for steps in (int(1e3 * half_m / step_mm) for half_m in where.half_m)
+    )
+    x, y = (values.ravel() for values in np.meshgrid(*lines))
+    on_it = where.reach(x / 1e3, y / 1e3) <= 1
+    x, y = x[on_it], y[on_it]
+    amplitude = profile.amplitude(x_m=x / 1e3, y_m=y / 1e3)
     measured = PEAK_UM * (amplitude + noise * random.standard_normal(len(x)))
     phase = np.where(measured < 0, 180.0, 0.0) + PHASE_NOISE_DEG * random.standard_normal(len(x))
     seen = random.uniform(size=len(x)) >= missing

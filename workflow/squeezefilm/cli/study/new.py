@@ -2,9 +2,9 @@
 
     squeezefilm new my-actuator
 
-writes config/my-actuator.yaml, a configuration whose comments say what to change, and
-config/my-actuator.csv, a vibrometer's table to replace by yours. Neither is written if one of them
-is there already. Both run as they are:
+writes config/my-actuator.yaml, a study of twenty lines that says what differs from the defaults,
+and config/my-actuator.csv, a vibrometer's table to replace by yours. Neither is written if one of
+them is there already. Both run as they are; `squeezefilm config` shows every other key:
 
     snakemake --configfile config/my-actuator.yaml
 """
@@ -19,11 +19,6 @@ from squeezefilm.io.errors import InputError
 EXAMPLES = Path(__file__).resolve().parents[4] / "config"
 EXAMPLE = "vibrometer"
 LONGEST = 60
-# The example is compared with the paper's equation; a study of one's own has what it needs.
-EQUATION_OF_THE_EXAMPLE = "  inertia: none\n"
-EQUATION_OF_A_STUDY = (
-    "  inertia: auto # included where it changes a force by solver.model_tolerance\n"
-)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,21 +41,19 @@ def run(options: argparse.Namespace) -> None:
     for path, text in texts.items():
         write_text(text, path)
     print(
-        f"{config}: the study, commented; change what is yours\n"
+        f"{config}: the study; change what is yours\n"
         f"{scan}: an example of a vibrometer's table; replace it by yours\n"
         f"Then: snakemake --configfile {config}"
     )
 
 
 def _renamed(text: str, *, name: str) -> str:
-    """The example's text with another study's name, its comments about itself left out."""
-    body = text[text.index("study:") :].replace(f"{EXAMPLE}.csv", f"{name}.csv")
-    body = body.replace(f"study: {EXAMPLE} ", f"study: {name} ", 1)
-    body = body.replace(f"results/{EXAMPLE}", f"results/{name}", 1)
-    body = body.replace(EQUATION_OF_THE_EXAMPLE, EQUATION_OF_A_STUDY, 1)
+    """The example's text with another study's name."""
     return (
-        "# Made by `squeezefilm new`: change what is yours. docs/your-own-actuator.md walks you\n"
-        "# through it, config/README.md explains every key; numbers are in SI units.\n" + body
+        text.replace(f"{EXAMPLE}.csv", f"{name}.csv")
+        .replace(f"study: {EXAMPLE} ", f"study: {name} ", 1)
+        .replace(f"results/{EXAMPLE}", f"results/{name}", 1)
+        .replace("THIS_FILE", f"config/{name}.yaml", 1)
     )
 
 

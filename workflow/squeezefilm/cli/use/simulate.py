@@ -88,6 +88,8 @@ def _simulate_points(
     """One force with all that is known of it, or a table of several."""
     if options.scenes is not None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
+    if options.timings or options.chunk:
+        raise InputError("--timings and --chunk are of a table of scenes")
     if not {"h0_m", "hv_m"} <= set(points):
         raise InputError("give both --h0 and --hv")
     scenes = [scene_of(point, config) for point in scene_points_of(points)]

@@ -1,1 +1,0 @@
-"""What ``import squeezefilm`` gives, and what the command line is a thin face of."""

@@ -1,1 +1,0 @@
-"""Which simulations to make: optimal designs, and the loop that they close."""

@@ -1,1 +1,0 @@
-"""What is simulated: a scene, its gas, pad and vibrating surface."""

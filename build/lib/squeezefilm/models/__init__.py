@@ -1,1 +1,0 @@
-"""The empirical force models: formulas, their fits, their errors and their use."""

@@ -1,1 +1,0 @@
-"""The periodic state on the device: one launch, and the grids of a scene."""

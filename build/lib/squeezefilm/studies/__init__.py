@@ -1,1 +1,0 @@
-"""A study: its configuration, the space of its experiments, its plans."""

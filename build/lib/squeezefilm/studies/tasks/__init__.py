@@ -1,1 +1,0 @@
-"""Pieces of work on a whole study, one for each command that does one."""
