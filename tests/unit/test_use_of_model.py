@@ -195,7 +195,7 @@ def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path):
         (["--h0=5", "--hv=1um"], "--h0 '5' must be a number with a unit of m"),
         (["--h0=5um", "--hv=1N"], "--hv '1N'"),
         (["--h0=2um+3um", "--hv=1um"], "--h0 '2um+3um'"),
-        (["--h0=5furlong", "--hv=1um"], "a unit of m (m, mm, um, µm, μm, nm)"),
+        (["--h0=5furlong", "--hv=1um"], "a unit of m (m, mm, um, µm, μm, nm, cm, pm)"),
         (["--h0=5um:6um", "--hv=1um"], "first:last:count"),
         (["--h0=5um:6um:100000000", "--hv=1um"], "count must lie"),
         (["--h0=5um:6um:9999", "--hv=1um:2um:9999"], "at most 1000000"),

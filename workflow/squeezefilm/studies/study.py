@@ -156,21 +156,27 @@ def check_study(config: Config) -> Config:
 
     Raises InputError naming the section and the point that has no physical meaning.
     """
-    path, settings = scan_path(config), config["actuator"]["profile"]
-    if path is not None:
-        from squeezefilm.film.vibration.scans import places_on
-        from squeezefilm.film.vibration.vibrometer import read_scan
-
-        places_on(
-            read_scan(path, frequency_hz=config["actuator"]["frequency_hz"]),
-            surface_of(config),
-            axisymmetric=settings["axisymmetric"],
-        )
-    profile = planned_profile_of(config)
+    with naming(config.path):
+        _check_scan(config)
+        profile = planned_profile_of(config)
     for section, point in _extreme_points(config):
         with naming(f"{config.path}: {section}"):
             scene_of(point, config, profile=profile)
     return config
+
+
+def _check_scan(config: Config) -> None:
+    """Refuse a scan that cannot be read, or has points off the surface."""
+    from squeezefilm.film.vibration.scans import places_on
+    from squeezefilm.film.vibration.vibrometer import read_scan
+
+    path, actuator = scan_path(config), config["actuator"]
+    if path is not None:
+        places_on(
+            read_scan(path, frequency_hz=actuator["frequency_hz"]),
+            actuator["surface_radius_m"],
+            axisymmetric=actuator["profile"]["axisymmetric"],
+        )
 
 
 def _extreme_points(config: Config) -> Iterator[tuple[str, ScenePoint]]:
