@@ -111,7 +111,9 @@ def test_the_finger_must_lie_on_the_plate(plate, x_m, y_m):
 def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):
     config = study(plate, positions={"x_m": [0.005, 0.0095], "y_m": [0, 0.005]})
     assert symmetry_of(config) == Mirrors(x=True, y=True)
-    assert finger_positions(config)[:3] == [(0.0, 0.0), (0.005, 0.0), (0.005, 0.005)]
+    mirrored = finger_positions(config)
+    assert mirrored[:4] == [(0.0, 0.0), (0.0, 0.005), (0.005, 0.0), (0.005, 0.005)]
+    assert len(mirrored) == 3 * 2  # those on the mirrors are among them
     assert box_of(config).ranges["x_m"] == (0.0, 0.0095)
     sliding = study(config, finger={"speed_x_m_per_s": 0.1})
     assert symmetry_of(sliding) == Mirrors(x=False, y=True)

@@ -93,6 +93,15 @@ def test_a_study_without_a_reference_can_be_reported(fresh):
     assert "results/mine/report/check.html" not in planned
 
 
+@pytest.mark.parametrize("study", ["plate", "levitation"])
+def test_a_study_that_is_not_the_papers_makes_nothing_of_the_paper(fresh, study):
+    done = snakemake(fresh.folder, "all", "--summary", "--configfile", f"config/{study}.yaml")
+    assert done.returncode == 0, done.stdout[-2000:]
+    assert f"results/{study}/report/summary.html" in done.stdout
+    assert (f"results/{study}/figures/profile.png" in done.stdout) == (study == "plate")
+    assert not re.search(r"claims|fig\d\d|tables/table", done.stdout)
+
+
 def test_two_equations_stand_side_by_side_where_the_other_one_is_made(fresh):
     words = ("--summary", "--configfile", "config/paper-inertia.yaml")
     page = "results/paper-inertia/report/equations.html"

@@ -151,13 +151,14 @@ class Mirrors:
         }
 
     def places(self, positions: Positions) -> list[tuple[float, float]]:
-        """The centre, then every x with every y, and their images unless mirrors make them so."""
+        """The centre, then every x with every y; those at −x too, or else those on the mirror."""
         x_m, y_m = (
-            sorted({sign * value + 0.0 for value in positions[name] for sign in signs})
-            for name, signs in (
-                ("x_m", (1,) if self.x else (1, -1)),
-                ("y_m", (1,) if self.y else (1, -1)),
+            sorted(
+                {0.0, *given}
+                if mirror
+                else {sign * each + 0.0 for each in given for sign in (1, -1)}
             )
+            for given, mirror in ((positions["x_m"], self.x), (positions["y_m"], self.y))
         )
         return [(0.0, 0.0), *((x, y) for x in x_m for y in y_m if (x, y) != (0.0, 0.0))]
 
