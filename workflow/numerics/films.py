@@ -57,6 +57,7 @@ class Film:
             phi_deg=degrees(atan2(self.y, self.x)),
             gas=Gas(
                 inertia="included" if self.reynolds else "none",
+                heat="none",
                 viscosity_pa_s=viscosity,
                 ambient_pressure_pa=PRESSURE_PA,
                 density_kg_per_m3=density or 1.2,

@@ -30,6 +30,7 @@ AIR = Gas(
     rarefaction="none",
     polytropic_exponent=1.0,
     inertia="none",
+    heat="none",
     prandtl=0.71,
     heat_capacity_ratio=1.4,
     viscosity_exponent=0.7,
