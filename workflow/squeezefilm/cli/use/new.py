@@ -20,9 +20,10 @@ EXAMPLES = Path(__file__).resolve().parents[4] / "config"
 EXAMPLE = "vibrometer"
 LONGEST = 60
 # The example is compared with the paper's equation; a study of one's own has what it needs.
-EQUATION_OF_THE_EXAMPLE = "  inertia: none\n"
+EQUATION_OF_THE_EXAMPLE = "  inertia: none\n  heat: none\n"
 EQUATION_OF_A_STUDY = (
     "  inertia: auto # included where it changes a force by solver.model_tolerance\n"
+    "  heat: auto # likewise\n"
 )
 
 

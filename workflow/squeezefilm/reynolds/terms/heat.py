@@ -16,6 +16,11 @@ has inertia, by its lighter mass and by its swelling across the gap,
 
 First order in τ. That heat is carried along the film, and how fast w settles, is left out: on a
 strip with resolved temperature both moved the force by less than the parabola's own error.
+
+With first-order slip the temperature jumps at the walls (Smoluchowski; full accommodation) by
+ζ Kn/(ρH) times its slope, ζ = 2γ/((γ + 1) Pr): that makes the warming on the right larger by
+1 + 6 ζ Kn/(ρH) and the lag by 1 + 4 ζ Kn/(ρH), to first order in Kn. The numbers in w are those of
+no slip.
 """
 
 from __future__ import annotations
@@ -31,6 +36,18 @@ from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
+
+
+# Beyond this, heat by one mode was more than 0.1 % of the force off on a strip (docs/numerics.md).
+MOST_REYNOLDS = 2.0
+
+
+def temperature_jump(scene: Scene) -> float:
+    """ζ Kn of a scene with slip, 0 without: jump of temperature at a wall over its slope there."""
+    if scene.gas.rarefaction == "none":
+        return 0.0
+    ratio = scene.gas.heat_capacity_ratio
+    return 2 * ratio / ((ratio + 1) * scene.gas.prandtl) * scene.knudsen
 
 
 @dataclass(frozen=True)
@@ -57,6 +74,7 @@ class Heat(Term):
             "heating": (1 - 1 / scene.gas.heat_capacity_ratio) * conduction,
             "thermal_lag": LAG_PER_REYNOLDS * conduction,
             "viscosity_exponent": scene.gas.viscosity_exponent,
+            "temperature_jump": temperature_jump(scene),
         }
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
@@ -74,7 +92,9 @@ class Heat(Term):
 
     def refused_on_grid(self, scene: Scene) -> str:
         if scene.gas.polytropic_exponent != 1:
-            return "heat is solved for with gas.polytropic_exponent 1, which stands for it otherwise"
+            return (
+                "heat is solved for with gas.polytropic_exponent 1, which stands for it otherwise"
+            )
         if scene.gas.rarefaction == "fukui-kaneko":
             return "heat is derived for viscous flow and first-order slip, not for fukui-kaneko"
         if scene.bearing_number != 0:

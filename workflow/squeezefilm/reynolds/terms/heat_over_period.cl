@@ -1,9 +1,8 @@
-/* Heat (heat.py): what the gas' rise of temperature moves. Newton's steps do not know it, for it is a
- * few per cent of the film, and take some more; the residual does. */
+/* Heat (heat.py): what the gas' rise of temperature moves. Newton's steps know of it what is linear in
+ * the motion, with a lag as at rest; the rest is too small to ask for
+ * more than a step or two. */
 
 #define HEAT_FIELDS 9
-
-static double4 density_rise(const Film *film, double4 p);
 
 /* An array of the points that velocities along an axis have (flux_points.py). */
 #define ON_AXIS(axis, name) ((axis) == 0 ? ARRAY(film, name##_x) : ARRAY(film, name##_y))
@@ -31,7 +30,8 @@ static void add_skew(const Grid *g, matrix root, matrix in, double factor, field
 /* Square of the residual, relative, that is left of a row's temperature. */
 #define WARMED 1e-22
 
-/* The rise by compression, (1 + c d/dT) warmth = (heating H²/12) dp/dT with c = thermal_lag P H².
+/* The rise by compression, (1 + c d/dT) warmth = (heating H²/12) dp/dT with c = thermal_lag P H², and
+ * what a jump of temperature at the walls makes of both.
  * Over √c this is (1 + S) y = b with the skew S = √c d/dT √c, solved row by row by conjugate
  * gradients on (1 − S)(1 + S) y = (1 − S) b. The other four fields are room. */
 static void warm(const Grid *g, const Film *film, field warmth, field root, field residue,
@@ -48,8 +48,10 @@ static void warm(const Grid *g, const Film *film, field warmth, field root, fiel
         double4 sum = (double4)(0.0);
         for (int t = 0; t < n; t++) {
             const double4 gap = gap_at(g, film, row, t);
-            c[t] = gap * sqrt(film->row->thermal_lag * (1.0 + film->p[row * n + t]));
-            d[t] = film->row->heating / 12.0 * gap * gap * y[t] / c[t];
+            const double4 jump = film->row->temperature_jump / (1.0 + film->p[row * n + t]);
+            c[t] = sqrt(film->row->thermal_lag * (1.0 + film->p[row * n + t]) * gap *
+                        (gap + 4.0 * jump));
+            d[t] = film->row->heating / 12.0 * gap * (gap + 6.0 * jump) * y[t] / c[t];
             r[t] = d[t];
             y[t] = (double4)(0.0);
         }
@@ -99,7 +101,7 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = 1.0 + film->epsilon * amplitude[row] * g->sine[t];
-            const double4 density = 1.0 + density_rise(film, ((matrix4)pressure)[i]);
+            const double4 density = 1.0 + ((matrix4)pressure)[i];
             u4[i] *= -gap * (gap + slip / density) / film->sigma;
 #if UNKNOWN_FIELDS > 1 /* what it falls short by inertia */
             u4[i] -= ((matrix4)(film->own + axis * g->count))[i];
@@ -128,7 +130,7 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
         const double4 square = along[i] * along[i] + across[i] * across[i];
         const double4 rise = ((matrix4)warmth)[i] - cooling * square;
         ((field4)first)[i] =
-            gap_at(g, film, row, t) * (1.0 + density_rise(film, film->p[i])) * rise;
+            gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise;
     }
     SYNC;
     along_t(g, g->time_derivative, first, second, 0);
@@ -152,7 +154,7 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = 1.0 + film->epsilon * amplitude[row] * g->sine[t];
-            const double4 density = 1.0 + density_rise(film, pressure[i]);
+            const double4 density = 1.0 + pressure[i];
             const double4 own = ((matrix4)u)[i], hot = warmer[i], cold = cooler[i];
             const double4 lag = film->row->lag * gap * (density * gap + slip / 1.5);
             const double4 lighter = 6.0 / 5.0 * hot - 9.0 / 14.0 * cold;
@@ -179,8 +181,9 @@ static void response_heat(const Grid *g, const Film *film, field mass, field wor
     FOR_EACH_POINT(g, row, t, i)
     {
         const double4 gap = gap_at(g, film, row, t);
-        rise[i] *= gap * gap;
-        pressure[i] = gap * (1.0 + film->p[i]) * rise[i];
+        const double4 density = 1.0 + film->p[i];
+        rise[i] *= gap * (gap + 6.0 * film->row->temperature_jump / density);
+        pressure[i] = gap * density * rise[i];
     }
     SYNC;
     along_t(g, g->time_derivative, first, work, 0);
