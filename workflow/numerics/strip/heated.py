@@ -70,8 +70,8 @@ class HeatedFilm:
         lag = film.reynolds / 10 * height * mass
         beside = beside + lag * (9 / 7 * warmth * (grid.rate @ u) + u * swelling / 7)
         continuity = -(grid.rate @ (mass * warmth)) + (mass * beside) @ grid.x.odd.T
-        # Where continuity has taken the place of du/dX there is now the swelling too.
-        momentum = lag * 9 / 7 * flow * swelling
+        # Continuity, which has taken the place of du/dX there, has more.
+        momentum = -lag * 9 / 7 * u * continuity
         conducted = rise + self.conduction / 10 * height * mass * (grid.rate @ rise)
         compressed = beta * height**2 / 12 * (grid.rate @ pressure)
         extra = film.packed(continuity, momentum)

@@ -56,6 +56,10 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             _film(inertia="included", rarefaction="slip", x_m=2e-3),
             half,
         ),
+        "inertia, slip and heat": (
+            _film(inertia="included", rarefaction="slip", heat="included"),
+            quarter,
+        ),
     }
 
 

@@ -31,8 +31,8 @@ def decided(
     """The scenes with each term of OPEN ``included`` or ``none`` in the place of ``auto``.
 
     It is included where it changes the force by more than the tolerance, relative, or by what is
-    not known; and left out where the method or the scene's other terms do not allow it, which the
-    scene's budget shows.
+    not known, or not by a first order; and left out where the method or the scene's other terms do
+    not allow it, which the scene's budget shows.
     """
     open_ = [
         [
@@ -84,4 +84,4 @@ def _matters(budget: Budget, name: str, model_tolerance: float) -> bool:
         return True
     effect = budget.effects[name]
     reach = abs(effect.percent) + effect.missed_percent
-    return not reach < 100 * NEARLY * model_tolerance
+    return not (effect.usable and reach < 100 * NEARLY * model_tolerance)
