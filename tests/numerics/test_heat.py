@@ -1,4 +1,4 @@
-"""Heat in the periodic state: the first order's limit, resolved strips, slip, refusals, ``auto``."""
+"""Heat in the periodic state: first order, resolved strips, slip, refusals, ``auto``."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -135,7 +136,8 @@ def moved_by_leaving_out(
     """
     choices = decided(scenes, model_tolerance=model_tolerance, device=device)
     without = [scene for scene in choices if getattr(scene.gas, term) == "none"]
-    beside = [replace(each, gas=replace(each.gas, **{term: "included"})) for each in without]
+    choice: dict[str, Any] = {term: "included"}
+    beside = [replace(each, gas=replace(each.gas, **choice)) for each in without]
     forces = [
         _forces(solve(some, tolerance=tolerance, method="periodic", device=device))[0]
         for some in (without, beside)

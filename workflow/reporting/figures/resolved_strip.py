@@ -1,8 +1,8 @@
 """What the film equation leaves out: each equation's error beside a resolved film, over Re.
 
 Differences of the mean force on a long strip from that of a film with velocity resolved across the
-gap: the Reynolds equation, the first order in Re, one mode across the gap, and heat: left out, and by one
-mode, both from the film with temperature resolved too.
+gap: the Reynolds equation, the first order in Re and one mode across the gap; and, from that of a
+film with temperature resolved too, heat left out and one mode of both.
 """
 
 import numpy as np

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
@@ -57,7 +58,8 @@ def _choice(scene: Scene, name: str) -> str:
 
 
 def _with(scene: Scene, name: str, choice: str) -> Scene:
-    return replace(scene, gas=replace(scene.gas, **{name: choice}))
+    choices: dict[str, Any] = {name: choice}
+    return replace(scene, gas=replace(scene.gas, **choices))
 
 
 def _closed(scene: Scene) -> Scene:
