@@ -35,6 +35,7 @@ def film(
     knudsen: float = 0.0134,
     polytropic_exponent: float = 1.0,
     inertia: str = "none",
+    heat: str = "none",
 ) -> Scene:
     """A scene with the given ε, σ, Λ; the finger's centre at x, y in units of its side."""
     angular_frequency = 2 * pi * 4e4
@@ -54,6 +55,7 @@ def film(
             rarefaction=rarefaction,
             polytropic_exponent=polytropic_exponent,
             inertia=inertia,
+            heat=heat,
             prandtl=0.71,
             heat_capacity_ratio=1.4,
             viscosity_exponent=0.7,

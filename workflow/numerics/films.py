@@ -58,6 +58,7 @@ class Film:
             y_m=self.y * LENGTH_M,
             gas=Gas(
                 inertia="included" if self.reynolds else "none",
+                heat="none",
                 viscosity_pa_s=viscosity,
                 ambient_pressure_pa=PRESSURE_PA,
                 density_kg_per_m3=density or 1.2,

@@ -1,6 +1,6 @@
-"""Forces with inertia on random scenes: held against finer grids, and what they cost.
+"""Forces with inertia, and heat, on random scenes: held against finer grids, and what they cost.
 
-squeezefilm inertia --config CONFIG.yaml --output TABLE.csv [--scenes N]
+squeezefilm inertia --config CONFIG.yaml --output TABLE.csv [--scenes N] [--heat]
 
 Gaps of 1 to 30 µm, 5 to 100 kHz, excursion ratios of 0.01 to 0.8, any position, Re up to 10.
 """
@@ -25,13 +25,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--output", required=True, metavar="TABLE.csv", help="table to write")
     parser.add_argument("--scenes", type=int, default=200, metavar="N", help="200 if left out")
     parser.add_argument("--tolerance", type=float, nargs="+", default=[1e-3, 1e-4], help="relative")
+    parser.add_argument("--heat", action="store_true", help="with heat too")
 
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     like = scene_of(ScenePoint("1", 5e-6, 0.0), config)
     scenes = random_scenes(
-        like, count=options.scenes, seed=SEED, reynolds=(0.0, MOST_REYNOLDS), inertia="included"
+        like,
+        count=options.scenes,
+        seed=SEED,
+        reynolds=(0.0, MOST_REYNOLDS),
+        inertia="included",
+        heat="included" if options.heat else "none",
     )
     device = device_of(config)
     found = [

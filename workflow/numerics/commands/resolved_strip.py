@@ -50,9 +50,9 @@ def _note(table: pd.DataFrame, limits: pd.DataFrame) -> str:
     return (
         "Infinitely long strip, 1 cm wide, under the paper's profile; one actuator in air: "
         f"σ Re = {SIGMA_REYNOLDS:.0f}. Relative to the isothermal film with resolved velocity; at "
-        f"every ε shown good are: {good}. Heat: the isothermal film from the one with resolved "
-        f"temperature. {uncertain} of {len(table)} forces are uncertain by more than 1e-3, "
-        f"{failed} were not found."
+        f"every ε shown good are: {good}. Heat, left out or by one mode: from the film with "
+        f"resolved temperature. {uncertain} of {len(table)} forces are uncertain by more than "
+        f"1e-3, {failed} were not found."
     )
 
 

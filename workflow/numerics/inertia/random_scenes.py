@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -52,7 +53,13 @@ class Found:
 
 
 def random_scenes(
-    like: Scene, *, count: int, seed: int, reynolds: tuple[float, float], inertia: str
+    like: Scene,
+    *,
+    count: int,
+    seed: int,
+    reynolds: tuple[float, float],
+    inertia: str,
+    heat: str = "none",
 ) -> list[Scene]:
     """Scenes over gap, frequency, excursion and position, of a Re between two.
 
@@ -76,7 +83,7 @@ def random_scenes(
             hv_m=epsilon * h0_m,
             x_m=place["x_m"],
             y_m=place["y_m"],
-            gas=replace(like.gas, inertia=inertia),
+            gas=replace(like.gas, inertia=inertia, heat=heat),
             actuator=replace(
                 like.actuator,
                 frequency_hz=math.exp(random.uniform(*np.log(FREQUENCY_HZ))),
@@ -115,16 +122,25 @@ def against_a_finer_grid(
 
 
 def moved_by_leaving_out(
-    scenes: Sequence[Scene], *, model_tolerance: float, tolerance: float, device: Device
+    scenes: Sequence[Scene],
+    *,
+    term: str = "inertia",
+    model_tolerance: float,
+    tolerance: float,
+    device: Device,
 ) -> tuple[int, np.ndarray]:
-    """How many scenes inertia is left out of by ``auto``, and how far including it moves theirs.
+    """How many scenes a term is left out of by ``auto``, and how far including it moves theirs.
+
+    Args:
+        term: ``inertia`` or ``heat``; the other is as ``auto`` has it.
 
     Returns:
         The number, and the relative changes of those whose force with inertia is known.
     """
     choices = decided(scenes, model_tolerance=model_tolerance, device=device)
-    without = [scene for scene in choices if scene.gas.inertia == "none"]
-    beside = [replace(each, gas=replace(each.gas, inertia="included")) for each in without]
+    without = [scene for scene in choices if getattr(scene.gas, term) == "none"]
+    choice: dict[str, Any] = {term: "included"}
+    beside = [replace(each, gas=replace(each.gas, **choice)) for each in without]
     forces = [
         _forces(solve(some, tolerance=tolerance, method="periodic", device=device))[0]
         for some in (without, beside)

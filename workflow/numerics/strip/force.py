@@ -11,11 +11,12 @@ from numerics.peers.yardstick import FloatArray
 from numerics.strip.averaged import AveragedFilm, heat_source
 from numerics.strip.film import HeatedGas, Profile, StripFilm, sinc_profile
 from numerics.strip.grid import StripGrid, strip_grid
+from numerics.strip.heated import HeatedFilm
 from numerics.strip.resolved import Entrance, ResolvedFilm
 from squeezefilm.io.errors import InputError
 
 Inertia = Literal["none", "first-order", "one-mode", "resolved"]
-Heat = Literal["none", "first-order", "resolved"]
+Heat = Literal["none", "first-order", "one-mode", "resolved"]
 AIR = HeatedGas()
 ITERATION = 1e-8
 """Tolerance of the iterations, on the state, in units of epsilon^2, as large as a mean force."""
@@ -78,6 +79,8 @@ class StripOnGrid:
 
     def force(self, *, inertia: Inertia, heat: Heat) -> float:
         """In p0 l0 per length. Raises RunError where Newton's method finds no periodic state."""
+        if heat == "one-mode":
+            return self._warm(inertia)
         force = self._with_inertia(inertia, resolved_heat=heat == "resolved")
         return force + self._heat if heat == "first-order" else force
 
@@ -100,14 +103,23 @@ class StripOnGrid:
         return self._still.response(self._rest, source)
 
     @cached_property
-    def _one_mode(self) -> float:
-        moving = AveragedFilm(self.film, self.grid, inertia=True)
-        return moving.force(moving.solve(tolerance=self.tolerance, start=self._rest).state)
+    def _moving(self) -> AveragedFilm:
+        return AveragedFilm(self.film, self.grid, inertia=True)
+
+    @cached_property
+    def _one_mode(self) -> FloatArray:
+        return self._moving.solve(tolerance=self.tolerance, start=self._rest).state
+
+    def _warm(self, inertia: Inertia) -> float:
+        moves = inertia == "one-mode"
+        film = HeatedFilm(self._moving if moves else self._still, self.gas)
+        start = self._one_mode if moves else self._rest
+        return film.force(film.solve(start, tolerance=self.tolerance).state)
 
     def _with_inertia(self, inertia: Inertia, *, resolved_heat: bool) -> float:
         still = self._still
         if inertia == "one-mode":
-            return self._one_mode
+            return self._moving.force(self._one_mode)
         if inertia == "resolved":
             gas = self.gas if resolved_heat else None
             resolved = ResolvedFilm(self.film, self.grid, gas, self.entrance)
@@ -161,19 +173,22 @@ def strip_force(
     Args:
         inertia: none (the Reynolds equation), first-order in Re, one-mode (a parabola across the
             gap) or resolved across the gap.
-        heat: none, first-order in Re (added to any of the others) or resolved, which asks for
-            resolved inertia.
+        heat: none, first-order in Re (added to any of the others), one-mode (a parabola across the
+            gap, with inertia none or one-mode) or resolved, which asks for resolved inertia.
         entrance: what is said of gas streaming in, of the resolved film (see `resolved`).
         refinement: of both grids.
 
     Raises:
-        InputError: for resolved heat without resolved inertia, or an amplitude that closes the gap.
+        InputError: for resolved heat without resolved inertia, one mode of heat with inertia that
+            has not one or none, or an amplitude that closes the gap.
         RunError: where Newton's method finds no periodic state.
     """
     if not 0 < epsilon < 1:
         raise InputError(f"an amplitude of {epsilon:g} mean gaps")
     if heat == "resolved" and inertia != "resolved":
         raise InputError("heat is resolved together with the velocity alone")
+    if heat == "one-mode" and inertia not in ("none", "one-mode"):
+        raise InputError("one mode of heat goes with one mode of velocity, or with no inertia")
     film = StripFilm(epsilon=epsilon, sigma=sigma, reynolds=reynolds, profile=profile)
     grids = two_grids(film, gas=gas, entrance=entrance, refinement=refinement)
     return force_on(grids, inertia=inertia, heat=heat)

@@ -26,6 +26,7 @@ EQUATIONS: dict[str, tuple[Inertia, Heat]] = {
     "first_order": ("first-order", "none"),
     "one_mode": ("one-mode", "none"),
     "one_mode_heat": ("one-mode", "first-order"),
+    "one_mode_of_heat": ("one-mode", "one-mode"),
 }
 AGAINST = {"resolved": ("reynolds", "first_order", "one_mode"), "resolved_heat": tuple(EQUATIONS)}
 """The yardsticks and what is held against each: the isothermal one, and the one with heat."""

@@ -41,8 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    if config["gas"]["inertia"] != "none":
-        raise InputError(f"{options.config}: the shortcuts are of films without inertia")
+    if not config["gas"]["inertia"] == config["gas"]["heat"] == "none":
+        raise InputError(f"{options.config}: the shortcuts are of films without inertia and heat")
     full = config["numerics"]["extent"] == "full"
     screen, screen_force = _forces(options.screen, config)
     design, design_force = _forces(options.design, config)

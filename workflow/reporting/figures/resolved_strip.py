@@ -1,7 +1,8 @@
 """What the film equation leaves out: each equation's error beside a resolved film, over Re.
 
 Differences of the mean force on a long strip from that of a film with velocity resolved across the
-gap: the Reynolds equation, the first order in Re, one mode across the gap, and heat.
+gap: the Reynolds equation, the first order in Re and one mode across the gap; and, from that of a
+film with temperature resolved too, heat left out and one mode of both.
 """
 
 import numpy as np
@@ -14,12 +15,14 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/resolved_strip.csv",
 }
-HEAT = "resolved"  # the isothermal film against the one with heat
+HEAT_LEFT_OUT = "resolved"
+WITH_HEAT = (HEAT_LEFT_OUT, "one_mode_of_heat")  # against the film with heat
 LINES = {
     "reynolds": (style.VERMILLION, "o-", "Reynolds equation"),
     "first_order": (style.ORANGE, "s-", "first order in Re"),
     "one_mode": (style.BLUE, "^-", "one mode"),
-    HEAT: (style.PURPLE, "d:", "heat left out"),
+    HEAT_LEFT_OUT: (style.PURPLE, "d:", "heat left out"),
+    "one_mode_of_heat": (style.GREEN, "v:", "one mode, and of heat"),
 }
 NOT_DRAWN = {"one_mode_heat", "resolved_heat"}
 BOUNDS = (1e-3, 1e-2)
@@ -44,7 +47,7 @@ def draw(data: pd.DataFrame) -> Figure:
     for axes in grid[:, 0]:
         axes.set_ylabel("relative difference")
     handles, labels = grid[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=5)
+    figure.legend(handles, labels, loc="outside upper center", ncols=6)
     style.add_note(figure, data)
     return figure
 
@@ -67,5 +70,5 @@ def _panel(axes: Axes, film: pd.DataFrame) -> None:
         axes.axhline(bound, color="0.4", linewidth=0.6, linestyle="--")
     for equation, (colour, line, label) in LINES.items():
         rows = film[film["equation"] == equation]
-        difference = rows["from_resolved_heat" if equation == HEAT else "from_resolved"]
+        difference = rows["from_resolved_heat" if equation in WITH_HEAT else "from_resolved"]
         axes.plot(rows["reynolds"], difference.abs(), line, color=colour, markersize=3, label=label)

@@ -68,12 +68,17 @@ def to_markdown(
     )
 
 
+def _terms(gas: Mapping[str, Any]) -> str:
+    """What the study's equation has beyond the paper's."""
+    words = {"included": "", "auto": " where it matters"}
+    named = [f"{name}{words[gas[name]]}" for name in ("inertia", "heat") if gas[name] in words]
+    return f", with {' and '.join(named)}" if named else ""
+
+
 def _simulated(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     total = sum(len(table) for table in tables.values())
     frequency = settings["actuator"]["frequency_hz"] / 1e3
-    gas = {"included": " of a gas that has inertia", "auto": ", with inertia where it matters"}.get(
-        settings["gas"]["inertia"], ""
-    )
+    gas = _terms(settings["gas"])
     polar = form_of(next(iter(tables.values()))) == POLAR
     place = "radius φr and angle φφ" if polar else "x and y from the centre of the surface"
     yield "## What was simulated\n"

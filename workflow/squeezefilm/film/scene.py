@@ -24,11 +24,11 @@ class Gas:
     ``rarefaction`` is ``none`` (viscous flow), ``slip`` (first order) or ``fukui-kaneko``.
     The density follows the pressure as ρ ~ p^(1/n) with the ``polytropic_exponent`` n: 1 for an
     isothermal film, the ratio of specific heats for an adiabatic one. The mean free path is given
-    at ambient density and goes like 1/ρ, as for molecules of a fixed size. ``inertia`` is ``none``
-    or ``included``; ``auto`` is decided before a scene is solved (effects/automatic.py). Heat goes
-    by the Prandtl number, the ratio of specific heats and the exponent κ of viscosity ~
-    temperature^κ. What the equation of a scene leaves out enters its budget alone
-    (reynolds/effects).
+    at ambient density and goes like 1/ρ, as for molecules of a fixed size. ``inertia`` and
+    ``heat`` are ``none`` or ``included``; ``auto`` is decided before a scene is solved
+    (effects/automatic.py). Heat goes by the Prandtl number, the ratio of specific heats and the
+    exponent κ of viscosity ~ temperature^κ. What the equation of a scene leaves out enters its
+    budget alone (reynolds/effects).
     """
 
     viscosity_pa_s: float
@@ -38,6 +38,7 @@ class Gas:
     rarefaction: str
     polytropic_exponent: float
     inertia: str
+    heat: str
     prandtl: float
     heat_capacity_ratio: float
     viscosity_exponent: float

@@ -30,6 +30,7 @@ AIR = Gas(
     rarefaction="none",
     polytropic_exponent=1.0,
     inertia="none",
+    heat="none",
     prandtl=0.71,
     heat_capacity_ratio=1.4,
     viscosity_exponent=0.7,
@@ -54,6 +55,10 @@ def films() -> dict[str, tuple[Scene, Grid]]:
         "inertia and slip, off the centre": (
             _film(inertia="included", rarefaction="slip", x_m=2e-3),
             half,
+        ),
+        "inertia, slip and heat": (
+            _film(inertia="included", rarefaction="slip", heat="included"),
+            quarter,
         ),
     }
 

@@ -174,7 +174,7 @@ def _check_scan(config: Config) -> None:
     if path is not None:
         places_on(
             read_scan(path, frequency_hz=actuator["frequency_hz"]),
-            actuator["surface_radius_m"],
+            surface_of(config),
             axisymmetric=actuator["profile"]["axisymmetric"],
         )
 

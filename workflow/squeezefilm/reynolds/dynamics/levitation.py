@@ -80,7 +80,7 @@ def levitate(
         raise InputError(f"load: {load_n:g} N must be a positive force")
     gaps_m = _gaps(scene)
     forces_n = _forces(
-        _at(scene, gaps_m, inertia="none"), tolerance=LOOK_TOLERANCE, method="auto", device=device
+        _at(scene, gaps_m), tolerance=LOOK_TOLERANCE, method="auto", device=device
     )
     brackets = _brackets(gaps_m, forces_n, load_n)
     if not brackets:
@@ -126,8 +126,9 @@ def _gaps(scene: Scene) -> np.ndarray:
     return np.geomspace(max(least, GAPS_M[0]), min(most, GAPS_M[1]), LOOKED_AT)
 
 
-def _at(scene: Scene, gaps_m: np.ndarray, *, inertia: str) -> list[Scene]:
-    gas = replace(scene.gas, inertia=inertia)
+def _at(scene: Scene, gaps_m: np.ndarray) -> list[Scene]:
+    """The scene at some gaps, without the terms that the rough look can do without."""
+    gas = replace(scene.gas, inertia="none", heat="none")
     return [replace(scene, h0_m=float(gap), gas=gas) for gap in gaps_m]
 
 

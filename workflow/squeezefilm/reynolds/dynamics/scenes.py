@@ -10,6 +10,7 @@ from squeezefilm.reynolds.limits.films import limit_axis
 from squeezefilm.reynolds.limits.forces import boundary_layer_limit
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.terms import terms_of
+from squeezefilm.reynolds.terms.inertia import Inertia
 
 # Unknowns along each side of the grids that are tried, and what the next must gain.
 POINTS = (11, 15, 21, 31)
@@ -23,9 +24,9 @@ def refused(scene: Scene) -> str:
     if scene.epsilon == 0:
         return "the surface is at rest"
     unknown = [term.label for term in terms_of(scene) if not term.knows_limit("boundary-layer")]
-    with_inertia = [term.label for term in terms_of(scene) if term.label == "inertia"]
-    if unknown or with_inertia:
-        return f"the response is not derived with {', '.join((*unknown, *with_inertia))}"
+    unknown += [term.label for term in terms_of(scene) if isinstance(term, Inertia)]
+    if unknown:
+        return f"the response is not derived with {', '.join(unknown)}"
     return ""
 
 

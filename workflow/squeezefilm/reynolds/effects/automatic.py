@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.budget import Budget, budgets
 from squeezefilm.reynolds.modes.galerkin import wants_modes
+from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.term import Term
 
 MODEL_TOLERANCE = 1e-3
 # An effect of this share of the tolerance is included too: its first order is good to a few per
 # cent of itself where it is small.
 NEARLY = 0.8
+# The terms, by their names as of a gas and in a budget, in the order in which they are decided.
+OPEN: dict[str, Term] = {"inertia": Inertia(), "heat": Heat()}
 
 
 def decided(
@@ -24,30 +29,49 @@ def decided(
     method: str = "auto",
     device: Device | None = None,
 ) -> list[Scene]:
-    """The scenes with inertia ``included`` or ``none`` in the place of ``auto``.
+    """The scenes with each term of OPEN ``included`` or ``none`` in the place of ``auto``.
 
     It is included where it changes the force by more than the tolerance, relative, or by what is
-    not known; and left out where the method or the scene's other terms do not allow it, which the
-    scene's budget shows.
+    not known, or not by a first order; and left out where the method or the scene's other terms do
+    not allow it, which the scene's budget shows.
     """
-    open_ = [k for k, scene in enumerate(scenes) if scene.gas.inertia == "auto"]
-    found = list(scenes)
-    for k in open_:
-        found[k] = _with_inertia(scenes[k], "none")
-    allowed = [k for k in open_ if _allowed(_with_inertia(scenes[k], "included"), method)]
-    for k, budget in zip(allowed, budgets([found[k] for k in allowed], device=device), strict=True):
-        if _matters(budget, model_tolerance):
-            found[k] = _with_inertia(scenes[k], "included")
+    open_ = [
+        [
+            name
+            for name, term in OPEN.items()
+            if _choice(scene, name) == "auto"
+            and _allowed(_with(scene, name, "included"), term, method)
+        ]
+        for scene in scenes
+    ]
+    found = [_closed(scene) for scene in scenes]
+    asked = [k for k, names in enumerate(open_) if names]
+    for k, budget in zip(asked, budgets([found[k] for k in asked], device=device), strict=True):
+        for name in open_[k]:
+            if _matters(budget, name, model_tolerance):
+                found[k] = _with(found[k], name, "included")
     return found
 
 
-def _with_inertia(scene: Scene, choice: str) -> Scene:
-    return replace(scene, gas=replace(scene.gas, inertia=choice))
+def _choice(scene: Scene, name: str) -> str:
+    return str(getattr(scene.gas, name))
 
 
-def _allowed(scene: Scene, method: str) -> bool:
-    """Whether a scene with inertia is solved by the method."""
-    term = Inertia()
+def _with(scene: Scene, name: str, choice: str) -> Scene:
+    choices: dict[str, Any] = {name: choice}
+    return replace(scene, gas=replace(scene.gas, **choices))
+
+
+def _closed(scene: Scene) -> Scene:
+    """The scene without what is to be decided."""
+    for name in OPEN:
+        if _choice(scene, name) == "auto":
+            scene = _with(scene, name, "none")
+    return scene
+
+
+def _allowed(scene: Scene, term: Term, method: str) -> bool:
+    """Whether a scene with a term is solved by the method."""
     if wants_modes(scene):
         return not term.refused_in_modes(scene)
     if method == "march":
@@ -57,9 +81,9 @@ def _allowed(scene: Scene, method: str) -> bool:
     return not term.refused_on_grid(scene)
 
 
-def _matters(budget: Budget, model_tolerance: float) -> bool:
+def _matters(budget: Budget, name: str, model_tolerance: float) -> bool:
     if budget.status != "ok":
         return True
-    effect = budget.inertia
+    effect = budget.effects[name]
     reach = abs(effect.percent) + effect.missed_percent
-    return not reach < 100 * NEARLY * model_tolerance
+    return not (effect.usable and reach < 100 * NEARLY * model_tolerance)

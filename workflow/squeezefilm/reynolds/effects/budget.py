@@ -28,6 +28,7 @@ from squeezefilm.reynolds.periodic.refinement import grid_for
 from squeezefilm.reynolds.periodic.resolution import unseen_profile
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.terms.heat import temperature_jump
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 
 # Relative error of the force on the grids taken, and of the iterations on them.
@@ -129,8 +130,8 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
     found: dict[int, Budget] = {}
     groups: dict[tuple[Terms, Grid, float], list[int]] = defaultdict(list)
     like = [_on_a_grid(scene) for scene in scenes]
-    # Every effect is one about the film without inertia, and inertia is one of them.
-    without = [replace(each, gas=replace(each.gas, inertia="none")) for each in like]
+    # Every effect is one about the film without inertia and heat, which are two of them.
+    without = [replace(each, gas=replace(each.gas, inertia="none", heat="none")) for each in like]
     for index, scene in enumerate(without):
         needs = needs_of(scene)
         if scene.epsilon == 0:
@@ -151,6 +152,7 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
         replace(
             found[index],
             inertia=replace(found[index].inertia, in_force=scene.gas.inertia == "included"),
+            heat=replace(found[index].heat, in_force=scene.gas.heat == "included"),
             basis="" if like[index] is scene else BASIS,
         )
         for index, scene in enumerate(scenes)
@@ -228,6 +230,7 @@ def _shares(scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray) -> di
             films,
             heating=heating,
             viscosity_exponent=np.array([gas.viscosity_exponent for gas in gases]),
+            jump=np.array([temperature_jump(scene) for scene in scenes]),
         ),
         "slip": slip.source(films, coefficients=rarefied),
         "kinetic": slip.source(films, coefficients=kinetic),

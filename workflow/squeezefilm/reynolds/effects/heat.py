@@ -3,7 +3,8 @@
 Compression heats the gas by a = ∂P/∂T and friction by b = σ|ū|²/H², and conduction across the gap
 takes it away. With β = ((γ − 1)/γ) Pr Re the gas is warmer by β H² (a/12 − b/20) of the ambient
 temperature in the mean over the gap: so much less gas is in it, and the flow through it changes by
-its density and viscosity.
+its density and viscosity. Beside slip its temperature jumps at the walls (terms/heat.py), and
+compression warms it more by 6 jumps.
 """
 
 from __future__ import annotations
@@ -13,16 +14,19 @@ import numpy as np
 from squeezefilm.reynolds.effects.fields import Fields
 
 
-def source(films: Fields, *, heating: np.ndarray, viscosity_exponent: np.ndarray) -> np.ndarray:
+def source(
+    films: Fields, *, heating: np.ndarray, viscosity_exponent: np.ndarray, jump: np.ndarray
+) -> np.ndarray:
     """Source of mass on all nodes.
 
     Args:
         heating: β of each scene.
         viscosity_exponent: κ of viscosity μ ~ temperature^κ.
+        jump: of temperature at a wall over its slope there, times Hρ; 0 without slip.
     """
     velocity = films.velocity
     heating, exponent = films.number(heating), films.number(viscosity_exponent)
-    compression = films.t_derivative(films.pressure)
+    compression = films.t_derivative(films.pressure) * (1 + 6 * films.number(jump) / films.mass)
     friction = films.sigma * velocity.dot(velocity) / films.gap**2
     warming = heating * films.gap**2 * (compression / 12 - friction / 20)
     lighter = 6 * (compression / 60 - 3 * friction / 280)

@@ -41,7 +41,7 @@ def budget_text(budget: Budget) -> str:
     shown = [_shown(name, effect) for name, effect in budget.effects.items() if effect.percent != 0]
     least, most = budget.sums(left_out_only=True)
     left_out = "not known" if isnan(least) else _band(least, most)
-    if not all(effect.usable for effect in budget.effects.values()):
+    if not all(effect.usable or effect.in_force for effect in budget.effects.values()):
         left_out += ABOVE
     basis = f" (of {budget.basis})" if budget.basis else ""
     return f"{', '.join(shown)}; left out in all {left_out}{basis}"

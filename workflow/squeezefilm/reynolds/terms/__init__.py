@@ -9,6 +9,7 @@ from collections.abc import Iterable
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.bearing import Bearing
+from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
@@ -16,7 +17,7 @@ from squeezefilm.reynolds.terms.term import HOOKS, LeftOut, Numbers, Term
 
 __all__ = ["HOOKS", "TERMS", "LeftOut", "Term", "Terms"]
 
-TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic, Inertia)
+TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic, Inertia, Heat)
 Terms = tuple[Term, ...]
 
 

@@ -13,7 +13,7 @@ class Polytropic(Term):
     label: str = "polytropic gas"
 
     NAME = "polytropic"
-    ABSENT = LeftOut("heating", "gas.polytropic_exponent is 1")
+    ABSENT = LeftOut("polytropic gas", "gas.polytropic_exponent is 1")
     OVER_PERIOD = "terms/polytropic_over_period.cl"
 
     @classmethod

@@ -1,0 +1,195 @@
+"""Heat in the periodic state: first order, resolved strips, slip, refusals, ``auto``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from films import film, mean_overpressure
+
+from numerics.inertia.random_scenes import moved_by_leaving_out, random_scenes
+from numerics.strip.force import strip_force
+from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.vibration.shapes import Formula
+from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.budget import budgets
+from squeezefilm.reynolds.effects.words import budget_text
+
+STRIP = Formula("sinc(109.8*x)", surface_radius_m=1.0)
+
+
+def warm(reynolds: float, **numbers: object) -> Scene:
+    """A scene of tests with heat, by its modified Reynolds number."""
+    scene = film(heat="included", **numbers)  # type: ignore[arg-type]
+    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
+    return with_gas(scene, density_kg_per_m3=density)
+
+
+def with_gas(scene: Scene, **gas: object) -> Scene:
+    return replace(scene, gas=replace(scene.gas, **gas))  # type: ignore[arg-type]
+
+
+def effect_percent(scene: Scene, *, tolerance: float) -> float:
+    """Change of the force by heat."""
+    pair = [scene, with_gas(scene, heat="none")]
+    solved = solve(pair, tolerance=tolerance, method="periodic")
+    assert [each.status for each in solved] == ["ok", "ok"]
+    return 100 * (solved[0].force_n / solved[1].force_n - 1)
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        {"sigma": 583.0, "inertia": "included"},
+        {"sigma": 40.0, "inertia": "none", "x": 0.2, "y": 0.1},
+        {"sigma": 583.0, "inertia": "included", "rarefaction": "slip", "knudsen": 0.03},
+    ],
+)
+def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, object]) -> None:
+    """Beside slip too: its jump of temperature makes 30 % of the effect here."""
+    scene = warm(0.01, epsilon=0.4, **numbers)
+    (budget,) = budgets([with_gas(scene, heat="none", inertia="none")])
+    found = effect_percent(scene, tolerance=1e-8)
+    assert found == pytest.approx(budget.heat.percent, rel=0.015)
+
+
+def test_heat_goes_with_the_jump_of_temperature() -> None:
+    """As Pr falls at a constant γ/(γ − 1) Pr, only the jump is left that slip brings about."""
+    numbers = {"epsilon": 0.2, "sigma": 583.0, "rarefaction": "slip", "knudsen": 0.03}
+    first, second = (
+        budgets([with_gas(film(**numbers), prandtl=prandtl)])[0].heat.percent / prandtl  # type: ignore[arg-type]
+        for prandtl in (1.0, 2.0)
+    )
+    jump = 2 * 1.4 / 2.4 * 0.03
+    # Warming is 1 + 6 jump/Pr in compression; friction's part is small of higher order.
+    assert first / second == pytest.approx((1 + 6 * jump) / (1 + 3 * jump), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "sigma", "reynolds", "percent", "within"),
+    [
+        (0.2, 1311.75, 0.2, -0.074, 0.008),
+        (0.2, 583.0, 0.45, -0.147, 0.003),
+        (0.2, 583.0, 1.81, -0.231, 0.03),
+        (0.4, 2331.0, 0.45, -0.126, 0.003),
+        (0.2, 146.0, 7.23, 3.508, 0.35),
+    ],
+)
+def test_the_middle_of_a_long_finger_is_the_strip(
+    epsilon: float, sigma: float, reynolds: float, percent: float, within: float
+) -> None:
+    """Heat's effect: by the strip's own solver, and with velocity and temperature resolved there.
+
+    Of the first order's −0.07, −0.18, −0.71, −0.16 and −3.8 % the last has the wrong sign.
+    """
+    numbers = {"epsilon": epsilon, "sigma": sigma}
+    ends = [
+        warm(reynolds, profile=STRIP, aspect=aspect, inertia="included", **numbers)
+        for aspect in (4.0, 8.0)
+    ]
+    solved = solve(ends, tolerance=1e-5, method="periodic")
+    assert [each.status for each in solved] == ["ok", "ok"]
+    short, long = (a.force_n / b.force_scale_n for a, b in zip(solved, ends, strict=True))
+    one_mode = {
+        heat: strip_force(**numbers, reynolds=reynolds, inertia="one-mode", heat=heat).force  # type: ignore[arg-type]
+        for heat in ("none", "one-mode")
+    }
+    assert (8 * long - 4 * short) / 4 == pytest.approx(one_mode["one-mode"], rel=5e-5)
+    effect = 100 * (one_mode["one-mode"] / one_mode["none"] - 1)
+    assert effect == pytest.approx(percent, abs=within)
+
+
+def test_one_mode_of_heat_is_that_of_the_resolved_strip_to_first_order_in_re() -> None:
+    def left(reynolds: float) -> float:
+        numbers = {"epsilon": 0.1, "sigma": 200.0, "reynolds": reynolds}
+        by_mode, resolved = (
+            [strip_force(**numbers, inertia=kind, heat=heat).force for heat in ("none", kind)]  # type: ignore[arg-type]
+            for kind in ("one-mode", "resolved")
+        )
+        return (by_mode[1] - by_mode[0]) - (resolved[1] - resolved[0])
+
+    assert left(0.4) / left(0.2) == pytest.approx(4, abs=0.2)
+
+
+def test_grids_converge_to_the_force_with_heat() -> None:
+    scene = warm(1.8, epsilon=0.4, sigma=583.0, inertia="included", x=0.1)
+    coarse, fine, finest = (
+        mean_overpressure(scene, points=points, instants=instants)
+        for points, instants in ((20, 12), (28, 16), (36, 20))
+    )
+    assert abs(fine / finest - 1) < 2e-5
+    assert abs(coarse - finest) > 5 * abs(fine - finest)
+
+
+@pytest.mark.parametrize("gas", [{"prandtl": 1e-3}, {"heat_capacity_ratio": 1.0}])
+def test_without_heat_s_numbers_the_force_is_the_isothermal_one(gas: dict[str, float]) -> None:
+    scene = with_gas(warm(1.0, epsilon=0.4, sigma=583.0, inertia="included"), **gas)
+    # Friction and compression warm in proportion to Pr (γ − 1)/γ.
+    assert abs(effect_percent(scene, tolerance=1e-7)) < 1e-3
+
+
+def test_the_mirror_halves_are_left_out_with_heat_too() -> None:
+    scene = warm(1.8, epsilon=0.4, sigma=200.0, inertia="included")
+    whole, quarter = (
+        mean_overpressure(scene, points=24, instants=12, fold=fold) for fold in (False, True)
+    )
+    assert quarter == pytest.approx(whole, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "finger", "method", "reason"),
+    [
+        ({"polytropic_exponent": 1.4}, {}, "auto", "polytropic_exponent 1"),
+        ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
+        ({"bearing": 0.1}, {}, "auto", "heat is not derived for a sliding finger"),
+        ({}, {"shape": "ellipse"}, "auto", "heat is not known under this finger"),
+        ({}, {"gap": GapShape(tilt_x_m=1e-6)}, "auto", "heat is not known under this finger"),
+        ({}, {}, "march", "march does not know heat"),
+        ({}, {}, "boundary-layer", "boundary-layer does not know this scene's"),
+    ],
+)
+def test_what_does_not_know_heat_refuses_it(
+    numbers: dict[str, object], finger: dict[str, object], method: str, reason: str
+) -> None:
+    scene = warm(1.0, epsilon=0.3, sigma=200.0, **numbers)
+    scene = replace(scene, finger=replace(scene.finger, **finger))  # type: ignore[arg-type]
+    (solution,) = solve([scene], tolerance=1e-3, method=method)
+    assert reason in solution.status
+    assert np.isnan(solution.force_n)
+    (choice,) = decided([with_gas(scene, heat="auto")], method=method)
+    assert choice.gas.heat == "none"
+
+
+def test_one_mode_of_heat_goes_with_one_mode_of_velocity() -> None:
+    with pytest.raises(InputError, match="one mode of heat"):
+        strip_force(epsilon=0.2, sigma=200.0, reynolds=1.0, inertia="resolved", heat="one-mode")
+
+
+def test_a_budget_says_that_the_force_has_heat(scene: Scene) -> None:
+    (budget,) = budgets([with_gas(scene, heat="included", inertia="included")])
+    (without,) = budgets([scene])
+    assert budget.heat.in_force
+    assert budget.heat.percent == without.heat.percent
+    assert "%, in it" in budget_text(budget).split("heat", 1)[1]
+
+
+def test_heat_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene: Scene) -> None:
+    scenes = random_scenes(
+        scene, count=30, seed=7, reynolds=(0.0, 2.0), inertia="auto", heat="auto"
+    )
+    left_out, moved = moved_by_leaving_out(
+        scenes, term="heat", model_tolerance=5e-3, tolerance=1e-4, device=choose_device()
+    )
+    assert 3 < left_out < 27
+    assert len(moved) == left_out
+    assert 1e-3 < moved.max() < 5e-3
+
+
+def test_auto_includes_heat_where_a_first_order_says_nothing(scene: Scene) -> None:
+    thick = replace(with_gas(scene, heat="auto"), h0_m=15e-6, hv_m=1e-6)
+    assert thick.modified_reynolds > 2
+    assert decided([thick], model_tolerance=0.5)[0].gas.heat == "included"

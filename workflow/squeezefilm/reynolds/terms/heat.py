@@ -1,0 +1,116 @@
+"""Heat: a gas that compression warms, between walls that stay at ambient temperature.
+
+The energy equation, weighted with the parabola that the temperature has over the gap, is one
+equation for its mean rise τ, in units of the ambient temperature (lengths by the finger's length
+along x, time by 1/ω, β = ((γ − 1)/γ) Pr Re, ū the velocity by the isothermal momentum equation):
+
+    τ = τₐ − τ_b,     τₐ + (Pr Re P H²/10) ∂τₐ/∂T = (β H²/12) ∂P/∂T,     τ_b = β σ |ū|²/20
+
+Compression warms with a lag, for the gas has to conduct; τ_b is what friction warms less than
+expansion along the film cools, and is small of second order in the motion. The gap then holds
+H P (1 − τ), and beside ū flows, by the gas' density and viscosity (~ temperature^κ) and, where it
+has inertia, by its lighter mass and by its swelling across the gap,
+
+    w = −ū {(6/5) τₐ − (9/14) τ_b + κ ((3/5) τₐ − (3/7) τ_b)}
+        + (Re P H²/10) {(9/7) τ ∂ū/∂T + (1/7) ū ∂τ/∂T}.
+
+First order in τ. That heat is carried along the film, and how fast w settles, is left out: on a
+strip with resolved temperature both moved the force by less than the parabola's own error.
+
+With first-order slip the temperature jumps at the walls (Smoluchowski; full accommodation) by
+ζ Kn/(ρH) times its slope, ζ = 2γ/((γ + 1) Pr): that makes the warming on the right larger by
+1 + 6 ζ Kn/(ρH) and the lag by 1 + 4 ζ Kn/(ρH), to first order in Kn. The numbers in w are those of
+no slip.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, Inertia
+from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
+
+if TYPE_CHECKING:
+    from squeezefilm.reynolds.grid import Grid
+
+
+# Beyond this, heat by one mode was more than 0.1 % of the force off on a strip (docs/numerics.md).
+MOST_REYNOLDS = 2.0
+
+
+def temperature_jump(scene: Scene) -> float:
+    """ζ Kn of a scene with slip, 0 without: jump of temperature at a wall over its slope there."""
+    if scene.gas.rarefaction == "none":
+        return 0.0
+    ratio = scene.gas.heat_capacity_ratio
+    return 2 * ratio / ((ratio + 1) * scene.gas.prandtl) * scene.knudsen
+
+
+@dataclass(frozen=True)
+class Heat(Term):
+    label: str = "heat"
+
+    NAME = "heat"
+    ABSENT = LeftOut("heat", "gas.heat is none")
+    OVER_PERIOD = "terms/heat_over_period.cl"
+    HOOKS = ("residual", "response")
+    OWN_FIELDS = 9
+    # Of 50 random films at 1e-4 one, at ε Re = 2, was 2.6 times as far off as its grids were apart.
+    ESTIMATE_MARGIN = 3.0
+    MOST_WORK = Inertia.MOST_WORK
+
+    @classmethod
+    def of(cls, scene: Scene) -> Heat | None:
+        return cls() if scene.gas.heat == "included" else None
+
+    @classmethod
+    def note(cls, scene: Scene) -> str:
+        reynolds = scene.modified_reynolds
+        if scene.gas.heat != "included" or reynolds <= MOST_REYNOLDS:
+            return ""
+        without = "" if scene.gas.inertia == "included" else ", less so without inertia"
+        return (
+            f"heat by one mode is good to 0.1 % of the force up to Re {MOST_REYNOLDS:g}, to 0.4 % "
+            f"at Re 7{without} (Re {reynolds:.2g})"
+        )
+
+    @classmethod
+    def put_back(cls, scene: Scene) -> Scene:
+        return replace(scene, gas=replace(scene.gas, heat="included", prandtl=NEGLIGIBLE))
+
+    def numbers(self, scene: Scene) -> Numbers:
+        conduction = scene.gas.prandtl * scene.modified_reynolds
+        return {
+            "heating": (1 - 1 / scene.gas.heat_capacity_ratio) * conduction,
+            "thermal_lag": LAG_PER_REYNOLDS * conduction,
+            "viscosity_exponent": scene.gas.viscosity_exponent,
+            "temperature_jump": temperature_jump(scene),
+        }
+
+    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+        """Velocities lie where inertia has them."""
+        return Inertia().matrices(grid, aspect=aspect)
+
+    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
+        return Inertia().profile_fields(s, grid)
+
+    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
+        rate = grid.t.derivative
+        lags = numbers["thermal_lag"][:, None, None] * rate + np.eye(grid.nt)
+        warming = np.linalg.solve(lags, numbers["heating"][:, None, None] / 12 * rate)
+        return {"warming": warming.swapaxes(1, 2)}
+
+    def refused_on_grid(self, scene: Scene) -> str:
+        if scene.gas.polytropic_exponent != 1:
+            return (
+                "heat is solved for with gas.polytropic_exponent 1, which stands for it otherwise"
+            )
+        if scene.gas.rarefaction == "fukui-kaneko":
+            return "heat is derived for viscous flow and first-order slip, not for fukui-kaneko"
+        if scene.bearing_number != 0:
+            return "heat is not derived for a sliding finger"
+        return ""

@@ -1,0 +1,191 @@
+/* Heat (heat.py): what the gas' rise of temperature moves. Newton's steps know of it what is linear in
+ * the motion, with a lag as at rest; the rest is too small to ask for
+ * more than a step or two. */
+
+#define HEAT_FIELDS 9
+
+/* An array of the points that velocities along an axis have (flux_points.py). */
+#define ON_AXIS(axis, name) ((axis) == 0 ? ARRAY(film, name##_x) : ARRAY(film, name##_y))
+
+static void heat_along(const Grid *g, int axis, matrix a, field in, field out, int add)
+{
+    if (axis == 0)
+        along_x(g, a, in, out, add);
+    else
+        along_y(g, a, in, out, add);
+}
+
+/* out += factor · S in over one row, with the skew S = root d/dT root. */
+static void add_skew(const Grid *g, matrix root, matrix in, double factor, field4 out)
+{
+    matrix4 rate = (matrix4)g->time_derivative;
+    for (int t = 0; t < g->nt4; t++) {
+        double4 sum = (double4)(0.0);
+        for (int j = 0; j < g->nt; j++)
+            sum += root[j] * in[j] * rate[j * g->nt4 + t];
+        out[t] += factor * ((matrix4)root)[t] * sum;
+    }
+}
+
+/* Square of the residual, relative, that is left of a row's temperature. */
+#define WARMED 1e-22
+
+/* The rise by compression, (1 + c d/dT) warmth = (heating H²/12) dp/dT with c = thermal_lag P H², and
+ * what a jump of temperature at the walls makes of both.
+ * Over √c this is (1 + S) y = b with the skew S = √c d/dT √c, solved row by row by conjugate
+ * gradients on (1 − S)(1 + S) y = (1 − S) b. The other four fields are room. */
+static void warm(const Grid *g, const Film *film, field warmth, field root, field residue,
+                 field along, field turned)
+{
+    const int n = g->nt4;
+    along_t(g, g->time_derivative, (field)film->p, warmth, 0);
+    FOR_EACH(row, g->rows)
+    {
+        const int first = row * g->nt;
+        field4 y = (field4)(warmth + first), r = (field4)(residue + first);
+        field4 c = (field4)(root + first), d = (field4)(along + first);
+        field4 q = (field4)(turned + first);
+        double4 sum = (double4)(0.0);
+        for (int t = 0; t < n; t++) {
+            const double4 gap = gap_at(g, film, row, t);
+            const double4 jump = film->row->temperature_jump / (1.0 + film->p[row * n + t]);
+            c[t] = sqrt(film->row->thermal_lag * (1.0 + film->p[row * n + t]) * gap *
+                        (gap + 4.0 * jump));
+            d[t] = film->row->heating / 12.0 * gap * (gap + 6.0 * jump) * y[t] / c[t];
+            r[t] = d[t];
+            y[t] = (double4)(0.0);
+        }
+        add_skew(g, root + first, along + first, -1.0, r);
+        for (int t = 0; t < n; t++) {
+            d[t] = r[t];
+            sum += r[t] * r[t];
+        }
+        double left = sum_of(sum);
+        const double enough = WARMED * left;
+        for (int step = 0; step < 2 * g->nt && left > enough; step++) {
+            sum = (double4)(0.0);
+            for (int t = 0; t < n; t++)
+                q[t] = (double4)(0.0);
+            add_skew(g, root + first, along + first, 1.0, q);
+            for (int t = 0; t < n; t++)
+                sum += d[t] * d[t] + q[t] * q[t];
+            const double share = left / sum_of(sum);
+            for (int t = 0; t < n; t++) {
+                y[t] += share * d[t];
+                r[t] -= share * d[t];
+            }
+            add_skew(g, root + first, turned + first, share, r);
+            sum = (double4)(0.0);
+            for (int t = 0; t < n; t++)
+                sum += r[t] * r[t];
+            const double before = left;
+            left = sum_of(sum);
+            for (int t = 0; t < n; t++)
+                d[t] = r[t] + left / before * d[t];
+        }
+        for (int t = 0; t < n; t++)
+            y[t] *= c[t];
+    }
+    SYNC;
+}
+
+/* Velocities along each axis at its points, and on the nodes. */
+static void set_velocities(const Grid *g, const Film *film, field u, field nodal, field pressure)
+{
+    const double slip = FLOW_TERMS == 2 ? film->row->flow[1] : 0.0;
+    for (int axis = 0; axis < 2; axis++, u += g->count, nodal += g->count) {
+        matrix amplitude = ON_AXIS(axis, flux_amplitude);
+        field4 u4 = (field4)u;
+        heat_along(g, axis, ON_AXIS(axis, flux_values), (field)film->p, pressure, 0);
+        heat_along(g, axis, ON_AXIS(axis, flux_slope), (field)film->p, u, 0);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            const double4 gap = 1.0 + film->epsilon * amplitude[row] * g->sine[t];
+            const double4 density = 1.0 + ((matrix4)pressure)[i];
+            u4[i] *= -gap * (gap + slip / density) / film->sigma;
+#if UNKNOWN_FIELDS > 1 /* what it falls short by inertia */
+            u4[i] -= ((matrix4)(film->own + axis * g->count))[i];
+#endif
+        }
+        SYNC;
+        heat_along(g, axis, ON_AXIS(axis, flux_nodes), u, nodal, 0);
+    }
+}
+
+static void residual_heat(const Grid *g, const Film *film, field mass, field work, field out)
+{
+    field warmth = film->own_work + (OWN_FIELDS - HEAT_FIELDS) * g->count;
+    field velocity = warmth + g->count, nodal = velocity + 2 * g->count;
+    field first = nodal + 2 * g->count, second = first + g->count;
+    field third = second + g->count, fourth = third + g->count;
+    const double sigma = film->sigma, kappa = film->row->viscosity_exponent;
+    const double slip = FLOW_TERMS == 2 ? film->row->flow[1] : 0.0;
+    /* τ_b over the square of the speed. */
+    const double cooling = film->row->heating * sigma / 20.0;
+    warm(g, film, warmth, first, second, third, fourth);
+    set_velocities(g, film, velocity, nodal, first);
+    matrix4 along = (matrix4)nodal, across = along + g->count4;
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        const double4 square = along[i] * along[i] + across[i] * across[i];
+        const double4 rise = ((matrix4)warmth)[i] - cooling * square;
+        ((field4)first)[i] =
+            gap_at(g, film, row, t) * (1.0 + film->p[i]) * rise;
+    }
+    SYNC;
+    along_t(g, g->time_derivative, first, second, 0);
+    subtract(out, -sigma, second, g->count4);
+    for (int axis = 0; axis < 2; axis++) {
+        field u = velocity + axis * g->count;
+        matrix amplitude = ON_AXIS(axis, flux_amplitude), values = ON_AXIS(axis, flux_values);
+        field4 pressure = (field4)first, warmer = (field4)second, cooler = (field4)third;
+        heat_along(g, axis, values, (field)film->p, first, 0);
+        heat_along(g, axis, values, warmth, second, 0);
+        heat_along(g, axis, values, nodal + (1 - axis) * g->count, third, 0);
+        FOR_EACH(i, g->count4)
+        {
+            const double4 own = ((matrix4)u)[i];
+            cooler[i] = cooling * (own * own + cooler[i] * cooler[i]);
+            ((field4)fourth)[i] = warmer[i] - cooler[i];
+        }
+        SYNC;
+        along_t(g, g->time_derivative, fourth, work, 0);
+        along_t(g, g->time_derivative, u, fourth, 0);
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            const double4 gap = 1.0 + film->epsilon * amplitude[row] * g->sine[t];
+            const double4 density = 1.0 + pressure[i];
+            const double4 own = ((matrix4)u)[i], hot = warmer[i], cold = cooler[i];
+            const double4 lag = film->row->lag * gap * (density * gap + slip / 1.5);
+            const double4 lighter = 6.0 / 5.0 * hot - 9.0 / 14.0 * cold;
+            const double4 thicker = 3.0 / 5.0 * hot - 3.0 / 7.0 * cold;
+            const double4 beside =
+                lag * (9.0 / 7.0 * (hot - cold) * ((matrix4)fourth)[i] +
+                       own * ((matrix4)work)[i] / 7.0) -
+                own * (lighter + kappa * thicker);
+            pressure[i] = -sigma * gap * density * beside;
+        }
+        SYNC;
+        heat_along(g, axis, ON_AXIS(axis, flux_divergence), first, out, 1);
+    }
+}
+
+/* The mass that a change of pressure moves by warming the gas: its rise lags as on average. */
+static void response_heat(const Grid *g, const Film *film, field mass, field work, field out)
+{
+    field first = film->own_work + (OWN_FIELDS - HEAT_FIELDS + 5) * g->count, second = first + g->count;
+    field4 pressure = (field4)first, rise = (field4)second;
+    FOR_EACH_POINT(g, row, t, i) pressure[i] = ((matrix4)mass)[i] / gap_at(g, film, row, t);
+    SYNC;
+    along_t(g, ARRAY(film, warming), first, second, 0);
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        const double4 gap = gap_at(g, film, row, t);
+        const double4 density = 1.0 + film->p[i];
+        rise[i] *= gap * (gap + 6.0 * film->row->temperature_jump / density);
+        pressure[i] = gap * density * rise[i];
+    }
+    SYNC;
+    along_t(g, g->time_derivative, first, work, 0);
+    subtract(out, -film->sigma, work, g->count4);
+}
