@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main as cli
-from squeezefilm.cli.use.new import EQUATION_OF_A_STUDY, EQUATION_OF_THE_EXAMPLE
+from squeezefilm.cli.study.new import EQUATION_OF_A_STUDY, EQUATION_OF_THE_EXAMPLE
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study, scan_path, smoothed_scan_of
 
