@@ -15,13 +15,12 @@ from math import atan2, degrees, hypot
 
 import numpy as np
 
-from squeezefilm.film.scene import Gas, Scene
+from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import DERIVATIVES, Derivatives, Solution
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import sensitivity
-from squeezefilm.reynolds.error_estimate import MOMENT_FACTOR, largest_change
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
@@ -36,9 +35,13 @@ from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 
 # Terms of the equation that ``residual`` and the adjoint have.
 KNOWN = (Bearing, Polytropic, Rarefaction)
-# Shares of the tolerance that the states and the adjoint may leave.
-STATE_SHARE, ADJOINT_SHARE = 1e-3, 1e-2
-# Of a number, or of the length that it goes with: the step of a difference of residuals.
+# Shares of the tolerance that the states and the adjoint may leave, the latter times ε: a source
+# of order ε makes a force of its square.
+STATE_SHARE, ADJOINT_SHARE = 1e-3, 1e-3
+# The error is so many times the change from grid to grid, no less than a share of what other
+# derivatives of the scene change: TODO
+CHANGE_FACTOR, SHARE_OF_OTHERS = 2.0, 0.3
+# The step of a difference of residuals, of a number's unit.
 STEP = 3e-5
 # What such a difference misses, as a share of the size of its parts: its third order and rounding.
 STEP_MISSES = 1e-7
@@ -116,51 +119,48 @@ def _derivatives(
     problems = [problems_of(scenes, grid, tolerance=STATE_SHARE * tolerance) for grid in grids]
     (states,) = launch([Batch(grids, problems)], device=device).states()
     with np.errstate(all="ignore"):
-        coarse, fine = (
-            _rates(scenes, Fields(each, grid, state.overpressure), tolerance=tolerance)
+        (before, _), (growth, rounded) = (
+            _growths(scenes, Fields(each, grid, state.overpressure), tolerance=tolerance)
             for each, grid, state in zip(problems, grids, states, strict=True)
         )
-    change = MOMENT_FACTOR * largest_change(coarse, grids[0], fine, grids[1])
-    weights = np.outer(grids[1].x.weights, grids[1].y.weights)
-    value = np.einsum("ksxy,xy->ks", fine, weights)
-    error = change + STEP_MISSES * np.einsum("ksxy,xy->ks", np.abs(fine), weights)
+    change = np.abs(growth - before)
+    # A derivative may agree by chance, or be small because its parts cancel; not all do.
+    change = np.maximum(change, SHARE_OF_OTHERS * change.max(axis=0))
+    error = np.where(growth != 0, CHANGE_FACTOR * change, 0.0) + rounded
+    endings = zip(*([STATUS[each] for each in state.status] for state in states), strict=True)
     return [
-        _record(
-            scene,
-            value[:, k],
-            error[:, k],
-            [STATUS[state.status[k]] for state in states],
-        )
-        for k, scene in enumerate(scenes)
+        _record(scene, growth[:, k], error[:, k], status=next(filter(_failed, ending), "ok"))
+        for k, (scene, ending) in enumerate(zip(scenes, endings, strict=True))
     ]
 
 
-def _rates(scenes: Sequence[Scene], films: Fields, *, tolerance: float) -> np.ndarray:
-    """What adds up to the force's change with each number, shape (numbers, scenes, nx, ny).
+def _growths(
+    scenes: Sequence[Scene], films: Fields, *, tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The mean forces' growth with each number times its unit (``_unit``), by one grid.
 
-    In newtons over the number's unit; its mean over the film is the derivative.
+    Returns:
+        The growths in newtons and what the differences of residuals may miss, each of shape
+        (numbers, scenes).
     """
-    sensitive = sensitivity(films, tolerance=ADJOINT_SHARE * tolerance)
-    overpressure = films.pressure[films.inner].mean(axis=-1) - 1
-    scale = films.number(np.array([scene.force_scale_n for scene in scenes]))[..., 0]
-    rates = np.zeros((len(DERIVATIVES), *overpressure.shape))
+    sensitive = sensitivity(films, tolerance=ADJOINT_SHARE * tolerance * films.problems.epsilon)
+    overpressure = films.mean(films.pressure - 1)
+    scale = np.array([scene.force_scale_n for scene in scenes])
+    growth, missed = np.zeros((2, len(DERIVATIVES), len(scenes)))
     folded = {"x_m": films.grid.fold_x, "y_m": films.grid.fold_y}
-    for rate, number in zip(rates, DERIVATIVES, strict=True):
+    for k, number in enumerate(DERIVATIVES):
         if folded.get(number):
             continue  # the force is even in the place
-        steps = [_step(scene, number) for scene in scenes]
         ahead, behind = (
-            [moved(scene, number, sign * step) for scene, step in zip(scenes, steps, strict=True)]
+            [moved(scene, number, sign * STEP * _unit(scene, number)) for scene in scenes]
             for sign in (1, -1)
         )
-        source = _residual_of(behind, films) - _residual_of(ahead, films)
-        growth = np.array(
-            [a.force_scale_n - b.force_scale_n for a, b in zip(ahead, behind, strict=True)]
-        )
-        rate += scale * (sensitive * source).mean(axis=-1)
-        rate += films.number(growth)[..., 0] * overpressure
-        rate /= 2 * films.number(np.array(steps))[..., 0]
-    return rates
+        source = (_residual_of(behind, films) - _residual_of(ahead, films)) / (2 * STEP)
+        parts = films.with_rim(sensitive * source)
+        wider = [b.force_scale_n - a.force_scale_n for a, b in zip(behind, ahead, strict=True)]
+        growth[k] = scale * films.mean(parts) + np.array(wider) / (2 * STEP) * overpressure
+        missed[k] = STEP_MISSES * scale * films.mean(np.abs(parts))
+    return growth, missed
 
 
 def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:
@@ -169,16 +169,19 @@ def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:
     return residual(Fields(problems, films.grid, films.pressure[films.inner] - 1))
 
 
-def _record(
-    scene: Scene, value: np.ndarray, error: np.ndarray, endings: Sequence[str]
-) -> Derivatives:
+def _failed(ending: str) -> bool:
+    return ending != "ok"
+
+
+def _record(scene: Scene, growth: np.ndarray, error: np.ndarray, *, status: str) -> Derivatives:
     """A scene's derivatives, those to its place turned into the actuator's axes."""
-    if failed := [ending for ending in endings if ending != "ok"]:
-        return Derivatives(status=failed[0])
+    if status != "ok":
+        return Derivatives(status=status)
     if not np.isfinite(error).all():
         return Derivatives(status=NOT_FOUND)
-    values = dict(zip(DERIVATIVES, value.tolist(), strict=True))
-    errors = dict(zip(DERIVATIVES, error.tolist(), strict=True))
+    units = [_unit(scene, number) for number in DERIVATIVES]
+    values = dict(zip(DERIVATIVES, (growth / units).tolist(), strict=True))
+    errors = dict(zip(DERIVATIVES, (error / units).tolist(), strict=True))
     finger = scene.finger
     values["x_m"], values["y_m"] = finger.turned(values["x_m"], values["y_m"])
     from_x, from_y = finger.turned(errors["x_m"], 0.0), finger.turned(0.0, errors["y_m"])
@@ -212,10 +215,10 @@ def moved(scene: Scene, number: str, by: float) -> Scene:
     return changed if owner is scene else replace(scene, gas=changed)
 
 
-def _step(scene: Scene, number: str) -> float:
-    """Of a number, in its own unit."""
+def _unit(scene: Scene, number: str) -> float:
+    """What a number is measured by: itself, or the gap or the length that it goes with."""
     if number in ("h0_m", "hv_m"):
-        return STEP * scene.h0_m
+        return scene.h0_m
     if number in ("x_m", "y_m"):
-        return STEP * scene.finger.length_x_m
-    return STEP * float(getattr(scene.gas, number))
+        return scene.finger.length_x_m
+    return float(getattr(scene.gas, number))
