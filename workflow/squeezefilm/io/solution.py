@@ -45,26 +45,29 @@ SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )
 
-# What the force is differentiated to, and how columns name that: name and unit.
+# What the force is differentiated to: its name and the derivative's unit, in columns and in words.
 DERIVATIVES = {
-    "h0_m": ("h0", "n_per_m"),
-    "hv_m": ("hv", "n_per_m"),
-    "x_m": ("x", "n_per_m"),
-    "y_m": ("y", "n_per_m"),
-    "viscosity_pa_s": ("viscosity", "n_per_pa_s"),
-    "ambient_pressure_pa": ("ambient_pressure", "n_per_pa"),
-    "density_kg_per_m3": ("density", "n_m3_per_kg"),
-    "mean_free_path_m": ("mean_free_path", "n_per_m"),
-    "polytropic_exponent": ("polytropic_exponent", "n"),
-    "prandtl": ("prandtl", "n"),
-    "heat_capacity_ratio": ("heat_capacity_ratio", "n"),
-    "viscosity_exponent": ("viscosity_exponent", "n"),
+    "h0_m": ("h0", "n_per_m", "N/m"),
+    "hv_m": ("hv", "n_per_m", "N/m"),
+    "x_m": ("x", "n_per_m", "N/m"),
+    "y_m": ("y", "n_per_m", "N/m"),
+    "viscosity_pa_s": ("viscosity", "n_per_pa_s", "N/(Pa s)"),
+    "ambient_pressure_pa": ("ambient_pressure", "n_per_pa", "N/Pa"),
+    "density_kg_per_m3": ("density", "n_m3_per_kg", "N m³/kg"),
+    "mean_free_path_m": ("mean_free_path", "n_per_m", "N/m"),
+    "polytropic_exponent": ("polytropic_exponent", "n", "N"),
+    "prandtl": ("prandtl", "n", "N"),
+    "heat_capacity_ratio": ("heat_capacity_ratio", "n", "N"),
+    "viscosity_exponent": ("viscosity_exponent", "n", "N"),
 }
 
 
 @dataclass(frozen=True, kw_only=True)
 class Derivatives:
     """Derivatives of a scene's mean force, each to one number with the others kept.
+
+    Those to x and y are along the actuator's axes; that to h0 is the film's static stiffness, with
+    the other sign.
 
     Attributes:
         value: in newtons over the number's unit, by DERIVATIVES' names; 0 for a number that the
@@ -80,7 +83,7 @@ class Derivatives:
     def columns(self) -> dict[str, float | str]:
         """A row of a table of forces: ``dforce_dNAME_UNIT``, ``dforce_dNAME_error_UNIT``."""
         row: dict[str, float | str] = {}
-        for number, (name, unit) in DERIVATIVES.items():
+        for number, (name, unit, _) in DERIVATIVES.items():
             row[f"dforce_d{name}_{unit}"] = self.value[number]
             row[f"dforce_d{name}_error_{unit}"] = self.error[number]
         return row | {"derivatives_status": self.status}

@@ -89,3 +89,12 @@ def with_error(force_n: float, error_n: float) -> str:
     if places > MOST_PLACES:  # a film that bears next to nothing
         return f"{force_n:.2g} N ± {error_n:.2g} N"
     return f"{force_n:.{places}f} N ± {error_n:.2g} N"
+
+
+def to_its_digits(value: float, error: float) -> str:
+    """A value of any size and its error, both to the digits that the error, with two, leaves."""
+    if not (math.isfinite(error) and error > 0):
+        return f"{value:.9g} ± {error:.1g}"
+    size = math.floor(math.log10(abs(value))) if value else -math.inf
+    digits = max(size - math.floor(math.log10(error)) + 2, 1)
+    return f"{value:.{digits}g} ± {error:.2g}"

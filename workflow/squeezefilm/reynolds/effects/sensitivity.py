@@ -19,11 +19,11 @@ Operator = Callable[[np.ndarray], np.ndarray]
 MOST_ITERATIONS = 200
 
 
-def sensitivity(films: Fields, *, tolerance: float) -> np.ndarray:
+def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
     """λ at the unknowns, shape (scenes, nx, ny, nt): the mean pressure's answer is ``answer``.
 
     Args:
-        tolerance: preconditioned residual over its size at the start.
+        tolerance: preconditioned residual over its size at the start, one or one for each scene.
     """
     precondition = _preconditioner(films, adjoint=True)
     adjoint = _adjoint_jacobian(films)
@@ -159,7 +159,7 @@ def _adjoint(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.nd
     return np.asarray(matrix.T * rows / columns[:, None])
 
 
-def gmres(apply: Operator, right: np.ndarray, *, tolerance: float) -> np.ndarray:
+def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) -> np.ndarray:
     """Solve ``apply(x) = right`` for each scene, first axis, by GMRES without restart.
 
     A scene's answer does not depend on the others': it is that of the first iteration which is
