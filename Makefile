@@ -15,7 +15,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report test test-check test-faults test-browser lint format keys lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report test test-check test-faults test-browser test-device lint format keys lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -27,6 +27,7 @@ help:
 	@echo "make test-check     faults put into a study, which the check must find"
 	@echo "make test-faults    runs that are killed, full disks, damaged results"
 	@echo "make test-browser   the pages, in a browser without a screen"
+	@echo "make test-device    the kernels' work-items, watched by Oclgrind, and large work-groups"
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
@@ -75,6 +76,12 @@ test-browser: $(VENV)/.dev
 		|| { apt-get -q update && apt-get -qy install --no-install-recommends chromium chromium-driver; } \
 		|| true
 	$(RUN) pytest tests/browser
+
+# A root user of Debian gets Oclgrind too; elsewhere its tests are skipped and say so.
+test-device: $(VENV)/.dev
+	@command -v oclgrind >/dev/null || [ "$$(id -u)" != 0 ] \
+		|| { apt-get -q update && apt-get -qy install --no-install-recommends oclgrind; } || true
+	$(RUN) pytest tests/device
 
 test-cluster: $(VENV)/.dev
 	$(RUN) pytest -v -s tests/cluster
