@@ -18,7 +18,8 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import Budget, budgets
-from squeezefilm.reynolds.effects.words import budget_text
+from squeezefilm.reynolds.effects.derivatives import with_derivatives
+from squeezefilm.reynolds.effects.words import budget_text, derivatives_text
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.studies.tasks.scan_errors import scan_errors
@@ -125,18 +126,27 @@ class Force:
 
     def _beyond(self) -> list[str]:
         lines = [f"beyond the equation: {budget_text(self.budget)}"]
+        if self.solution.derivatives:
+            lines.append(derivatives_text(self.solution.derivatives))
         lines += [f"note: {note}" for note in notes_of(self.scene)]
         return lines + [f"note: {self.status}"] * (self.status != "ok")
 
 
 def force_of(
-    scene: Scene, *, settings: SolverSettings, device: Device, smoothed: SmoothedScan | None
+    scene: Scene,
+    *,
+    settings: SolverSettings,
+    device: Device,
+    smoothed: SmoothedScan | None,
+    derivatives: bool = False,
 ) -> Force:
     """One scene's force; ``smoothed`` is the scan that its profile was measured in.
 
     Raises RunError saying why there is none.
     """
-    (force,) = forces_of([scene], settings=settings, device=device, smoothed=smoothed)
+    (force,) = forces_of(
+        [scene], settings=settings, device=device, smoothed=smoothed, derivatives=derivatives
+    )
     if not isfinite(force.force_n):
         raise RunError(force.status)
     return force
@@ -148,6 +158,7 @@ def forces_of(
     settings: SolverSettings,
     device: Device,
     smoothed: SmoothedScan | None,
+    derivatives: bool = False,
 ) -> list[Force]:
     """The force of each scene, NaN with its reason as ``status`` where there is none."""
     scenes = decided(
@@ -157,6 +168,14 @@ def forces_of(
         device=device,
     )
     solutions = solve(scenes, tolerance=settings.tolerance, method=settings.method, device=device)
+    if derivatives:
+        solutions = with_derivatives(
+            scenes,
+            solutions,
+            tolerance=settings.tolerance,
+            method=settings.method,
+            device=device,
+        )
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
     with_force = [scenes[k] for k in known]
     beyond = dict(zip(known, budgets(with_force, device=device), strict=True))
@@ -188,6 +207,10 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     first order; ``status`` is ``ok``, or why there is no force.
     """
     left_out = np.array([force.left_out_percent for force in forces]).reshape(-1, 2)
+    found = [each.derivatives for force in forces if (each := force.solution).derivatives]
+    derivatives = pd.DataFrame(
+        [each.columns() for each in found if each], index=points.index[: len(found)]
+    )
     return points.assign(
         force_n=[force.force_n for force in forces],
         force_error_n=[force.error_n for force in forces],
@@ -195,6 +218,7 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
         left_out_most_percent=left_out[:, 1],
         method=[force.solution.method for force in forces],
         status=[force.status for force in forces],
+        **{name: derivatives[name] for name in map(str, derivatives)},
     )
 
 

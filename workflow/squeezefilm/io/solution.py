@@ -1,5 +1,8 @@
 """What solving a scene gives, whatever the method: the columns of a table of forces."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from math import nan
 
@@ -20,6 +23,7 @@ class Solution:
         newton_steps, krylov_iterations: over all grids.
         residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
         work: floating-point operations of the iterations, for sharing out run time; no column.
+        derivatives: of the force, where they were asked for (effects/derivatives.py).
     """
 
     force_n: float = nan
@@ -34,8 +38,52 @@ class Solution:
     krylov_iterations: int = 0
     residual: float = 0.0
     work: float = field(default=0.0, metadata={"column": False})
+    derivatives: Derivatives | None = field(default=None, metadata={"column": False})
 
 
 SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )
+
+# What the force is differentiated to: its name and the derivative's unit, in columns and in words.
+DERIVATIVES = {
+    "h0_m": ("h0", "n_per_m", "N/m"),
+    "hv_m": ("hv", "n_per_m", "N/m"),
+    "x_m": ("x", "n_per_m", "N/m"),
+    "y_m": ("y", "n_per_m", "N/m"),
+    "viscosity_pa_s": ("viscosity", "n_per_pa_s", "N/(Pa s)"),
+    "ambient_pressure_pa": ("ambient_pressure", "n_per_pa", "N/Pa"),
+    "density_kg_per_m3": ("density", "n_m3_per_kg", "N m³/kg"),
+    "mean_free_path_m": ("mean_free_path", "n_per_m", "N/m"),
+    "polytropic_exponent": ("polytropic_exponent", "n", "N"),
+    "prandtl": ("prandtl", "n", "N"),
+    "heat_capacity_ratio": ("heat_capacity_ratio", "n", "N"),
+    "viscosity_exponent": ("viscosity_exponent", "n", "N"),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Derivatives:
+    """Derivatives of a scene's mean force, each to one number with the others kept.
+
+    Those to x and y are along the actuator's axes; that to h0 is the film's static stiffness, with
+    the other sign.
+
+    Attributes:
+        value: in newtons over the number's unit, by DERIVATIVES' names; 0 for a number that the
+            scene's equation does not have, NaN unless ``status`` is ``ok``.
+        error: estimate of its absolute error.
+        status: ``ok``, or why there are none.
+    """
+
+    value: Mapping[str, float] = field(default_factory=lambda: dict.fromkeys(DERIVATIVES, nan))
+    error: Mapping[str, float] = field(default_factory=lambda: dict.fromkeys(DERIVATIVES, nan))
+    status: str
+
+    def columns(self) -> dict[str, float | str]:
+        """A row of a table of forces: ``dforce_dNAME_UNIT``, ``dforce_dNAME_error_UNIT``."""
+        row: dict[str, float | str] = {}
+        for number, (name, unit, _) in DERIVATIVES.items():
+            row[f"dforce_d{name}_{unit}"] = self.value[number]
+            row[f"dforce_d{name}_error_{unit}"] = self.error[number]
+        return row | {"derivatives_status": self.status}

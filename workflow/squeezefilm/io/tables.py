@@ -18,7 +18,7 @@ from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError, needing
 from squeezefilm.io.positions import POLAR, as_in, cartesian
-from squeezefilm.io.solution import SOLUTION_COLUMNS
+from squeezefilm.io.solution import SOLUTION_COLUMNS, Derivatives
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""
@@ -29,11 +29,13 @@ LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_erro
 ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
 """What a reader of a refinement's rounds may count on; the table has more."""
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
-TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out"}
+TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out", "derivatives_status"}
 PARQUET = ".parquet"
 # What a budget is of, where it is of the scene itself.
 THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
+# A table of forces may have these too; stages that need none of them leave them out.
+DERIVATIVE_COLUMNS = tuple(Derivatives(status="").columns())
 
 
 Rows = Callable[[int], slice]
@@ -100,7 +102,7 @@ def read_forces(path: Path | str) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS)
+    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, more=DERIVATIVE_COLUMNS)
     for name in ("force_n", "force_error_n"):
         values = pd.to_numeric(table[name], errors="coerce")
         bad = table[(table["status"] == "ok") & ~np.isfinite(values)]
@@ -139,14 +141,16 @@ def _read(
     *,
     columns: Sequence[str],
     numbers: Sequence[str],
+    more: Sequence[str] = (),
     rows: Rows = all_rows,
 ) -> pd.DataFrame:
+    """The columns of a table, which may have ``more`` that are left out."""
     path = Path(path)
     if path.suffix == PARQUET:
-        return _read_parquet(path, columns=columns, numbers=numbers, rows=rows)
+        return _read_parquet(path, columns=columns, numbers=numbers, more=more, rows=rows)
     header, found = read_cells(path, what="table", needs=", ".join(columns))
     columns, numbers = as_in(columns, header), as_in(numbers, header)
-    _check_header(header, columns=columns, path=path)
+    _check_header(header, columns=columns, more=more, path=path)
     if not found:
         raise InputError(f"{path}: the table has a header and no rows")
     lines = [line for line, _ in found]
@@ -158,7 +162,12 @@ def _read(
 
 
 def _read_parquet(
-    path: Path, *, columns: Sequence[str], numbers: Sequence[str], rows: Rows
+    path: Path,
+    *,
+    columns: Sequence[str],
+    numbers: Sequence[str],
+    more: Sequence[str],
+    rows: Rows,
 ) -> pd.DataFrame:
     with needing("workflow", what="a table in Parquet"):
         import pyarrow as pa
@@ -168,7 +177,7 @@ def _read_parquet(
         with pq.ParquetFile(path) as file:
             names = file.schema_arrow.names
             columns, numbers = as_in(columns, names), as_in(numbers, names)
-            _check_header(names, columns=columns, path=path)
+            _check_header(names, columns=columns, more=more, path=path)
             metadata = file.metadata
             sizes = [metadata.row_group(group).num_rows for group in range(metadata.num_row_groups)]
             start, stop, _ = rows(metadata.num_rows).indices(metadata.num_rows)
@@ -207,13 +216,15 @@ def _read_parquet(
     return table[list(columns)]
 
 
-def _check_header(header: Sequence[str], *, columns: Sequence[str], path: Path) -> None:
+def _check_header(
+    header: Sequence[str], *, columns: Sequence[str], more: Sequence[str], path: Path
+) -> None:
     for name in columns:
         if header.count(name) == 0:
             raise InputError(f"{path}: column {name!r} is missing; it has {', '.join(header)}")
         if header.count(name) > 1:
             raise InputError(f"{path}: column {name!r} stands twice")
-    unknown = [name for name in header if name not in columns]
+    unknown = [name for name in header if name not in (*columns, *more)]
     if unknown:
         raise InputError(
             f"{path}: unknown column {unknown[0]!r}; the columns are {', '.join(columns)}"

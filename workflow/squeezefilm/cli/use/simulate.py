@@ -13,6 +13,9 @@ Tolerance means |error| <= tolerance * |force| + round-off floor, the floor bein
 largest overpressure times the finger's area. The exit status is 1 when a scene has no force; all
 rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is the
 solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
+`--derivatives` adds those of the force to h0, hv, the finger's place (x, y) and each number of the
+gas, the others kept, with their errors, by one adjoint problem per scene; `derivatives_status` says
+why there are none.
 """
 
 import argparse
@@ -41,6 +44,7 @@ from squeezefilm.io.tables import (
     table_writer,
 )
 from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import Config
@@ -69,6 +73,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--keep-going", action="store_true", help="exit with 0 although a scene has no force"
     )
+    parser.add_argument(
+        "--derivatives", action="store_true", help="of the force too, to each number of a scene"
+    )
     add_point_options(parser)
 
 
@@ -96,11 +103,23 @@ def _simulate_points(
     device = device_of(config, option=options.device)
     smoothed = smoothed_scan_of(config)
     if len(scenes) == 1 and not options.output:
-        force = force_of(scenes[0], settings=settings, device=device, smoothed=smoothed)
+        force = force_of(
+            scenes[0],
+            settings=settings,
+            device=device,
+            smoothed=smoothed,
+            derivatives=options.derivatives,
+        )
         print(force)
         forces = [force]
     else:
-        forces = forces_of(scenes, settings=settings, device=device, smoothed=smoothed)
+        forces = forces_of(
+            scenes,
+            settings=settings,
+            device=device,
+            smoothed=smoothed,
+            derivatives=options.derivatives,
+        )
         write_points(forces_table(points, forces), options.output)
     failures = [
         f"row {row}: {force.status}" if len(forces) > 1 else force.status
@@ -123,7 +142,8 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
         device = device_of(config, option=options.device)
         warm(device, _scenes(pieces[0], config, path=options.scenes)[0])
     failures: list[str] = []
-    seconds = 0.0
+    solved = 0
+    seconds = derivative_seconds = 0.0
     timings = table_writer(options.timings) if options.timings else nullcontext(lambda rows: None)
     with (
         progress_bar(len(table), unit="scene", name=str(options.scenes)) as bar,
@@ -143,13 +163,24 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
             )
             wall = time.perf_counter() - start
             seconds += wall
+            if options.derivatives:
+                solutions = with_derivatives(
+                    scenes,
+                    solutions,
+                    tolerance=settings.tolerance,
+                    model_tolerance=settings.model_tolerance,
+                    method=settings.method,
+                    device=device,
+                )
+                derivative_seconds += time.perf_counter() - start - wall
             write(_forces(piece, solutions))
             shares = [wall * share for share in _work_shares(solutions)]
             write_timings(piece[["point_id"]].assign(solve_seconds=shares))
+            solved += sum(solution.status == "ok" for solution in solutions)
             failures += [
-                f"point {scene.point_id}: {solution.status}"
+                f"point {scene.point_id}: {reason}"
                 for scene, solution in zip(scenes, solutions, strict=True)
-                if solution.status != "ok"
+                if (reason := _missing(solution))
             ]
     smoothed = smoothed_scan_of(config)
     if smoothed is not None:
@@ -159,13 +190,21 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
             file=sys.stderr,
         )
     print(
-        f"{len(table) - len(failures)} of {len(table)} scenes solved in {seconds:.3f} s",
+        f"{solved} of {len(table)} scenes solved in {seconds:.3f} s"
+        + f", their derivatives in {derivative_seconds:.3f} s" * options.derivatives,
         file=sys.stderr,
     )
     if failures and options.keep_going:
         print("\n".join(failures), file=sys.stderr)
     elif failures:
-        raise RunError("no force for " + "; ".join(failures))
+        what = "no force or no derivatives" if options.derivatives else "no force"
+        raise RunError(f"{what} for " + "; ".join(failures))
+
+
+def _missing(solution: Solution) -> str:
+    """Why there is no force, or none of the derivatives asked for; empty if all is there."""
+    asked = (solution.status, solution.derivatives.status if solution.derivatives else "ok")
+    return next((status for status in asked if status != "ok"), "")
 
 
 def _scenes(rows: pd.DataFrame, config: Config, *, path: str) -> list[Scene]:
@@ -180,7 +219,9 @@ def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
         for name in as_in(FORCE_COLUMNS, rows)
         if name not in rows.columns
     }
-    return rows.assign(**columns)[as_in(FORCE_COLUMNS, rows)]
+    derivatives = [each.derivatives.columns() for each in solutions if each.derivatives]
+    table = rows.assign(**columns)[as_in(FORCE_COLUMNS, rows)]
+    return table.assign(**pd.DataFrame(derivatives, index=rows.index)) if derivatives else table
 
 
 def _work_shares(solutions: Sequence[Solution]) -> list[float]:

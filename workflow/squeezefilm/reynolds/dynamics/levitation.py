@@ -79,9 +79,7 @@ def levitate(
     if not (isfinite(load_n) and load_n > 0):
         raise InputError(f"load: {load_n:g} N must be a positive force")
     gaps_m = _gaps(scene)
-    forces_n = _forces(
-        _at(scene, gaps_m), tolerance=LOOK_TOLERANCE, method="auto", device=device
-    )
+    forces_n = _forces(_at(scene, gaps_m), tolerance=LOOK_TOLERANCE, method="auto", device=device)
     brackets = _brackets(gaps_m, forces_n, load_n)
     if not brackets:
         known = forces_n[np.isfinite(forces_n)]

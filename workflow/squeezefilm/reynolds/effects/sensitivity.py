@@ -16,14 +16,14 @@ from squeezefilm.reynolds.effects.fields import Fields, Vector, along_x, along_y
 from squeezefilm.reynolds.spectral import Axis
 
 Operator = Callable[[np.ndarray], np.ndarray]
-MOST_ITERATIONS = 120
+MOST_ITERATIONS = 200
 
 
-def sensitivity(films: Fields, *, tolerance: float) -> np.ndarray:
+def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
     """λ at the unknowns, shape (scenes, nx, ny, nt): the mean pressure's answer is ``answer``.
 
     Args:
-        tolerance: preconditioned residual over its size at the start.
+        tolerance: preconditioned residual over its size at the start, one or one for each scene.
     """
     precondition = _preconditioner(films, adjoint=True)
     adjoint = _adjoint_jacobian(films)
@@ -159,27 +159,29 @@ def _adjoint(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.nd
     return np.asarray(matrix.T * rows / columns[:, None])
 
 
-def gmres(apply: Operator, right: np.ndarray, *, tolerance: float) -> np.ndarray:
+def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) -> np.ndarray:
     """Solve ``apply(x) = right`` for each scene, first axis, by GMRES without restart.
 
     A scene's answer does not depend on the others': it is that of the first iteration which is
     good enough for it, and NaN where none of MOST_ITERATIONS is.
     """
-    scenes = len(right)
+    scenes, shape = len(right), right.shape
     unsolved = np.ones(scenes, dtype=bool)
-    right, size = _finite(right)
-    basis = [right / _column(np.where(size > 0, size, 1.0), right)]
+    right, size = _finite(right.reshape(scenes, -1))
+    basis = np.empty((scenes, MOST_ITERATIONS + 1, right.shape[1]))
+    basis[:, 0] = right / np.where(size > 0, size, 1.0)[:, None]
     hessenberg = np.zeros((scenes, MOST_ITERATIONS + 1, MOST_ITERATIONS))
     goal = np.zeros((scenes, MOST_ITERATIONS + 1, 1))
     goal[:, 0, 0] = np.nan_to_num(size)
     shares = np.full((scenes, MOST_ITERATIONS), np.nan)
     for step in range(MOST_ITERATIONS):
-        new, _ = _finite(apply(basis[step]))
-        for k, old in enumerate(basis):
-            share = _products(old, new)
-            hessenberg[:, k, step] = share
-            new = new - _column(share, new) * old
-        left = np.sqrt(_products(new, new))
+        known = basis[:, : step + 1]
+        new, _ = _finite(apply(basis[:, step].reshape(shape)).reshape(scenes, -1))
+        for _ in range(2):  # twice is enough (Giraud et al. 2005)
+            share = known @ new[..., None]
+            hessenberg[:, : step + 1, step] += share[..., 0]
+            new = new - (share.mT @ known)[:, 0]
+        left = np.linalg.norm(new, axis=1)
         hessenberg[:, step + 1, step] = left
         square, wanted = hessenberg[:, : step + 2, : step + 1], goal[:, : step + 2]
         found = np.linalg.pinv(square) @ wanted
@@ -190,9 +192,9 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float) -> np.ndarray
         unsolved &= ~done
         if not unsolved.any():
             break
-        basis.append(new / _column(np.where(left > 0, left, 1.0), new))
-    parts = zip(shares.T, basis, strict=False)
-    return np.asarray(sum(_column(share, each) * each for share, each in parts))
+        basis[:, step + 1] = new / np.where(left > 0, left, 1.0)[:, None]
+    found = shares[:, None, : step + 1] @ basis[:, : step + 1]
+    return np.asarray(found).reshape(shape)
 
 
 def _finite(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -200,14 +202,5 @@ def _finite(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     The size of such a scene is NaN, so that nothing is ever good enough for it.
     """
-    size = np.sqrt(_products(values, values))
-    return np.where(_column(np.isfinite(size), values), values, 0.0), size
-
-
-def _products(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Inner product of each scene, shape (scenes,)."""
-    return np.asarray(np.einsum("sxyt,sxyt->s", a, b, optimize=False))
-
-
-def _column(values: np.ndarray, like: np.ndarray) -> np.ndarray:
-    return values.reshape(-1, *[1] * (like.ndim - 1))
+    size = np.linalg.norm(values, axis=1)
+    return np.where(np.isfinite(size)[:, None], values, 0.0), size

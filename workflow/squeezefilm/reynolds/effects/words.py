@@ -1,10 +1,12 @@
-"""A budget in words and as a row of a table."""
+"""A budget in words and as a row of a table; derivatives in words."""
 
 from __future__ import annotations
 
 from math import isnan
 
+from squeezefilm.io.solution import DERIVATIVES, Derivatives
 from squeezefilm.io.tables import THIS_SCENE
+from squeezefilm.io.typed_units import to_its_error
 from squeezefilm.reynolds.effects import rim
 from squeezefilm.reynolds.effects.budget import Budget, Effect
 
@@ -45,6 +47,19 @@ def budget_text(budget: Budget) -> str:
         left_out += ABOVE
     basis = f" (of {budget.basis})" if budget.basis else ""
     return f"{', '.join(shown)}; left out in all {left_out}{basis}"
+
+
+def derivatives_text(derivatives: Derivatives) -> str:
+    """A line for each number that changes the force."""
+    if derivatives.status != "ok":
+        return f"derivatives: {derivatives.status}"
+    return "\n".join(
+        "dF/d {}: {} ± {} {}".format(
+            name, *to_its_error(derivatives.value[number], derivatives.error[number]), unit
+        )
+        for number, (name, _, unit) in DERIVATIVES.items()
+        if derivatives.value[number] or derivatives.error[number]
+    )
 
 
 def budget_row(budget: Budget) -> dict[str, object]:

@@ -1,0 +1,73 @@
+"""Tiny films on whichever device is named: what Oclgrind watches, work-item by work-item.
+
+python tests/device/simulated.py DEVICE ITEMS KERNEL [FAULT] prints mean overpressures as JSON.
+"""
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.march.transient import march
+from squeezefilm.reynolds.periodic.launch import Batch, launch
+from squeezefilm.reynolds.problems import problems_of, problems_on
+from squeezefilm.reynolds.self_test import films
+
+# Films that are marched over a period: which, the scheme, and the steps.
+MARCHES = {
+    "marched explicitly": ("squeeze", "rk4", 40),
+    "marched implicitly": ("sliding", "esdirk4", 8),
+}
+KERNELS = (*films(), *MARCHES)
+# What is made wrong in linear_algebra.cl on demand, to see that it is found.
+SCALED = "FOR_EACH(i, count4) a4[i] *= factor;\n    "
+SOUND = f"{SCALED}SYNC;"
+FAULTS = {
+    "no barrier": SCALED,
+    "barrier for some": f"{SCALED}if (get_local_id(0) > 0) {{ SYNC; }}",
+}
+
+
+def means(device: Device, kernel: str) -> list[float]:
+    """Mean overpressures in units of p0: two films, each on two grids or over a period."""
+    if kernel in MARCHES:
+        name, scheme, steps = MARCHES[kernel]
+        scene, grid = films()[name]
+        across = Grid(8 if not grid.fold_x else 4, 4, 4, grid.fold_x, grid.fold_y)
+        problems = problems_of(_two(scene), across, tolerance=1e-2)
+        numbers = {"periods": 1, "steps_per_period": steps, "scheme": scheme, "device": device}
+        return march(problems=problems, grid=across, **numbers).mean_by_period[:, -1].tolist()
+    scene, grid = films()[kernel]
+    grids = [Grid(points, 4, 8, grid.fold_x, grid.fold_y) for points in (4, 8)]
+    problems = problems_on(_two(scene), dict.fromkeys(grids, 1e-2))
+    (states,) = launch([Batch(grids, problems)], device=device).states()
+    return np.concatenate([state.mean for state in states]).tolist()
+
+
+def _two(scene):
+    return [scene, replace(scene, hv_m=0.7 * scene.hv_m)]
+
+
+def _make_wrong(fault: str) -> None:
+    sound, wrong = Path.read_text, FAULTS[fault]
+
+    def read_text(path, *arguments, **options):
+        text = sound(path, *arguments, **options)
+        assert path.name != "linear_algebra.cl" or SOUND in text
+        return text.replace(SOUND, wrong)
+
+    Path.read_text = read_text
+
+
+def main(device: str, items: str, kernel: str, *fault: str) -> None:
+    for each in fault:
+        _make_wrong(each)
+    print(json.dumps(means(choose_device(device, work_items=int(items)), kernel)))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,194 @@
+"""Derivatives of the force: those of forces simulated anew, with errors that hold, or a reason."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from derivative_errors import drawn, shares
+from films import PISTON, film
+
+from squeezefilm.cli.main import main
+from squeezefilm.film.scene import GapShape, Gas, Scene
+from squeezefilm.io.solution import DERIVATIVES, Derivatives
+from squeezefilm.io.tables import DERIVATIVE_COLUMNS, read_forces, write_table
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.effects import derivatives as module
+from squeezefilm.reynolds.effects import sensitivity
+from squeezefilm.reynolds.effects.derivatives import with_derivatives
+
+
+def derivatives(scene: Scene, *, tolerance: float) -> Derivatives:
+    (solution,) = with_derivatives(
+        [scene], solve([scene], tolerance=tolerance), tolerance=tolerance
+    )
+    assert solution.derivatives is not None
+    return solution.derivatives
+
+
+def changed(scene: Scene, number: str, by: float) -> Scene:
+    """As ``module.moved`` does, along the actuator's axes."""
+    if number in ("x_m", "y_m"):
+        x_m = scene.x_m + by * (number == "x_m")
+        y_m = scene.y_m + by * (number == "y_m")
+        angle = float(np.degrees(np.arctan2(y_m, x_m)))
+        return replace(scene, phi_r_m=float(np.hypot(x_m, y_m)), phi_deg=angle)
+    if hasattr(scene, number):
+        return replace(scene, **{number: getattr(scene, number) + by})
+    return replace(scene, gas=replace(scene.gas, **{number: getattr(scene.gas, number) + by}))
+
+
+def step_of(scene: Scene, number: str) -> float:
+    unit = {"h0_m": scene.h0_m, "hv_m": scene.h0_m, "x_m": 0.01, "y_m": 0.01}
+    return 2e-3 * unit.get(number, getattr(scene.gas, number, 0.0))
+
+
+def rounded(scene: Scene, number: str) -> float:
+    """What 1e-9 of each force makes of the quotient."""
+    (solution,) = solve([scene], tolerance=1e-3)
+    return 1.5e-9 * solution.force_n / step_of(scene, number)
+
+
+def quotient(scene: Scene, number: str) -> float:
+    """Of forces simulated anew, of fourth order."""
+    step = step_of(scene, number)
+    moved = [changed(scene, number, k * step) for k in (-2, -1, 1, 2)]
+    a, b, c, d = (each.force_n for each in solve(moved, tolerance=1e-9, method="periodic"))
+    return (a - 8 * b + 8 * c - d) / (12 * step)
+
+
+FILMS = {
+    "off the centre": film(epsilon=0.44, sigma=2331.0, x=0.2, y=0.1),
+    "thick": film(epsilon=0.5, sigma=0.5, profile=PISTON),
+    "slip, small motion": film(epsilon=0.02, sigma=300.0, x=0.2, rarefaction="slip"),
+    "fukui-kaneko, polytropic": film(
+        epsilon=0.4, sigma=583.0, y=0.1, rarefaction="fukui-kaneko", polytropic_exponent=1.4
+    ),
+    "sliding": film(epsilon=0.4, sigma=300.0, x=0.1, bearing=3.0, aspect=1.5),
+}
+
+
+@pytest.mark.parametrize("name", FILMS)
+def test_derivatives_are_quotients_of_forces_simulated_anew(name: str) -> None:
+    scene = FILMS[name]
+    found = derivatives(scene, tolerance=1e-5)
+    assert found.status == "ok"
+    for number, value in found.value.items():
+        expected = quotient(scene, number)
+        assert abs(value - expected) <= found.error[number] + rounded(scene, number), number
+        assert value == pytest.approx(expected, rel=2e-3, abs=rounded(scene, number)), number
+
+
+def test_places_are_along_the_actuator_s_axes_however_the_finger_is_turned() -> None:
+    plain = FILMS["off the centre"]
+    turned = replace(plain, finger=replace(plain.finger, length_y_m=0.006, rotation_deg=30.0))
+    found = derivatives(turned, tolerance=1e-5)
+    for number in ("x_m", "y_m"):
+        assert found.value[number] == pytest.approx(quotient(turned, number), rel=1e-3)
+
+
+def test_the_static_stiffness_of_a_piston_film_is_that_of_a_gas_that_cannot_escape() -> None:
+    """F = p0 A (√((1 + 3ε²/2)/(1 − ε²)) − 1) at large σ (Langlois 1962), ε = hv/h0."""
+    epsilon = 0.3
+    scene = film(epsilon=epsilon, sigma=1e6, profile=PISTON)
+    found = derivatives(scene, tolerance=1e-3)
+    square = (1 + 1.5 * epsilon**2) / (1 - epsilon**2)
+    slope = -2.5 * epsilon**2 / (1 - epsilon**2) ** 2 / np.sqrt(square) / scene.h0_m
+    # What the rim's layers add is of order σ^(−1/2).
+    assert found.value["h0_m"] == pytest.approx(scene.force_scale_n * slope, rel=5e-3)
+
+
+def test_numbers_that_the_equation_does_not_have_change_nothing() -> None:
+    found = derivatives(film(epsilon=0.3, sigma=100.0), tolerance=1e-4)
+    absent = ("density_kg_per_m3", "mean_free_path_m", "prandtl", "heat_capacity_ratio")
+    for number in (*absent, "viscosity_exponent"):
+        assert (found.value[number], found.error[number]) == (0.0, 0.0)
+    at_the_centre = [found.value[number] for number in ("x_m", "y_m")]
+    assert at_the_centre == [0.0, 0.0]
+
+
+def test_every_number_of_the_gas_has_a_derivative() -> None:
+    numbers = [each.name for each in fields(Gas) if each.type is float]
+    assert list(DERIVATIVES) == ["h0_m", "hv_m", "x_m", "y_m", *numbers]
+
+
+def test_a_film_at_rest_has_no_derivatives_but_zeros() -> None:
+    found = derivatives(film(epsilon=0.0, sigma=100.0), tolerance=1e-4)
+    assert found.status == "ok"
+    for number, value in found.value.items():
+        assert abs(value) <= min(found.error[number], 1e-6), number
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+def test_errors_hold(tolerance: float) -> None:
+    """Beside derivatives a hundred times as good, of films of all kinds drawn at random."""
+    found = shares(drawn(6, seed=3), tolerance=tolerance, judge=1e-2 * tolerance)
+    assert len(found) > 30
+    assert max(found) <= 1
+
+
+@pytest.mark.parametrize(
+    ("scene", "reason"),
+    [
+        (film(epsilon=0.3, sigma=300.0, inertia="included"), "not known with inertia"),
+        (
+            replace(
+                FILMS["thick"], finger=replace(FILMS["thick"].finger, gap=GapShape(bulge_m=1e-7))
+            ),
+            "flat rectangular pads alone",
+        ),
+        (film(epsilon=0.4, sigma=100.0, rarefaction="fukui-kaneko", knudsen=0.5), "no force"),
+    ],
+)
+def test_what_has_no_derivatives_says_why(scene: Scene, reason: str) -> None:
+    found = derivatives(scene, tolerance=1e-3)
+    assert reason in found.status
+    assert np.isnan([*found.value.values(), *found.error.values()]).all()
+
+
+def test_an_adjoint_that_is_not_solved_gives_no_derivatives(monkeypatch) -> None:
+    monkeypatch.setattr(sensitivity, "MOST_ITERATIONS", 3)
+    assert derivatives(FILMS["sliding"], tolerance=1e-3).status == module.NOT_FOUND
+
+
+def test_a_table_of_forces_takes_them_and_stages_that_need_none_read_it(
+    tmp_path: Path, capsys, edited, refused
+) -> None:
+    plan, output = tmp_path / "plan.csv", tmp_path / "forces.csv"
+    rows = {"h0_m": 5e-6, "hv_m": [2e-6, 1e-6], "phi_r_m": [0.0, 2e-3], "phi_deg": 0.0}
+    write_table(pd.DataFrame({"point_id": ["1", "2"], **rows}), plan)
+    command = ["simulate", str(plan), "--tolerance", "1e-4", "--output", str(output)]
+    assert main(command) == 0
+    plain = read_forces(output)
+    assert main([*command, "--derivatives"]) == 0
+    pd.testing.assert_frame_equal(read_forces(output), plain)
+    table = pd.read_csv(output)
+    assert list(table)[len(plain.columns) :] == list(DERIVATIVE_COLUMNS)
+    assert (table["dforce_dh0_n_per_m"] < 0).all()
+    assert "their derivatives in" in capsys.readouterr().err
+    heavy = edited("paper", gas={"inertia": "included"})
+    message = refused(*command, "--derivatives", "--config", heavy, status=1)
+    assert "no force or no derivatives for point 1: derivatives are not known with" in message
+    assert (read_forces(output)["status"] == "ok").all()
+
+
+def test_of_one_scene_they_are_shown_to_the_digits_of_their_errors(capsys, repository) -> None:
+    """As docs/solver.md has them."""
+    page = (repository / "docs" / "solver.md").read_text(encoding="utf-8")
+    command = next(line for line in page.splitlines() if line.endswith(" --derivatives"))
+    assert main(command.split()[2:]) == 0
+    shown, printed = (
+        {line.split(":")[0].strip(): line.split(": ")[1] for line in text if "dF/d " in line}
+        for text in (capsys.readouterr().out.splitlines(), page.splitlines())
+    )
+    assert list(shown) == list(printed)
+    for name, line in shown.items():
+        value, _, error, unit = line.split(maxsplit=3)
+        documented, *_, documented_unit = printed[name].split(maxsplit=3)
+        assert abs(float(value) - float(documented)) <= float(error), name
+        assert unit == documented_unit
+        if "e" not in value:
+            assert 10.0 ** -len(value.partition(".")[2]) <= float(error)
