@@ -54,7 +54,7 @@ class Inertia(Term):
     UNKNOWN_FIELDS = 2
     OWN_FIELDS = 27
     SPACE_PRODUCTS = 7
-    TIME_PRODUCTS = 8
+    TIME_PRODUCTS = 10
     ESTIMATE_MARGIN = 2.0
     MOST_WORK = 5e10  # some ten seconds of one core
     CARRYING = ("carry_flux_x", "carry_flux_y")
