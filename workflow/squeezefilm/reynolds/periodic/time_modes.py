@@ -20,25 +20,22 @@ import numpy as np
 
 from squeezefilm.reynolds.spectral import period
 
-# Steps in which variation and lag are told apart: the basis only decides the iterations' number.
+# Steps in which variation and lag are told apart, which only decide the iterations' number, and the
+# share of slow harmonics.
 VARIATION_STEP = 0.05
 LAGS_PER_DECADE = 20
+SLOW_STEP = 0.125
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.
 SLOWEST = 1e-3
-# Of a grid's harmonics, those in which the gas has inertia. With 0.7 of them nearly twice as many
-# random scenes are refused as with half, and as many again with all.
-SLOW_SHARE = 0.5
 
 
-def slow_part(instants: int) -> np.ndarray:
+def slow_part(instants: int, share: float) -> np.ndarray:
     """L, shape (nt, nt): of forces on so many instants, the harmonics in which the gas has inertia.
 
-    That is the lower half of those that the instants know; in the others the gas follows the
-    pressure at once. Were they all to lag, the linear system would be all but singular where waves
-    steepen: the fast waves of a gas with inertia are shorter than the grid's spacing. Which they
-    are, the next grid tells, where there are more.
+    That is about a ``share`` of those that the instants know; in the others the gas follows the
+    pressure at once. Which they are, the next grid tells, where there are more.
     """
-    return period(instants).harmonics_up_to(SLOW_SHARE * instants / 2)
+    return period(instants).harmonics_up_to(share * instants / 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,29 +76,31 @@ class TimeModes:
         }
 
 
-def time_modes(instants: int, *, variation: float, lag: float) -> TimeModes:
+def time_modes(instants: int, *, variation: float, lag: float, slow: float) -> TimeModes:
     """The modes of a film, to the next of the steps that are told apart.
 
     Args:
         variation: of the mean gap, above −1 and below 1.
         lag: of the flow behind what drives it, in units of 1/ω; 0 without inertia.
+        slow: share of the harmonics that lag (``slow_part``).
     """
     near = VARIATION_STEP * round(variation / VARIATION_STEP)
     most = 1 - VARIATION_STEP
     step = round(LAGS_PER_DECADE * log10(lag)) if lag > 0 else None
-    return _time_modes(instants, min(max(near, -most), most), step)
+    share = SLOW_STEP * round(slow / SLOW_STEP)
+    return _time_modes(instants, min(max(near, -most), most), step, share)
 
 
 @lru_cache(maxsize=4096)
-def _time_modes(instants: int, variation: float, lag_step: int | None) -> TimeModes:
+def _time_modes(instants: int, variation: float, lag_step: int | None, share: float) -> TimeModes:
     lag = 0.0 if lag_step is None else 10 ** (lag_step / LAGS_PER_DECADE)
     rate = period(instants).derivative
     mean_gap = 1 + variation * np.sin(period(instants).nodes)
-    slow = slow_part(instants)
+    slow = slow_part(instants, share)
     resistance = np.diag(1 / mean_gap) + lag * slow @ rate
     pairs = _pairs(resistance @ rate, mean_gap)
     if pairs is None:
-        return _time_modes(instants, 0.0, lag_step)
+        return _time_modes(instants, 0.0, lag_step, share)
     vectors, decays, speeds = pairs
     settling = np.linalg.inv(np.eye(instants) + lag * slow @ (mean_gap[:, None] * rate))
     return TimeModes(
