@@ -100,7 +100,7 @@ class Inertia(Term):
         inflow = scene.epsilon * _largest_on_rim(scene) / max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
         # In a thick layer a velocity is about this, over that of sound.
         steepness = scene.epsilon * (reynolds / 5) ** 0.5
-        slow = LEAST_SLOW * max(1.0, STEEP / max(steepness, NEGLIGIBLE)) ** 2
+        slow = LEAST_SLOW * max(1.0, STEEP / max(steepness, NEGLIGIBLE)) ** 3
         return {
             "reynolds": reynolds,
             "lag": lag,
