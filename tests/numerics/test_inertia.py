@@ -20,7 +20,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.flux_points import flux_points
-from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.periodic.time_modes import slow_part, time_modes
 from squeezefilm.reynolds.spectral import axis, period
 from squeezefilm.reynolds.terms.inertia import Inertia
 
@@ -238,15 +238,16 @@ def test_inertia_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene:
 
 @pytest.mark.parametrize(("variation", "lag"), [(0.0, 0.0), (0.4, 0.0), (0.4, 0.2), (-0.6, 1.0)])
 def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(variation: float, lag: float) -> None:
-    """A d/dT with A = 1/h + lag d/dT; numbers on the steps that are told apart."""
+    """A d/dT with A = 1/h + lag L d/dT; numbers on the steps that are told apart."""
     instants = 16
     half = instants // 2
     near = 10 ** (round(20 * np.log10(lag)) / 20) if lag else 0.0
-    modes = time_modes(instants, variation=variation, lag=lag)
+    modes = time_modes(instants, variation=variation, lag=lag, slow=0.5)
     rate = period(instants).derivative
     gap = 1 + variation * np.sin(period(instants).nodes)
     assert modes.mean_gap == pytest.approx(gap, abs=1e-12)
-    resistance = np.diag(1 / gap) + near * rate
+    slow = slow_part(instants, 0.5)
+    resistance = np.diag(1 / gap) + near * slow @ rate
     g, s = np.diag(modes.decays), np.diag(modes.speeds)
     turning = np.block([[g, s], [-s, g]])
     vectors = modes.from_modes
@@ -255,8 +256,35 @@ def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(variation: float, la
     assert np.linalg.norm(vectors, 2) == pytest.approx(1.0)
     assert modes.decays[0] == modes.speeds[0] == 0
     assert (modes.speeds[1:half] > 0).all()
-    follows = (np.eye(instants) + near * gap[:, None] * rate) @ modes.settling
+    follows = (np.eye(instants) + near * slow @ (gap[:, None] * rate)) @ modes.settling
     assert follows == pytest.approx(np.eye(instants), abs=1e-12)
+    assert modes.settling_of_slow == pytest.approx(modes.settling @ slow, abs=1e-12)
+
+
+def test_the_slow_half_of_the_harmonics_has_inertia() -> None:
+    nodes = period(32).nodes
+    for harmonic, kept in ((0, 1.0), (4, 1.0), (8, np.exp(-1)), (12, 0.0), (16, 0.0)):
+        wave = np.cos(harmonic * nodes)
+        assert slow_part(32, 0.5) @ wave == pytest.approx(kept * wave, abs=5e-3), harmonic
+
+
+def test_waves_that_steepen_are_solved_within_their_estimate() -> None:
+    """With inertia in all harmonics of a grid Newton's method finds no state here."""
+    scene = moving(6.0, epsilon=0.63, sigma=99.0, x=0.27, y=0.03)
+    coarse, fine = (
+        solve([scene], tolerance=tolerance, method="periodic")[0] for tolerance in (1e-3, 1e-4)
+    )
+    assert (coarse.status, fine.status) == ("ok", "ok")
+    assert abs(coarse.force_n - fine.force_n) < coarse.force_error_n
+
+
+def test_a_thin_layer_at_the_rim_is_seen_by_the_first_grid() -> None:
+    """Two coarser grids agreed by chance on a force that was off by four times its estimate."""
+    scene = moving(0.5, epsilon=0.5, sigma=1e5)
+    coarse, fine = (
+        solve([scene], tolerance=tolerance, method="periodic")[0] for tolerance in (1e-4, 1e-5)
+    )
+    assert abs(coarse.force_n - fine.force_n) < coarse.force_error_n
 
 
 def test_flux_points_are_exact_on_polynomials() -> None:

@@ -116,7 +116,7 @@ def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The grid as kernels take it: a row of sizes and places, and the matrices."""
     pile = Pile()
     starts = pile.add(grid_matrices(grid, aspect=1.0, terms=()))
-    starts |= pile.add(joined(time_modes(grid.nt, variation=0.0, lag=0.0).parts()))
+    starts |= pile.add(joined(time_modes(grid.nt, variation=0.0, lag=0.0, slow=1.0).parts()))
     row = rows_of({"nx": grid.nx, "ny": grid.ny, "nt": grid.nt, **starts}, np.empty(1, dtype=[]))
     return row, pile.values
 

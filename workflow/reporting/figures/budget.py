@@ -61,6 +61,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         f"hv = {first['hv_um']:.3g} µm, open circles the least {other} of the plan, squares the "
         "largest. First order about the film without inertia, on coarse grids."
     )
+    if (screen["above_range"] != "").any():
+        note += " Dashed: somewhere too large for a first order, which is then too much."
     if isinstance(present := screen["in_force"].iloc[0], str):
         note += f" In the forces already: {present}."
     if screen["basis"].iloc[0] != THIS_SCENE:

@@ -7,6 +7,9 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+# How steeply the harmonics that are kept of a function of time end.
+HARMONICS_STEEPNESS = 8
+
 
 @dataclass(frozen=True)
 class Axis:
@@ -182,6 +185,11 @@ class Period:
             rates[cosine, half + cosine] = cosine
             rates[half + cosine, cosine] = -cosine
         return self.fourier.T @ rates @ self.fourier
+
+    def harmonics_up_to(self, most: float) -> np.ndarray:
+        """Of values on the nodes the harmonics up to about ``most``, shape (points, points)."""
+        kept = np.exp(-((self.harmonics / most) ** HARMONICS_STEEPNESS))
+        return np.asarray(self.fourier.T * kept @ self.fourier)
 
     @lru_cache(maxsize=64)  # noqa: B019 - periods are few and live as long as the process
     def interpolation_to(self, finer: Period) -> np.ndarray:

@@ -278,8 +278,10 @@ def _time_modes(problems: Problems, grid: Grid) -> tuple[dict[str, np.ndarray], 
     """The modes in time that scenes of a batch have, and which of them each scene has."""
     variations = problems.epsilon * mean_amplitude(problems, grid)
     each = [
-        time_modes(grid.nt, variation=float(variation), lag=float(lag))
-        for variation, lag in zip(variations, problems.numbers["lag"], strict=True)
+        time_modes(grid.nt, variation=float(variation), lag=float(lag), slow=float(slow))
+        for variation, lag, slow in zip(
+            variations, problems.numbers["lag"], problems.numbers["slow"], strict=True
+        )
     ]
     places = {modes: place for place, modes in enumerate(dict.fromkeys(each))}
     parts = [modes.parts() for modes in places]

@@ -93,14 +93,16 @@ def first_grid(
     probe = probe_for(needs, tolerance=tolerance)
     seen_x, seen_y = nodes_for_profile(needs, tolerance=tolerance)
     bent_x, bent_y = probe.curvature_x + bend, probe.curvature_y + bend
-    nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=sigma, curvature=bent_x))
+    least = max((term.LEAST_TIME for term in needs.terms), default=LEAST_TIME)
+    layers = sigma * max((term.LAYER_STIFFNESS for term in needs.terms), default=1.0)
+    nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=layers, curvature=bent_x))
     nodes_y = max(
-        seen_y, _nodes(digits, epsilon=epsilon, sigma=sigma * aspect**2, curvature=bent_y)
+        seen_y, _nodes(digits, epsilon=epsilon, sigma=layers * aspect**2, curvature=bent_y)
     )
     grid = Grid(
         nx=_unknowns(nodes_x, fold=needs.fold_x),
         ny=_unknowns(nodes_y, fold=needs.fold_y),
-        nt=min(max(LEAST_TIME, 4 * ceil(instants / 4)), MOST_JUDGED_TIME),
+        nt=min(max(least, 4 * ceil(instants / 4)), MOST_JUDGED_TIME),
         fold_x=needs.fold_x,
         fold_y=needs.fold_y,
     )

@@ -3,11 +3,11 @@
 Where the film is compressed its gas flows more easily in proportion to the gap, and where the gas
 has inertia its flow lags. Averaged over the finger, a change w of the mass obeys
 
-    D Δw − σ A dw/dT = A r,      A = 1/h + lag d/dT,      h = 1 + variation sin T,
+    D Δw − σ A dw/dT = A r,      A = 1/h + lag L d/dT,      h = 1 + variation sin T,
 
-with the right-hand side r of the film's linear system, h the mean gap and D the mean of what
-diffuses the mass over h. In the eigenvectors of A d/dT, which are Fourier's for h = 1, this is one
-number for each mode of space and of time.
+with the right-hand side r of the film's linear system, h the mean gap, D the mean of what diffuses
+the mass over h and L the part of a force that inertia is given (``slow_part``). In the eigenvectors
+of A d/dT, which are Fourier's for h = 1, this is one number for each mode of space and of time.
 """
 
 from __future__ import annotations
@@ -20,11 +20,22 @@ import numpy as np
 
 from squeezefilm.reynolds.spectral import period
 
-# Steps in which variation and lag are told apart: the basis only decides the iterations' number.
+# Steps in which variation and lag are told apart, which only decide the iterations' number, and the
+# share of slow harmonics.
 VARIATION_STEP = 0.05
 LAGS_PER_DECADE = 20
+SLOW_STEP = 0.125
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.
 SLOWEST = 1e-3
+
+
+def slow_part(instants: int, share: float) -> np.ndarray:
+    """L, shape (nt, nt): of forces on so many instants, the harmonics in which the gas has inertia.
+
+    That is about a ``share`` of those that the instants know; in the others the gas follows the
+    pressure at once. Which they are, the next grid tells, where there are more.
+    """
+    return period(instants).harmonics_up_to(share * instants / 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +51,8 @@ class TimeModes:
             no larger than its coefficients.
         decays, speeds: shape (nt / 2,).
         mean_gap: h on the instants, shape (nt,).
-        settling: (1 + lag h d/dT)⁻¹, how a flow follows what drives it, shape (nt, nt).
+        settling: (1 + lag L h d/dT)⁻¹, how a flow follows what drives it, shape (nt, nt).
+        settling_of_slow: the same after L.
     """
 
     to_modes: np.ndarray
@@ -49,6 +61,7 @@ class TimeModes:
     speeds: np.ndarray
     mean_gap: np.ndarray
     settling: np.ndarray
+    settling_of_slow: np.ndarray
 
     def parts(self) -> dict[str, np.ndarray]:
         """The arrays as kernels know them: transposed, and all of whole vectors of four."""
@@ -59,39 +72,45 @@ class TimeModes:
             "decays": np.tile(self.decays, 2),
             "mean_gap": self.mean_gap,
             "settling": self.settling.T,
+            "settling_of_slow": self.settling_of_slow.T,
         }
 
 
-def time_modes(instants: int, *, variation: float, lag: float) -> TimeModes:
+def time_modes(instants: int, *, variation: float, lag: float, slow: float) -> TimeModes:
     """The modes of a film, to the next of the steps that are told apart.
 
     Args:
         variation: of the mean gap, above −1 and below 1.
         lag: of the flow behind what drives it, in units of 1/ω; 0 without inertia.
+        slow: share of the harmonics that lag (``slow_part``).
     """
     near = VARIATION_STEP * round(variation / VARIATION_STEP)
     most = 1 - VARIATION_STEP
     step = round(LAGS_PER_DECADE * log10(lag)) if lag > 0 else None
-    return _time_modes(instants, min(max(near, -most), most), step)
+    share = SLOW_STEP * round(slow / SLOW_STEP)
+    return _time_modes(instants, min(max(near, -most), most), step, share)
 
 
 @lru_cache(maxsize=4096)
-def _time_modes(instants: int, variation: float, lag_step: int | None) -> TimeModes:
+def _time_modes(instants: int, variation: float, lag_step: int | None, share: float) -> TimeModes:
     lag = 0.0 if lag_step is None else 10 ** (lag_step / LAGS_PER_DECADE)
     rate = period(instants).derivative
     mean_gap = 1 + variation * np.sin(period(instants).nodes)
-    resistance = np.diag(1 / mean_gap) + lag * rate
+    slow = slow_part(instants, share)
+    resistance = np.diag(1 / mean_gap) + lag * slow @ rate
     pairs = _pairs(resistance @ rate, mean_gap)
     if pairs is None:
-        return _time_modes(instants, 0.0, lag_step)
+        return _time_modes(instants, 0.0, lag_step, share)
     vectors, decays, speeds = pairs
+    settling = np.linalg.inv(np.eye(instants) + lag * slow @ (mean_gap[:, None] * rate))
     return TimeModes(
         to_modes=np.linalg.solve(vectors, resistance),
         from_modes=vectors,
         decays=decays,
         speeds=speeds,
         mean_gap=mean_gap,
-        settling=np.linalg.inv(np.eye(instants) + lag * mean_gap[:, None] * rate),
+        settling=settling,
+        settling_of_slow=settling @ slow,
     )
 
 

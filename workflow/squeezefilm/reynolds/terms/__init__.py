@@ -35,13 +35,15 @@ def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
 def numbers_of(scene: Scene, terms: Terms) -> Numbers:
     """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P.
 
-    ``lag`` is that of the flow behind what drives it, in units of 1/ω (time_modes.py).
+    ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
+    the harmonics that lag (time_modes.py).
     """
     numbers: dict[str, float | tuple[float, ...]] = {
         "epsilon": scene.epsilon,
         "sigma": scene.sigma,
         "flow": (1.0,),
         "lag": 0.0,
+        "slow": 1.0,
     }
     for term in terms:
         numbers.update(term.numbers(scene))

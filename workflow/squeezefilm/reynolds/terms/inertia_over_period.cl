@@ -2,7 +2,7 @@
  * flux points of its axis and the nodes of the other one (flux_points.py).
  *
  * In Krylov's vectors stands, for a change of b, what it is more than the settled answer to the
- * change of the pressure: beta = S δV − δu with S = 1/(1 + lag h d/dT) (time_modes.py), so that what
+ * change of the pressure: beta = S δV − δu with S = 1/(1 + lag L h d/dT) (time_modes.py), so that what
  * is unknown of both hardly depends on one another. What beta adds to the balance of mass is taken
  * off its residual before that is preconditioned. */
 
@@ -42,12 +42,12 @@ static Direction direction_of(const Film *film, int axis)
     return d;
 }
 
+/* along_x or along_y, in one call: compilers that inline it have half as much to do. */
 static void along_axis(const Grid *g, int axis, matrix a, field in, field out, int add)
 {
-    if (axis == 0)
-        along_x(g, a, in, out, add);
-    else
-        along_y(g, a, in, out, add);
+    const int n = axis == 0 ? g->nx : g->ny;
+    multiply(a, n, n, (matrix4)in, (field4)out, axis == 0 ? g->row4 : g->nt4, axis == 0 ? 1 : g->nx,
+             add);
 }
 
 static field state_field(const Grid *g, const Film *film, int axis, int which)
@@ -136,7 +136,7 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
         matrix4 filling = (matrix4)state_field(g, film, axis, FILLING);
         field4 forces = (field4)state_field(g, film, axis, FORCES);
         matrix4 b = (matrix4)(film->own + axis * g->count);
-        field4 missing = (field4)spare, settled = (field4)(film->own_out + axis * g->count);
+        field4 lagging = (field4)spare, settled = (field4)(film->own_out + axis * g->count);
         field4 flux = (field4)rate;
         velocity_across(g, film, (field)across, state_field(g, film, 1 - axis, ALONG), axis, spare);
         along_t(g, g->time_derivative, (field)u, rate, 0);
@@ -145,10 +145,11 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
             EACH_OF(d)
             forces[i] = ((matrix4)rate)[i] - u[i] * filling[i] / 7.0 +
                         9.0 / 7.0 * (u[i] * along_rate[i] + across[i] * across_rate[i]);
-            missing[i] = b[i] - lag_of(film, gap, density) * forces[i];
+            lagging[i] = -lag_of(film, gap, density) * forces[i];
         }
         SYNC;
-        along_t(g, ARRAY(film, settling), spare, (field)settled, 0);
+        along_t(g, ARRAY(film, settling), film->own + axis * g->count, (field)settled, 0);
+        along_t(g, ARRAY(film, settling_of_slow), spare, (field)settled, 1);
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
@@ -225,7 +226,7 @@ static void response_inertia(const Grid *g, const Film *film, field mass, field 
             ((field4)relative)[i] = rises[i] / density;
         }
         SYNC;
-        field4 crossing = (field4)across_rate, answer = (field4)spare, flux = (field4)rate;
+        field4 crossing = (field4)across_rate, lagging = (field4)spare, flux = (field4)rate;
         /* δ(u across) times u's derivative there, and u across times that of δu. */
         FOR_EACH(i, g->count4) crossing[i] *= u_across[i];
         SYNC;
@@ -243,12 +244,12 @@ static void response_inertia(const Grid *g, const Film *film, field mass, field 
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
-            answer[i] = deficit[i] -
-                        lag_of(film, gap, density) * (((matrix4)rate)[i] + crossing[i]) -
-                        lag_slope(film, gap) * rises[i] * forces[i];
+            lagging[i] = -lag_of(film, gap, density) * (((matrix4)rate)[i] + crossing[i]) -
+                         lag_slope(film, gap) * rises[i] * forces[i];
         }
         SYNC;
-        along_t(g, ARRAY(film, settling), spare, (field)settled, 0);
+        along_t(g, ARRAY(film, settling), (field)deficit, (field)settled, 0);
+        along_t(g, ARRAY(film, settling_of_slow), spare, (field)settled, 1);
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
