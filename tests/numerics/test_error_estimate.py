@@ -71,7 +71,7 @@ def test_what_converges_slowly_is_within_its_estimate(order):
 def test_moments_that_change_little_by_chance_are_no_fast_convergence():
     before, after = Change(np.array(1e-3), np.array(1e-2)), Change(np.array(1e-9), np.array(4e-3))
     fall = fall_of(before, after, coarse=quarter(12), fine=quarter(16))
-    assert fall == pytest.approx(0.4**2)
+    assert fall == pytest.approx(0.4)
 
 
 def test_a_kink_in_the_profile_is_known_to_converge_slowly():
@@ -154,10 +154,16 @@ __kernel void most(__global const double4 *values, __global double *result,
 
 def test_random_films_keep_what_they_promise():
     """Some of those that ``python -m numerics estimates`` tries."""
-    table = campaign(first=0, films=6, seed=15, method="periodic", device=choose_device())
-    assert (table["verdict"] == "kept").sum() >= 5
-    assert not table["verdict"].isin(["outside tolerance", "outside estimate"]).any()
-    assert summary(table).loc["all", "all"] == 6
+    table = campaign(
+        first=0,
+        films=4,
+        seed=15,
+        method="periodic",
+        device=choose_device(),
+        most_unknowns=150_000,
+    )
+    assert (table["verdict"] == "kept").all()
+    assert summary(table).loc["all", ["kept", "all"]].to_list() == [4, 4]
 
 
 def test_the_judge_sees_a_wrong_force_and_shares_no_node():

@@ -13,6 +13,8 @@ from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
+    JUDGED_SIZE_SHARE,
+    SIZE_SHARE,
     UNKNOWN_FALL,
     Change,
     change_between,
@@ -44,6 +46,8 @@ from squeezefilm.reynolds.terms import Terms, state_refused, stiffness_of
 START_TOLERANCE = 1e-3
 # Unknowns of a grid before which a start pays where coarse grids come first anyway.
 LEAST_STARTED = 20_000
+# Share of what the iteration may leave, on the grids that differ in time alone.
+TIMELY = 0.1
 # Share of the allowed error up to which that in time is left as it is.
 TIME_SHARE = 0.3
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
@@ -217,8 +221,10 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     scenes = [progress.scene for progress in group]
     grids = group[0].grids
     left = ITERATION_SHARE * tolerance
-    start = len(grids) - _telling(grids)
-    shares = [max(left, START_TOLERANCE)] * start + [left] * (len(grids) - start)
+    telling = _telling(grids)
+    shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
+    if telling > 2:  # what shows the error in time alone, to which the iteration's is no help
+        shares[-telling] = shares[-telling + 1] = TIMELY * left
     problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     known = [progress.state for progress in group if progress.state is not None]
     return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
@@ -242,8 +248,10 @@ def _changes(
     if telling < 2:
         return None, fall, in_time
     means = [states.mean_in_time for states in stages[-telling:]]
+    judged = margin_of(group[0].needs.terms) == 1
+    share = JUDGED_SIZE_SHARE if judged else SIZE_SHARE
     changes = [
-        change_between(before, coarse, after, fine)
+        change_between(before, coarse, after, fine, share=share)
         for before, coarse, after, fine in zip(
             means, grids[-telling:], means[1:], grids[-telling + 1 :], strict=False
         )
@@ -252,7 +260,7 @@ def _changes(
         in_time = left_after(UNKNOWN_FALL) * changes[0].largest
     for at, progress in enumerate(group):
         before = changes[-2][at] if telling > 3 else progress.change
-        if before:
+        if before and judged:
             fall[at] = fall_of(before, changes[-1][at], coarse=grids[-2], fine=grids[-1])
     return changes[-1], fall, in_time
 
@@ -278,7 +286,7 @@ def _judge(
         narrowest=narrowest,
         mean=states.mean,
         tolerance=tolerance,
-        fall=np.maximum(fall if margin == 1 else UNKNOWN_FALL, of_profile),
+        fall=np.maximum(fall, of_profile),
         margin=margin,
     )
     for at, progress in enumerate(group):
