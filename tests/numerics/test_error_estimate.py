@@ -132,7 +132,9 @@ def test_what_is_no_number_is_not_lost_in_a_maximum(place):
     """Wherever it stands among larger and smaller numbers."""
     device = choose_device()
     folder = Path(reynolds.__file__).parent
-    text = (folder / "linear_algebra.cl").read_text() + """
+    text = (
+        (folder / "linear_algebra.cl").read_text()
+        + """
 __kernel void most(__global const double4 *values, __global double *result,
                    __local double *scratch)
 {
@@ -141,6 +143,7 @@ __kernel void most(__global const double4 *values, __global double *result,
         size = larger(size, values[i]);
     result[0] = max_over_group(max_of(size), scratch);
 }"""
+    )
     most = cl.Program(device.context, text).build(options=["-DWORK_ITEMS=1"]).most
     values = np.arange(8.0)
     result = np.zeros(1)

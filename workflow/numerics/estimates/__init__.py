@@ -1,1 +1,1 @@
-"""Are forces as good as they say? Random films, held against solves that share no node with them."""
+"""Are forces as good as they say? Random films beside solves that share no node with them."""

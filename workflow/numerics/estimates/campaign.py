@@ -60,9 +60,7 @@ def _rows(
         solved.update(zip(which, found, strict=True))
     say(f"solved in {seconds:.0f} processor seconds")
     solutions = [solved[index] for index in range(len(some))]
-    verdicts = judge(
-        scenes, solutions, tolerances, device=device, most_unknowns=most_unknowns
-    )
+    verdicts = judge(scenes, solutions, tolerances, device=device, most_unknowns=most_unknowns)
     rows = []
     for number, film, tolerance, solution, verdict in zip(
         numbers, some, tolerances, solutions, verdicts, strict=True
@@ -117,7 +115,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     An error below the judge's own counts as that.
     """
     judged = table[~table["verdict"].isin(["refused", "not judged"])]
-    ratio = judged["estimate"] / np.maximum(judged["error"], judged["judge"])
+    ratio: pd.Series = judged["estimate"] / np.maximum(judged["error"], judged["judge"])
     counts = pd.crosstab(table["tolerance"], table["verdict"], margins=True, margins_name="all")
     counts["median estimate over error"] = ratio.groupby(judged["tolerance"]).median()
     counts.loc["all", "median estimate over error"] = ratio.median()

@@ -1,4 +1,4 @@
-"""Random films without inertia: every number, place and kind of profile that the solver may meet."""
+"""Random films without inertia: any numbers, place and kind of profile."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ KINDS = {
 
 
 def random_film(index: int, *, seed: int) -> Film:
-    """The film of a number: the same whatever others are drawn. ``name`` says its profile's kind."""
+    """The film of a number, whatever others are drawn; its name is its profile's kind."""
     random = np.random.default_rng((seed, index))
     shares = np.array(list(KINDS.values())) / sum(KINDS.values())
     kind = str(random.choice(list(KINDS), p=shares))

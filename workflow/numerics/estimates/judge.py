@@ -36,7 +36,7 @@ LAUNCH = 3_000_000
 
 @dataclass(frozen=True)
 class Verdict:
-    """A force from the judge's finest grid, and how far it may be off itself; ``nan`` if unknown."""
+    """A force from the judge's finest grid and its own error; ``nan`` if unknown."""
 
     force_n: float
     error_n: float

@@ -13,18 +13,18 @@ from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
-    JUDGED_SIZE_SHARE,
-    SIZE_SHARE,
-    UNKNOWN_FALL,
     Change,
-    change_between,
     error_text,
     estimate,
-    fall_of,
-    left_after,
 )
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.periodic.changes import (
+    changes_of,
+    how_many_tell,
+    judged_from_coarser,
+    margin_of,
+)
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, States, launch
 from squeezefilm.reynolds.periodic.resolution import (
     FIRST_SHARE,
@@ -145,7 +145,7 @@ def first_grids(
     Args:
         room: most unknowns of a grid that the device has memory for.
     """
-    if margin_of(needs.terms) == 1:
+    if judged_from_coarser(needs.terms, tolerance=tolerance):
         last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
         if grids := _up_to(at_least_judged(last), needs, tolerance=tolerance):
             return grids
@@ -157,10 +157,9 @@ def first_grids(
 def _up_to(last: Grid, needs: Needs, *, tolerance: float) -> tuple[Grid, ...]:
     """The coarser grids that tell the error of the last one; none if none do."""
     grids = judged_grids(last, seen=nodes_for_profile(needs, tolerance=tolerance))
-    if grids and grids[0].count >= LEAST_STARTED:
-        if start := _start(grids[0], needs, tolerance=tolerance):
-            return start, *grids
-    return grids
+    pays = bool(grids) and grids[0].count >= LEAST_STARTED
+    start = _start(grids[0], needs, tolerance=tolerance) if pays else None
+    return (start, *grids) if start else grids
 
 
 def _start(grid: Grid, needs: Needs, *, tolerance: float) -> Grid | None:
@@ -168,11 +167,6 @@ def _start(grid: Grid, needs: Needs, *, tolerance: float) -> Grid | None:
     # What does not see the profile is no guess.
     sees = start and start.sees(*nodes_for_profile(needs, tolerance=tolerance))
     return start if sees else None
-
-
-def margin_of(terms: Terms) -> float:
-    """By which the estimates of films with some terms are increased."""
-    return max((term.ESTIMATE_MARGIN for term in terms), default=1.0)
 
 
 def grid_for(
@@ -221,48 +215,13 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     scenes = [progress.scene for progress in group]
     grids = group[0].grids
     left = ITERATION_SHARE * tolerance
-    telling = _telling(grids)
+    telling = how_many_tell(grids)
     shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
-    if telling > 2:  # what shows the error in time alone, to which the iteration's is no help
+    if telling > 2:  # so that it does not hide the error in time
         shares[-telling] = shares[-telling + 1] = TIMELY * left
     problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     known = [progress.state for progress in group if progress.state is not None]
     return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
-
-
-def _telling(grids: Sequence[Grid]) -> int:
-    """How many grids at the end of some tell the error of the last."""
-    if len(grids) <= 2 or grids[-1].nt > grids[-2].nt:
-        return min(len(grids), 2)
-    return 1 + sum(grid.nt == grids[-1].nt for grid in grids)
-
-
-def _changes(
-    group: Sequence[_Progress], stages: Sequence[States]
-) -> tuple[Change | None, np.ndarray, np.ndarray]:
-    """Change to the last of a launch's grids, the factor by which changes fall, error in time."""
-    grids = group[0].grids
-    telling = _telling(grids)
-    in_time = np.array([progress.in_time for progress in group])
-    fall = np.full(len(group), UNKNOWN_FALL)
-    if telling < 2:
-        return None, fall, in_time
-    means = [states.mean_in_time for states in stages[-telling:]]
-    judged = margin_of(group[0].needs.terms) == 1
-    share = JUDGED_SIZE_SHARE if judged else SIZE_SHARE
-    changes = [
-        change_between(before, coarse, after, fine, share=share)
-        for before, coarse, after, fine in zip(
-            means, grids[-telling:], means[1:], grids[-telling + 1 :], strict=False
-        )
-    ]
-    if telling > 2:
-        in_time = left_after(UNKNOWN_FALL) * changes[0].largest
-    for at, progress in enumerate(group):
-        before = changes[-2][at] if telling > 3 else progress.change
-        if before and judged:
-            fall[at] = fall_of(before, changes[-1][at], coarse=grids[-2], fine=grids[-1])
-    return changes[-1], fall, in_time
 
 
 def _judge(
@@ -270,7 +229,14 @@ def _judge(
 ) -> list[Solution | None]:
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
-    change, fall, in_time = _changes(group, stages)
+    change, fall, in_time = changes_of(
+        grids,
+        stages,
+        known=[progress.change for progress in group],
+        in_time=np.array([progress.in_time for progress in group]),
+        terms=group[0].needs.terms,
+        tolerance=tolerance,
+    )
     margin = margin_of(group[0].needs.terms)
     of_profile = [
         profile_fall(progress.needs, *grids[-2:], tolerance=tolerance) if len(grids) > 1 else 0.0
@@ -346,7 +312,7 @@ def _judge_scene(
             work=progress.work,
         )
 
-    failed = [each.status[position] != 0 for each in stages[-_telling(progress.grids) :]]
+    failed = [each.status[position] != 0 for each in stages[-how_many_tell(progress.grids) :]]
     if failed[-1] and finer and _begun_again(progress, finer, tolerance=tolerance, room=room):
         return None
     if failed[-1] or (any(failed) and finer is None):
@@ -388,7 +354,9 @@ def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: fl
     again = finer_grid(finer, room=room)
     if margin_of(progress.needs.terms) > 1 or again is None or progress.failures == MOST_FAILURES:
         return False
-    progress.grids = _up_to(again, progress.needs, tolerance=tolerance) or (finer, again)
+    judged = judged_from_coarser(progress.needs.terms, tolerance=tolerance)
+    grids = _up_to(again, progress.needs, tolerance=tolerance) if judged else ()
+    progress.grids = grids or (finer, again)
     progress.state, progress.change, progress.in_time = None, None, 0.0
     progress.failures += 1
     return True
