@@ -75,7 +75,9 @@ def judge(
     for index, (scene, solution) in enumerate(zip(scenes, solutions, strict=True)):
         if solution.status == "ok":
             judged = _grid_of(scene, solution)
-            case = _Case(index, scene, tolerances[index], judged, _next(judged, judged, FIRST))
+            case = _Case(
+                index, scene, tolerances[index], judged, finer_apart(judged, judged, FIRST)
+            )
             waiting.append(case)
     waiting = [case for case in waiting if case.grid.count <= most_unknowns]
     while waiting:
@@ -95,7 +97,7 @@ def _settled(case: _Case, force_n: float) -> bool:
     error_n = FACTOR * abs(force_n - case.before_n)
     case.verdict = Verdict(force_n, error_n)
     done = case.verdict.is_good_to(TIGHTER * case.tolerance)
-    case.before_n, case.grid = force_n, _next(case.grid, case.judged, NEXT)
+    case.before_n, case.grid = force_n, finer_apart(case.grid, case.judged, NEXT)
     return done
 
 
@@ -140,7 +142,7 @@ def _grid_of(scene: Scene, solution: Solution) -> Grid:
     )
 
 
-def _next(grid: Grid, judged: Grid, ratio: float) -> Grid:
+def finer_apart(grid: Grid, judged: Grid, ratio: float) -> Grid:
     """So many times as fine, with no node in common with the judged grid."""
     return Grid(
         nx=_apart(ratio * grid.nx, judged.nx, fold=grid.fold_x),

@@ -238,10 +238,12 @@ def _judge(
         tolerance=tolerance,
     )
     margin = margin_of(group[0].needs.terms)
-    of_profile = [
-        profile_fall(progress.needs, *grids[-2:], tolerance=tolerance) if len(grids) > 1 else 0.0
-        for progress in group
-    ]
+    profiles = {progress.needs.profile: progress.needs for progress in group}
+    falls = {
+        profile: profile_fall(needs, *grids[-2:], tolerance=tolerance) if len(grids) > 1 else 0.0
+        for profile, needs in profiles.items()
+    }
+    of_profile = [falls[progress.needs.profile] for progress in group]
     narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
     # A mass error w moves the pressure by about n w/H.
     stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
@@ -255,8 +257,8 @@ def _judge(
         fall=np.maximum(fall, of_profile),
         margin=margin,
     )
-    for at, progress in enumerate(group):
-        progress.change, progress.in_time = change and change[at], float(in_time[at])
+    for at in np.flatnonzero(~found.holds):
+        group[at].change, group[at].in_time = change and change[at], float(in_time[at])
     finer = finer_grid(grids[-1], room=room)
     return [
         _judge_scene(
