@@ -143,7 +143,8 @@ def change_between(
     carried = coarse.x.interpolation_to(fine.x) @ before @ coarse.y.interpolation_to(fine.y).T
     change = after - carried
     moments = fine.x.moments(MOMENTS) @ change @ fine.y.moments(MOMENTS).T
-    size = np.asarray(fine.x.weights @ np.abs(change) @ fine.y.weights)
+    # As products of matrices, film by film: those of vectors round by how many films there are.
+    size = np.asarray(fine.x.weights[None] @ np.abs(change) @ fine.y.weights[:, None])[..., 0, 0]
     return Change(np.maximum(np.abs(moments).max(axis=(-2, -1)), share * size), size)
 
 
