@@ -13,12 +13,19 @@ from squeezefilm.reynolds.grid import Grid
 # ever all do: twice their largest change covered the finer grid's true error in 99.8 % of 414
 # pairs of grids, drawn over ε 0.01–0.95 and σ 0.1–3e5.
 MOMENTS = 3
-MOMENT_FACTOR = 2.0
 # In a thin layer at the rim all moments change like the force, which may be by little. So much of
 # the mean size of the change counts too: of 120 films (ε 0.02–0.9, σ 0.3–1e5) one, a piston at ε
-# 0.87, had 1.5 times its estimate without. Four times as much made pistons at 1e-6 three times as
-# dear.
+# 0.87, had 1.5 times its estimate without. Where the finer of two grids is not there to make up for
+# it, more: of 60 films one (ε 0.6, σ 8e4) had 4 times what its estimate in space was without.
 SIZE_SHARE = 5e-4
+JUDGED_SIZE_SHARE = 5e-3
+# Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
+# by unequal steps: FALL_FACTOR times that is taken, enough for first order. No more than MOST_ORDER
+# is believed, nor less than MOST_FALL; without two changes UNKNOWN_FALL makes it twice the change.
+FALL_FACTOR = 3.0
+MOST_ORDER = 14
+MOST_FALL = 10 / 11
+UNKNOWN_FALL = 0.4
 # Share of the tolerance that Newton's iteration may leave; the resolution gets the rest.
 ITERATION_SHARE = 0.2
 # Round-off: error of the mean overpressure relative to the largest overpressure.
@@ -41,6 +48,27 @@ class ErrorEstimate:
         return np.asarray(self.error <= self.allowed)
 
 
+@dataclass(frozen=True)
+class Change:
+    """How the mean pressure changes from one grid to the next, for one film or for several.
+
+    Attributes:
+        largest: of its lowest cosine moments, the first of which is the force; no less than a
+            share of the size.
+        size: mean of the change's magnitude over the film: no chance makes it small.
+    """
+
+    largest: np.ndarray
+    size: np.ndarray
+
+    def __add__(self, more: np.ndarray | float) -> Change:
+        """With a change of the whole film beside it."""
+        return Change(self.largest + more, self.size + more)
+
+    def __getitem__(self, film: int) -> Change:
+        return Change(self.largest[film], self.size[film])
+
+
 def estimate(
     *,
     change: np.ndarray | float | None,
@@ -49,6 +77,7 @@ def estimate(
     narrowest: np.ndarray | float,
     mean: np.ndarray | float,
     tolerance: float,
+    fall: np.ndarray | float = UNKNOWN_FALL,
     margin: float = 1.0,
 ) -> ErrorEstimate:
     """Error of a mean overpressure after one resolution more; numbers, or arrays over films.
@@ -56,34 +85,67 @@ def estimate(
     Args:
         change: change of the mean pressure from the resolution before (``largest_change``); None
             if there is none, which leaves the error unknown.
-        left: pressure error that the iteration left.
+        left: pressure error that the iteration left, and any other that the change does not show.
         largest: largest |p|, which round-off goes by.
         narrowest: least gap over h0.
         mean: the mean overpressure, of which the tolerance is a share.
+        fall: factor by which changes fall from resolution to resolution (``fall_of``).
         margin: by which the estimates of a method are increased.
     """
     floor = ROUND_OFF * np.asarray(largest)
     if change is None:
         error = np.full(floor.shape, np.inf)
     else:
-        error = margin * (MOMENT_FACTOR * np.asarray(change) + left) + floor
+        error = margin * (left_after(fall) * np.asarray(change) + left) + floor
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
     return ErrorEstimate(error, tolerance * np.abs(mean) + ROUNDED * floor / narrowest)
 
 
-def largest_change(before: np.ndarray, coarse: Grid, after: np.ndarray, fine: Grid) -> np.ndarray:
-    """Largest change, from grid to grid, of the mean pressure's lowest cosine moments.
+def left_after(fall: np.ndarray | float) -> np.ndarray:
+    """What is left after a change, in units of it, where changes fall by a factor."""
+    q = np.minimum(fall, MOST_FALL)
+    return np.asarray(FALL_FACTOR * q / (1 - q))
 
-    The first of the moments is the force. No less than a share of the mean size of the change.
+
+def fall_of(before: Change, after: Change, *, coarse: Grid, fine: Grid) -> np.ndarray:
+    """Factor by which changes fall from one to that between two grids.
+
+    That of the moments, but no less than their sizes': chance may make moments small, or a layer at
+    the rim that the grids do not resolve yet.
+    """
+    step = max(coarse.nx / fine.nx, coarse.ny / fine.ny)
+    moments, sizes = (
+        np.divide(new, old, out=np.where(new > 0, np.inf, 0.0), where=old > 0)
+        for new, old in ((after.largest, before.largest), (after.size, before.size))
+    )
+    return np.asarray(np.maximum(np.maximum(moments, sizes), step**MOST_ORDER))
+
+
+def largest_change(before: np.ndarray, coarse: Grid, after: np.ndarray, fine: Grid) -> np.ndarray:
+    """The largest of ``change_between`` two grids."""
+    return change_between(before, coarse, after, fine).largest
+
+
+def change_between(
+    before: np.ndarray,
+    coarse: Grid,
+    after: np.ndarray,
+    fine: Grid,
+    *,
+    share: float = SIZE_SHARE,
+) -> Change:
+    """Change of the mean pressure from grid to grid.
 
     Args:
         before, after: overpressure in the mean over the period, shapes (..., nx, ny).
+        share: of the change's size that counts as a moment.
     """
     carried = coarse.x.interpolation_to(fine.x) @ before @ coarse.y.interpolation_to(fine.y).T
     change = after - carried
     moments = fine.x.moments(MOMENTS) @ change @ fine.y.moments(MOMENTS).T
-    size = fine.x.weights @ np.abs(change) @ fine.y.weights
-    return np.asarray(np.maximum(np.abs(moments).max(axis=(-2, -1)), SIZE_SHARE * size))
+    # As products of matrices, film by film: those of vectors round by how many films there are.
+    size = np.asarray(fine.x.weights[None] @ np.abs(change) @ fine.y.weights[:, None])[..., 0, 0]
+    return Change(np.maximum(np.abs(moments).max(axis=(-2, -1)), share * size), size)
 
 
 def error_text(error: float, *, allowed: float, force: float) -> str:

@@ -150,13 +150,14 @@ def _expected_flops(
 
     Krylov iterations and Newton steps are fitted to 480 random films (ε 0.02–0.95, σ 10–1e5, half
     of them with inertia up to Re 3, at 1e-3 to 1e-6): from rest to a loose start, from there to the
-    tolerance, and on the finer grid.
+    tolerance, and on each finer grid. On coarse grids that tell the error the first two add up to
+    about the same.
     """
     from_rest = 5 + 6.5 * epsilon
     refining = 2 + 3.2 * epsilon * log10(1 / tolerance)
-    iterations = [from_rest, refining, 0.75 * refining][-len(grids) :]
+    iterations = [from_rest, refining, *[0.75 * refining] * (len(grids) - 2)]
     if len(grids) < 3:  # the first of them goes from rest to the tolerance
-        iterations[0] += from_rest
+        iterations = [from_rest + refining, 0.75 * refining][: len(grids)]
     return sum(n * iteration_flops(grid, terms) for n, grid in zip(iterations, grids, strict=True))
 
 

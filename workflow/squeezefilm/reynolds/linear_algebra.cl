@@ -125,6 +125,9 @@ static double sum_over_group(double part, __local double *scratch)
 #endif
 }
 
+/* The larger number, or what is none if either is: it must not get lost. */
+static double greater(double a, double b) { return a > b || a != a ? a : b; }
+
 static double max_over_group(double part, __local double *scratch)
 {
 #if WORK_ITEMS == 1
@@ -135,7 +138,7 @@ static double max_over_group(double part, __local double *scratch)
     for (int span = WORK_ITEMS / 2; span > 0; span /= 2) {
         if (get_local_id(0) < span)
             scratch[get_local_id(0)] =
-                fmax(scratch[get_local_id(0)], scratch[get_local_id(0) + span]);
+                greater(scratch[get_local_id(0)], scratch[get_local_id(0) + span]);
         SYNC;
     }
     const double most = scratch[0];
@@ -146,9 +149,9 @@ static double max_over_group(double part, __local double *scratch)
 
 static double sum_of(double4 v) { return (v.x + v.y) + (v.z + v.w); }
 
-static double max_of(double4 v) { return fmax(fmax(v.x, v.y), fmax(v.z, v.w)); }
+static double max_of(double4 v) { return greater(greater(v.x, v.y), greater(v.z, v.w)); }
 
-static double4 larger(double4 a, double4 b) { return a > b ? a : b; }
+static double4 larger(double4 a, double4 b) { return ((a > b) | (a != a)) ? a : b; }
 
 static double dot_product(matrix4 a, matrix4 b, int count4, __local double *scratch)
 {

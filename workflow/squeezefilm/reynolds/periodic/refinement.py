@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,18 +13,29 @@ from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
+    Change,
     error_text,
     estimate,
-    largest_change,
 )
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.periodic.changes import (
+    changes_of,
+    how_many_tell,
+    judged_from_coarser,
+    margin_of,
+)
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, States, launch
 from squeezefilm.reynolds.periodic.resolution import (
+    FIRST_SHARE,
+    JUDGED_SHARE,
     MOST_UNKNOWNS,
+    at_least_judged,
     finer_grid,
     first_grid,
+    judged_grids,
     nodes_for_profile,
+    profile_fall,
     start_grid,
 )
 from squeezefilm.reynolds.problems import problems_on
@@ -33,6 +44,14 @@ from squeezefilm.reynolds.terms import Terms, state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
+# Unknowns of a grid before which a start pays where coarse grids come first anyway.
+LEAST_STARTED = 20_000
+# Share of what the iteration may leave, on the grids that differ in time alone.
+TIMELY = 0.1
+# Share of the allowed error up to which that in time is left as it is.
+TIME_SHARE = 0.3
+# Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
+MOST_FAILURES = 3
 # Launches under way at a time: the host judges one while the device is at the other.
 IN_FLIGHT = 2
 # Scenes begun together.
@@ -50,8 +69,11 @@ class _Progress:
     """A scene on its way through the grids.
 
     Attributes:
-        grids: those of the next launch; the last two tell the error.
+        grids: those of the next launch; the last ones tell the error.
         state: the unknowns on the first of them, if they are known already.
+        change: the last change of the mean pressure, if there is one.
+        in_time: error in time, where the last change does not show it.
+        failures: times that Newton's method failed on the last grid.
     """
 
     index: int
@@ -59,6 +81,9 @@ class _Progress:
     needs: Needs
     grids: tuple[Grid, ...]
     state: np.ndarray | None = None
+    change: Change | None = None
+    in_time: float = 0.0
+    failures: int = 0
     newton_steps: int = 0
     krylov_iterations: int = 0
     work: float = 0.0
@@ -115,27 +140,52 @@ def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float, room: fl
 def first_grids(
     scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS
 ) -> tuple[Grid, ...]:
-    """Those of the first launch: a start, if it pays, and the two that it takes to know the error.
+    """Those of the first launch: a start, if it pays, and those that it takes to know the error.
 
     Args:
         room: most unknowns of a grid that the device has memory for.
     """
+    if judged_from_coarser(needs.terms, tolerance=tolerance):
+        last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
+        if grids := _up_to(at_least_judged(last), needs, tolerance=tolerance):
+            return grids
     first = grid_for(scene, needs, tolerance=tolerance, room=room)
-    start = start_grid(first)
-    if start and not start.sees(*nodes_for_profile(needs, tolerance=tolerance)):
-        start = None  # what does not see the profile is no guess
-    wanted = start, first, finer_grid(first, room=room)
+    wanted = _start(first, needs, tolerance=tolerance), first, finer_grid(first, room=room)
     return tuple(grid for grid in wanted if grid is not None)
 
 
-def grid_for(scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS) -> Grid:
-    """The first grid of a scene's sequence."""
+def _up_to(last: Grid, needs: Needs, *, tolerance: float) -> tuple[Grid, ...]:
+    """The coarser grids that tell the error of the last one; none if none do."""
+    grids = judged_grids(last, seen=nodes_for_profile(needs, tolerance=tolerance))
+    pays = bool(grids) and grids[0].count >= LEAST_STARTED
+    start = _start(grids[0], needs, tolerance=tolerance) if pays else None
+    return (start, *grids) if start else grids
+
+
+def _start(grid: Grid, needs: Needs, *, tolerance: float) -> Grid | None:
+    start = start_grid(grid)
+    # What does not see the profile is no guess.
+    sees = start and start.sees(*nodes_for_profile(needs, tolerance=tolerance))
+    return start if sees else None
+
+
+def grid_for(
+    scene: Scene,
+    needs: Needs,
+    *,
+    tolerance: float,
+    share: float = FIRST_SHARE,
+    room: float = MOST_UNKNOWNS,
+) -> Grid:
+    """A grid that is to leave a share of the tolerance."""
     return first_grid(
         epsilon=scene.epsilon,
         sigma=scene.sigma,
+        bearing=abs(scene.bearing_number),
         aspect=scene.aspect,
         needs=needs,
         tolerance=tolerance,
+        share=share,
         room=room,
     )
 
@@ -165,8 +215,11 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     scenes = [progress.scene for progress in group]
     grids = group[0].grids
     left = ITERATION_SHARE * tolerance
-    shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * 2
-    problems = problems_on(scenes, dict(zip(grids, shares[-len(grids) :], strict=True)))
+    telling = how_many_tell(grids)
+    shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
+    if telling > 2:  # so that it does not hide the error in time
+        shares[-telling] = shares[-telling + 1] = TIMELY * left
+    problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     known = [progress.state for progress in group if progress.state is not None]
     return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
 
@@ -176,24 +229,48 @@ def _judge(
 ) -> list[Solution | None]:
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
-    change = None
-    if len(grids) > 1 and grids[-1].finer_than(grids[-2]):
-        change = largest_change(stages[-2].mean_in_time, grids[-2], states.mean_in_time, grids[-1])
+    change, fall, in_time = changes_of(
+        grids,
+        stages,
+        known=[progress.change for progress in group],
+        in_time=np.array([progress.in_time for progress in group]),
+        terms=group[0].needs.terms,
+        tolerance=tolerance,
+    )
+    margin = margin_of(group[0].needs.terms)
+    profiles = {progress.needs.profile: progress.needs for progress in group}
+    falls = {
+        profile: profile_fall(needs, *grids[-2:], tolerance=tolerance) if len(grids) > 1 else 0.0
+        for profile, needs in profiles.items()
+    }
+    of_profile = [falls[progress.needs.profile] for progress in group]
     narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
     # A mass error w moves the pressure by about n w/H.
     stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
     found = estimate(
-        change=change,
-        left=stiffness * states.residual / narrowest,
+        change=change.largest if change else None,
+        left=stiffness * states.residual / narrowest + in_time,
         largest=states.largest,
         narrowest=narrowest,
         mean=states.mean,
         tolerance=tolerance,
-        margin=max((term.ESTIMATE_MARGIN for term in group[0].needs.terms), default=1.0),
+        fall=np.maximum(fall, of_profile),
+        margin=margin,
     )
+    for at in map(int, np.flatnonzero(~found.holds)):
+        group[at].change, group[at].in_time = change and change[at], float(in_time[at])
     finer = finer_grid(grids[-1], room=room)
     return [
-        _judge_scene(progress, stages, position, finer=finer, error=float(e), allowed=float(a))
+        _judge_scene(
+            progress,
+            stages,
+            position,
+            finer=finer,
+            error=float(e),
+            allowed=float(a),
+            tolerance=tolerance,
+            room=room,
+        )
         for position, (progress, e, a) in enumerate(
             zip(group, found.error, found.allowed, strict=True)
         )
@@ -208,6 +285,8 @@ def _judge_scene(
     finer: Grid | None,
     error: float,
     allowed: float,
+    tolerance: float,
+    room: float,
 ) -> Solution | None:
     scene, states, grid = progress.scene, stages[-1], progress.grids[-1]
     for each, its_grid in zip(stages, progress.grids, strict=True):
@@ -235,12 +314,18 @@ def _judge_scene(
             work=progress.work,
         )
 
-    failed = [each.status[position] != 0 for each in stages[-2:]]
-    if failed[-1] or (failed[0] and finer is None):
-        at = -1 if failed[-1] else -2
+    failed = [each.status[position] != 0 for each in stages[-how_many_tell(progress.grids) :]]
+    if failed[-1] and finer and _begun_again(progress, finer, tolerance=tolerance, room=room):
+        return None
+    if failed[-1] or (any(failed) and finer is None):
+        at = -1 - failed[::-1].index(True)
         its_grid, ending = progress.grids[at], stages[at].status[position]
         return finished(status=f"{STATUS[ending]} ({_size(its_grid)})", grid=its_grid)
-    if failed[0]:  # what no coarser grid describes, a finer one may
+    if any(failed):  # what no coarser grid describes, a finer one may
+        error, progress.change = np.inf, None
+    if not states.lowest[position] > 0:
+        if finer is None:
+            return finished(status=f"the pressure is not positive everywhere ({_size(grid)})")
         error = np.inf
     thinnest = float(states.thinnest[position])
     if refused := state_refused(scene, progress.needs.terms, thinnest=thinnest):
@@ -258,8 +343,25 @@ def _judge_scene(
         return finished(
             status=f"tolerance not reached with bearable work ({_size(grid)}): {reason}"
         )
+    if TIME_SHARE * allowed > progress.in_time > 0:
+        finer = replace(finer, nt=grid.nt)
+    elif progress.change:
+        progress.change, progress.in_time = progress.change + progress.in_time, 0.0
     progress.grids, progress.state = (grid, finer), states.unknowns[position].copy()
     return None
+
+
+def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: float) -> bool:
+    """Whether a scene that has no state on a grid is to be tried on finer ones, from rest."""
+    again = finer_grid(finer, room=room)
+    if margin_of(progress.needs.terms) > 1 or again is None or progress.failures == MOST_FAILURES:
+        return False
+    judged = judged_from_coarser(progress.needs.terms, tolerance=tolerance)
+    grids = _up_to(again, progress.needs, tolerance=tolerance) if judged else ()
+    progress.grids = grids or (finer, again)
+    progress.state, progress.change, progress.in_time = None, None, 0.0
+    progress.failures += 1
+    return True
 
 
 def iteration_flops(grid: Grid, terms: Terms = ()) -> float:

@@ -18,11 +18,21 @@ MOST_TIME = 192
 # Unknowns beyond which a scene takes minutes.
 MOST_UNKNOWNS = 5_000_000
 LEAST_TIME = 8
-# Share of the tolerance that the first grid is to leave: with all of it, twice the change to the
-# second grid would be above the tolerance, and a third grid be needed.
+# Share of the tolerance that the first of two grids is to leave: with all of it, twice the change
+# to the second would be above the tolerance, and a third grid be needed.
 FIRST_SHARE = 1 / 3
 # The start grid's points per direction, as a share of the first grid's.
 START_SHARE = 0.6
+TIME_SHARE = 0.15
+# The same for the last of three grids, of whose error the other two tell more.
+JUDGED_SHARE = 1.0
+# Grids that differ in space alone, of which the last is judged.
+LEVELS = 3
+# Share of the tolerance that a grid may miss of the profile without a look at how fast that falls.
+NEXT_TO_NOTHING = 0.1
+# A sliding surface makes a layer at the trailing rim, as thin as that of a squeeze number of so
+# many times (Λ/(1 − ε))² (fitted to pistons, Λ 46–250).
+SLIDING_LAYER = 24.0
 # Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,
 # with stronger harmonics than the gas spring's 1/H.
 INCOMPRESSIBLE = 10.0
@@ -73,10 +83,12 @@ def first_grid(
     aspect: float,
     needs: Needs,
     tolerance: float,
+    bearing: float = 0.0,
     bend: float = 0.0,
+    share: float = FIRST_SHARE,
     room: float = MOST_UNKNOWNS,
 ) -> Grid:
-    """A grid whose force error is about a third of ``tolerance``, relative.
+    """A grid whose force error is about a share of ``tolerance``, relative.
 
     Time: powers of 1/(1 + ε sin T) have harmonics that decay like ρ^k, ρ = ε / (1 + √(1 − ε²)).
 
@@ -84,10 +96,10 @@ def first_grid(
         bend: what the gap at rest adds to the profile's curvature.
         room: most unknowns that there is memory for, on the next finer grid too.
     """
-    wanted = FIRST_SHARE * tolerance
+    wanted = share * tolerance
     digits = log10(1 / wanted)
     ratio = epsilon / (1 + sqrt(1 - epsilon**2))
-    instants = log(wanted / 3) / log(ratio) if ratio > 0 else LEAST_TIME
+    instants = log(TIME_SHARE * tolerance / 3) / log(ratio) if ratio > 0 else LEAST_TIME
     if sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE:
         instants += 4
     probe = probe_for(needs, tolerance=tolerance)
@@ -95,7 +107,8 @@ def first_grid(
     bent_x, bent_y = probe.curvature_x + bend, probe.curvature_y + bend
     least = max((term.LEAST_TIME for term in needs.terms), default=LEAST_TIME)
     layers = sigma * max((term.LAYER_STIFFNESS for term in needs.terms), default=1.0)
-    nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=layers, curvature=bent_x))
+    layer_x = max(layers, SLIDING_LAYER * (bearing / (1 - epsilon)) ** 2)
+    nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x))
     nodes_y = max(
         seen_y, _nodes(digits, epsilon=epsilon, sigma=layers * aspect**2, curvature=bent_y)
     )
@@ -153,6 +166,47 @@ def _fewer(points: int, *, fold: bool) -> int:
     return max(4 if fold else 8, 4 * round(START_SHARE * points / 4))
 
 
+def judged_grids(grid: Grid, *, seen: tuple[int, int]) -> tuple[Grid, ...]:
+    """Coarser grids and ``grid``, whose error they tell without a finer one; none if they cannot.
+
+    The first has more instants than the others, so its difference to the second shows the error in
+    time. From the second on they grow in space alone: two changes say how fast they fall, one is
+    known where no coarser grid has ``seen`` nodes across the finger.
+    """
+    in_space = [grid]
+    while len(in_space) < LEVELS:
+        coarser = replace(grid, nx=_less(in_space[0].nx), ny=_less(in_space[0].ny))
+        if min(coarser.nx, coarser.ny) < 4 or not coarser.sees(*seen):
+            break
+        in_space.insert(0, coarser)
+    if len(in_space) == 1:
+        return ()
+    return replace(in_space[0], nt=_more(grid.nt)), *in_space
+
+
+def at_least_judged(grid: Grid) -> Grid:
+    """The grid, or the least one that has two coarser ones."""
+    least_x, least_y = (12 if fold else 16 for fold in (grid.fold_x, grid.fold_y))
+    return replace(grid, nx=max(grid.nx, least_x), ny=max(grid.ny, least_y))
+
+
+def profile_fall(needs: Needs, coarse: Grid, fine: Grid, *, tolerance: float) -> float:
+    """Factor by which what is missed of the profile falls from grid to grid.
+
+    0 if the fine one misses next to nothing: then it is not the profile that changes the force.
+    """
+    least = NEXT_TO_NOTHING * tolerance
+    probe = needs.profile.probe(least)
+    sides = (probe.tail_x, coarse.x, fine.x), (probe.tail_y, coarse.y, fine.y)
+    fall = 0.0
+    for tail, before, after in sides:
+        most = len(tail) - 1
+        missed = float(tail[min(after.full_points + 2, most)])
+        if missed > least:
+            fall = max(fall, missed / float(tail[min(before.full_points + 2, most)]))
+    return fall
+
+
 def _coarser(grid: Grid) -> Grid:
     nx, ny, nt = (4 * (5 * points // 24) for points in grid.shape)
     return replace(grid, nx=nx, ny=ny, nt=max(LEAST_TIME, nt))
@@ -178,6 +232,11 @@ def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS) -> Grid | None:
 def _more(points: int) -> int:
     """About a fifth more, in steps of the kernel's four rows."""
     return points + 4 * max(1, round(points / 20))
+
+
+def _less(points: int) -> int:
+    """About a sixth less, in the same steps."""
+    return points - 4 * max(1, round(points / 24))
 
 
 def _most_judged(most: int) -> int:

@@ -1,0 +1,185 @@
+"""The error estimate of the periodic state has no blind spots, and what judges it sees."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyopencl as cl
+import pytest
+from films import PISTON, film
+
+from numerics.estimates import campaign
+from numerics.estimates.judge import FIRST, TIGHTER, finer_apart, judge
+from squeezefilm import reynolds
+from squeezefilm.cli.main import main
+from squeezefilm.film.vibration.shapes import Formula
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.error_estimate import (
+    MOMENTS,
+    Change,
+    change_between,
+    estimate,
+    fall_of,
+)
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic import refinement
+from squeezefilm.reynolds.periodic.refinement import first_grids, grid_for
+from squeezefilm.reynolds.periodic.resolution import profile_fall
+
+
+def quarter(points: int) -> Grid:
+    return Grid(points, points, 8, fold_x=True, fold_y=True)
+
+
+def test_a_change_that_no_moment_shows_counts_by_its_size():
+    """Like that of a layer at the rim, whose inner and outer half cancel in every moment."""
+    coarse, fine = quarter(12), quarter(16)
+    moments = fine.x.moments(MOMENTS)
+    layer = np.exp(-40 * fine.x.nodes)
+    hidden = layer - moments.T @ np.linalg.solve(moments @ moments.T, moments @ layer)
+    after = np.outer(hidden, hidden)
+    change = change_between(np.zeros((12, 12)), coarse, after, fine)
+    assert change.size > 1e-3
+    assert change.largest > 1e-4 * change.size
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_what_converges_slowly_is_within_its_estimate(order):
+    """Errors n^-order on the solver's own grids, from small to large ones."""
+    for points in (12, 24, 60, 120):
+        sizes = [points]
+        for _ in range(2):
+            sizes.append(sizes[-1] + 4 * max(1, round(sizes[-1] / 20)))
+        errors = np.array(sizes, dtype=float) ** -order
+        before, after = (Change(each, each) for each in -np.diff(errors))
+        fall = fall_of(before, after, coarse=quarter(sizes[1]), fine=quarter(sizes[2]))
+        found = estimate(
+            change=after.largest,
+            left=0.0,
+            largest=0.0,
+            narrowest=1.0,
+            mean=1.0,
+            tolerance=1.0,
+            fall=fall,
+        )
+        assert errors[-1] <= found.error <= 12 * errors[-1]
+
+
+def test_moments_that_change_little_by_chance_are_no_fast_convergence():
+    before, after = Change(np.array(1e-3), np.array(1e-2)), Change(np.array(1e-9), np.array(4e-3))
+    fall = fall_of(before, after, coarse=quarter(12), fine=quarter(16))
+    assert fall == pytest.approx(0.4)
+
+
+def test_a_kink_in_the_profile_is_known_to_converge_slowly():
+    scene = film(epsilon=0.4, sigma=100.0, x=0.013, y=0.007)
+    kink = Formula("1-0.5*abs(0.9*x+0.4*y-0.001)/0.015", surface_radius_m=0.015)
+    kinked = replace(scene, actuator=replace(scene.actuator, profile=kink))
+    grids = [Grid(n, n, 8, fold_x=False, fold_y=False) for n in (40, 48)]
+    falls = [profile_fall(needs_of(each), *grids, tolerance=1e-3) for each in (scene, kinked)]
+    assert falls[0] == 0
+    assert 0.6 < falls[1] < 1
+
+
+def test_a_kinked_film_is_within_its_tolerance_and_its_estimate():
+    kink = Formula("1-0.8*abs(0.9*x+0.4*y-0.0011)/0.015", surface_radius_m=0.015)
+    scene = film(epsilon=0.6, sigma=300.0, profile=kink, x=0.03, y=-0.05)
+    (solution,) = solve([scene], tolerance=1e-2, method="periodic")
+    (verdict,) = judge([scene], [solution], [1e-2], device=choose_device())
+    assert verdict.is_good_to(TIGHTER * 1e-2)
+    error = abs(solution.force_n - verdict.force_n)
+    assert error <= solution.force_error_n <= 1e-2 * abs(solution.force_n)
+
+
+def test_the_first_grid_knows_the_layer_that_a_sliding_surface_makes():
+    slow, fast = (film(epsilon=0.5, sigma=10.0, bearing=b, profile=PISTON) for b in (0.1, 200.0))
+    grids = [grid_for(each, needs_of(each), tolerance=1e-4) for each in (slow, fast)]
+    assert grids[1].nx > 2 * grids[0].nx
+    assert len(first_grids(fast, needs_of(fast), tolerance=1e-4)) >= 4
+
+
+def test_a_grid_on_which_newton_fails_is_refined(monkeypatch):
+    """So coarse a grid has no state for this film, whose layers are thin."""
+    coarse = Grid(12, 8, 8, fold_x=False, fold_y=True)
+    monkeypatch.setattr(refinement, "first_grid", lambda **numbers: coarse)
+    scene = film(epsilon=0.9, sigma=2400.0, bearing=76.0, profile=PISTON)
+    (solution,) = solve([scene], tolerance=1e-1, method="periodic")
+    assert solution.status == "ok"
+    assert solution.nx > 20
+
+
+def test_a_state_with_negative_pressure_is_no_solution(monkeypatch):
+    original = reynolds.periodic.launch.Launch.states
+
+    def negative(self):
+        return [
+            [replace(states, lowest=states.lowest - 2) for states in stages]
+            for stages in original(self)
+        ]
+
+    monkeypatch.setattr(reynolds.periodic.launch.Launch, "states", negative)
+    monkeypatch.setattr(refinement, "MOST_UNKNOWNS", 20_000)
+    (solution,) = solve([film(epsilon=0.3, sigma=20.0)], tolerance=1e-2, method="periodic")
+    assert np.isnan(solution.force_n)
+    assert "the pressure is not positive everywhere" in solution.status
+
+
+@pytest.mark.parametrize("place", range(8))
+def test_what_is_no_number_is_not_lost_in_a_maximum(place):
+    """Wherever it stands among larger and smaller numbers."""
+    device = choose_device()
+    folder = Path(reynolds.__file__).parent
+    text = (
+        (folder / "linear_algebra.cl").read_text()
+        + """
+__kernel void most(__global const double4 *values, __global double *result,
+                   __local double *scratch)
+{
+    double4 size = (double4)(0.0);
+    for (int i = 0; i < 2; i++)
+        size = larger(size, values[i]);
+    result[0] = max_over_group(max_of(size), scratch);
+}"""
+    )
+    most = cl.Program(device.context, text).build(options=["-DWORK_ITEMS=1"]).most
+    values = np.arange(8.0)
+    result = np.zeros(1)
+    for hidden, expected in ((values[place], 7.0), (np.nan, np.nan)):
+        values[place] = hidden
+        buffer = cl.Buffer(device.context, cl.mem_flags.WRITE_ONLY, 8)
+        most(device.queue, (1,), (1,), device.sent(values), buffer, cl.LocalMemory(8))
+        cl.enqueue_copy(device.queue, result, buffer)
+        assert np.array_equal(result[0], expected, equal_nan=True)
+
+
+def test_random_films_keep_what_they_promise(tmp_path, capsys):
+    output = tmp_path / "films.csv"
+    few = ["--films", "4", "--most-unknowns", "150000"]
+    command = ["estimates", "--output", str(output), *few]
+    assert main(command, packages=("numerics.commands",)) == 0
+    assert pd.read_csv(output)["verdict"].to_list() == ["kept"] * 4
+    assert "median estimate over error" in capsys.readouterr().out
+
+
+def test_the_judge_sees_a_force_outside_its_tolerance(monkeypatch):
+    def wrong(scenes, **options):
+        return [replace(each, force_n=1.2 * each.force_n) for each in solve(scenes, **options)]
+
+    monkeypatch.setattr(campaign, "solve", wrong)
+    table = campaign.campaign(
+        first=0, films=1, seed=15, method="periodic", device=choose_device(), most_unknowns=10**5
+    )
+    assert table["verdict"].to_list() == ["outside tolerance"]
+    assert campaign.summary(table).loc["all", "outside tolerance"] == 1
+
+
+@pytest.mark.parametrize("fold", [False, True])
+def test_the_judge_shares_no_node_with_what_it_judges(fold):
+    for points in range(4, 60, 4):
+        judged = Grid(points, points, 8, fold_x=fold, fold_y=fold)
+        grid = finer_apart(judged, judged, FIRST)
+        assert min(np.abs(np.subtract.outer(judged.x.nodes, grid.x.nodes)).ravel()) > 1e-6
+        assert grid.finer_than(judged)

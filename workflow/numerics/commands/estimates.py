@@ -1,0 +1,47 @@
+"""Are forces as good as they say? Random films without inertia, each held against a judge.
+
+python -m numerics estimates --output TABLE.csv [--films N] [--first K] [--seed S]
+
+Excursion ratios 0.01 to 0.98, squeeze numbers 0.1 to 1e6, bearing numbers up to 300, any position,
+smooth, measured, ridged, kinked and narrow profiles, tolerances 1e-1 to 1e-7. The judge solves on
+grids that share no node with the force's, to a hundredth of its tolerance.
+"""
+
+import argparse
+
+from numerics.estimates.campaign import campaign, summary
+from numerics.estimates.judge import MOST_UNKNOWNS
+from squeezefilm.io.tables import write_table
+from squeezefilm.reynolds.device import choose_device
+
+SEED = 15
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--output", required=True, metavar="TABLE.csv", help="table to write")
+    parser.add_argument("--films", type=int, default=500, metavar="N", help="500 if left out")
+    parser.add_argument("--first", type=int, default=0, metavar="K", help="number of the first")
+    parser.add_argument("--seed", type=int, default=SEED, help=f"{SEED} if left out")
+    parser.add_argument(
+        "--most-unknowns",
+        type=int,
+        default=MOST_UNKNOWNS,
+        metavar="N",
+        help=f"of a judging grid, {MOST_UNKNOWNS} if left out: fewer judge less, in less time",
+    )
+    parser.add_argument(
+        "--method", choices=("periodic", "auto"), default="periodic", help="periodic if left out"
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    table = campaign(
+        first=options.first,
+        films=options.films,
+        seed=options.seed,
+        method=options.method,
+        device=choose_device(),
+        most_unknowns=options.most_unknowns,
+    )
+    write_table(table, options.output)
+    print(summary(table).to_string())

@@ -1,0 +1,1 @@
+"""Are forces as good as they say? Random films beside solves that share no node with them."""

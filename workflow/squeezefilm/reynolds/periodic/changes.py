@@ -1,0 +1,85 @@
+"""What the states on a launch's grids say of the error of the last.
+
+Either two grids differ in everything, the last of them being the finer; or the last is judged from
+coarser ones, of which the first differs from the second in time alone and the others in space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from squeezefilm.reynolds.error_estimate import (
+    JUDGED_SIZE_SHARE,
+    SIZE_SHARE,
+    UNKNOWN_FALL,
+    Change,
+    change_between,
+    fall_of,
+    left_after,
+)
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.periodic.launch import States
+from squeezefilm.reynolds.terms import Terms
+
+# Least tolerance at which a grid is judged from coarser ones: below, those that tell enough of it
+# cost the paper's scenes more than a finer one.
+JUDGED_FROM = 0.9e-5
+
+
+def judged_from_coarser(terms: Terms, *, tolerance: float) -> bool:
+    """Whether the last grid is judged from coarser ones; not where an estimate has a margin."""
+    return margin_of(terms) == 1 and tolerance >= JUDGED_FROM
+
+
+def margin_of(terms: Terms) -> float:
+    """By which the estimates of films with some terms are increased."""
+    return max((term.ESTIMATE_MARGIN for term in terms), default=1.0)
+
+
+def how_many_tell(grids: Sequence[Grid]) -> int:
+    """How many grids at the end of some tell the error of the last."""
+    if len(grids) <= 2 or grids[-1].nt > grids[-2].nt:
+        return min(len(grids), 2)
+    return 1 + sum(grid.nt == grids[-1].nt for grid in grids)
+
+
+def changes_of(
+    grids: Sequence[Grid],
+    stages: Sequence[States],
+    *,
+    known: Sequence[Change | None],
+    in_time: np.ndarray,
+    terms: Terms,
+    tolerance: float,
+) -> tuple[Change | None, np.ndarray, np.ndarray]:
+    """Change to the last of a launch's grids, the factor by which changes fall, error in time.
+
+    Args:
+        stages: the states of some films on each of the grids.
+        known: each film's change to the first of two grids, if there is one.
+        in_time: their errors in time that the change from the first of two grids does not show.
+        terms: those of the films.
+    """
+    telling = how_many_tell(grids)
+    fall = np.full(len(known), UNKNOWN_FALL)
+    if telling < 2:
+        return None, fall, in_time
+    means = [states.mean_in_time for states in stages[-telling:]]
+    judged = judged_from_coarser(terms, tolerance=tolerance)
+    share = JUDGED_SIZE_SHARE if judged else SIZE_SHARE
+    changes = [
+        change_between(before, coarse, after, fine, share=share)
+        for before, coarse, after, fine in zip(
+            means, grids[-telling:], means[1:], grids[-telling + 1 :], strict=False
+        )
+    ]
+    if telling > 2:
+        in_time = left_after(UNKNOWN_FALL) * changes[0].largest
+    for at, change in enumerate(known):
+        before = changes[-2][at] if telling > 3 else change
+        if before and margin_of(terms) == 1:
+            seen = fall_of(before, changes[-1][at], coarse=grids[-2], fine=grids[-1])
+            fall[at] = seen if judged else max(seen, UNKNOWN_FALL)
+    return changes[-1], fall, in_time
