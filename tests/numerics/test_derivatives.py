@@ -31,11 +31,6 @@ def derivatives(scene: Scene, *, tolerance: float) -> Derivatives:
 
 def changed(scene: Scene, number: str, by: float) -> Scene:
     """As ``module.moved`` does, along the actuator's axes."""
-    if number in ("x_m", "y_m"):
-        x_m = scene.x_m + by * (number == "x_m")
-        y_m = scene.y_m + by * (number == "y_m")
-        angle = float(np.degrees(np.arctan2(y_m, x_m)))
-        return replace(scene, phi_r_m=float(np.hypot(x_m, y_m)), phi_deg=angle)
     if hasattr(scene, number):
         return replace(scene, **{number: getattr(scene, number) + by})
     return replace(scene, gas=replace(scene.gas, **{number: getattr(scene.gas, number) + by}))

@@ -14,6 +14,7 @@ from numerics.estimates.judge import FIRST, TIGHTER, finer_apart, judge
 from squeezefilm import reynolds
 from squeezefilm.cli.main import main
 from squeezefilm.film.vibration.shapes import Formula
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.error_estimate import (
@@ -76,7 +77,7 @@ def test_moments_that_change_little_by_chance_are_no_fast_convergence():
 
 def test_a_kink_in_the_profile_is_known_to_converge_slowly():
     scene = film(epsilon=0.4, sigma=100.0, x=0.013, y=0.007)
-    kink = Formula("1-0.5*abs(0.9*x+0.4*y-0.001)/0.015", surface_radius_m=0.015)
+    kink = Formula("1-0.5*abs(0.9*x+0.4*y-0.001)/0.015", surface=Disc(0.015))
     kinked = replace(scene, actuator=replace(scene.actuator, profile=kink))
     grids = [Grid(n, n, 8, fold_x=False, fold_y=False) for n in (40, 48)]
     falls = [profile_fall(needs_of(each), *grids, tolerance=1e-3) for each in (scene, kinked)]
@@ -85,7 +86,7 @@ def test_a_kink_in_the_profile_is_known_to_converge_slowly():
 
 
 def test_a_kinked_film_is_within_its_tolerance_and_its_estimate():
-    kink = Formula("1-0.8*abs(0.9*x+0.4*y-0.0011)/0.015", surface_radius_m=0.015)
+    kink = Formula("1-0.8*abs(0.9*x+0.4*y-0.0011)/0.015", surface=Disc(0.015))
     scene = film(epsilon=0.6, sigma=300.0, profile=kink, x=0.03, y=-0.05)
     (solution,) = solve([scene], tolerance=1e-2, method="periodic")
     (verdict,) = judge([scene], [solution], [1e-2], device=choose_device())

@@ -12,6 +12,7 @@ from numerics.inertia.random_scenes import moved_by_leaving_out, random_scenes
 from numerics.strip.force import strip_force
 from squeezefilm.film.scene import GapShape, Scene
 from squeezefilm.film.vibration.shapes import Formula
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
@@ -19,7 +20,7 @@ from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_text
 
-STRIP = Formula("sinc(109.8*x)", surface_radius_m=1.0)
+STRIP = Formula("sinc(109.8*x)", surface=Disc(1.0))
 
 
 def warm(reynolds: float, **numbers: object) -> Scene:

@@ -15,6 +15,7 @@ from squeezefilm.film.vibration.files.columns import column_of
 from squeezefilm.film.vibration.files.universal import SUFFIXES
 from squeezefilm.film.vibration.scan_tables import summary_of
 from squeezefilm.film.vibration.scans import smoothed_scan
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.film.vibration.vibrometer import Scan, read_scan
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import study as studies
@@ -279,7 +280,7 @@ def test_too_many_points_are_averaged_over_cells_with_a_stated_loss(tmp_path, mo
     x, y, u = points(count=130, noise=0.02)
     path = tmp_path / "scan.csv"
     path.write_text(text("x_mm,y_mm,amplitude_um,sign", x, y, abs(u), np.sign(u)))
-    settings = {"surface_radius_m": RADIUS_M, "axisymmetric": False}
+    settings = {"surface": Disc(RADIUS_M), "axisymmetric": False}
     all_points = smoothed_scan(path, **settings)
     assert all_points.averaging_loss == 0
     monkeypatch.setattr(binning, "MOST_POINTS", 900)
@@ -288,7 +289,7 @@ def test_too_many_points_are_averaged_over_cells_with_a_stated_loss(tmp_path, mo
     smoothed_scan.cache_clear()
     assert 500 < len(fewer.x_m) <= 900
     assert f"{len(x)} points averaged over {len(fewer.x_m)} cells" in fewer.scan.notes[-1]
-    _, _, x_m, y_m = scans.polar_net(RADIUS_M)
+    x_m, y_m, _ = Disc(RADIUS_M).net()
     there = {"x_m": x_m, "y_m": y_m}
     exact = np.sinc(109.8 * np.hypot(x_m, y_m))
     off = np.abs(fewer.profile.amplitude(**there) - exact)
