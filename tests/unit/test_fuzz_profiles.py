@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import yaml
 
-from squeezefilm.cli.use.example_scan import scan_text
+from squeezefilm.cli.study.example_scan import scan_text
 from squeezefilm.film.vibration.scans import smoothed_scan
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError

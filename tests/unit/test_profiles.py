@@ -10,7 +10,7 @@ from scipy.special import jv
 from paper.figures import fig05
 from reporting.figures import figure_module
 from reporting.figures.parts import style
-from squeezefilm.cli.use.example_scan import scan_text
+from squeezefilm.cli.study.example_scan import scan_text
 from squeezefilm.film.vibration import residuals as profile_figure
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.scan_tables import points_table, summary_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from squeezefilm.cli.use.example_scan import EXAMPLES, PLATE, scan_text
+from squeezefilm.cli.study.example_scan import EXAMPLES, PLATE, scan_text
 from squeezefilm.film.directions import Mirrors, symmetry_from_dict
 from squeezefilm.film.scene import check_scene
 from squeezefilm.film.vibration import legendre
