@@ -23,7 +23,7 @@ from squeezefilm.film.vibration.files.text import read_text_table
 from squeezefilm.film.vibration.files.universal import SUFFIXES, read_universal
 from squeezefilm.io.errors import InputError
 
-FEWEST_POINTS, MOST_POINTS = 8, 5_000_000
+FEWEST_POINTS, MOST_POINTS = 8, 3_000_000
 
 
 @dataclass(frozen=True)
