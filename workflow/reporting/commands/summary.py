@@ -14,8 +14,10 @@ from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import notes_of_budget
+from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import scene_of
 
@@ -50,14 +52,24 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _notes(config: Config) -> dict[str, list[str]]:
-    """What the equation leaves out at the screen's smallest and largest gap, the finger centred."""
+    """What the equation leaves out at the screen's smallest and largest gap, the finger centred.
+
+    Of the scenes as they were solved, with inertia where it was decided to be in.
+    """
     levels, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
     gaps = (levels["start"], levels["stop"])
     scenes = [scene_of(ScenePoint("1", gap, amplitude), config) for gap in gaps]
-    found = budgets(scenes, device=choose_device(config["solver"]["device"]))
+    solver, device = config["solver"], choose_device(config["solver"]["device"])
+    scenes = decided(
+        scenes,
+        model_tolerance=solver["model_tolerance"],
+        method=solver["method"],
+        device=device,
+    )
+    found = budgets(scenes, device=device)
     return {
-        f"h0 = {1e6 * gap:g} µm": notes_of_budget(budget)
-        for gap, budget in zip(gaps, found, strict=True)
+        f"h0 = {1e6 * gap:g} µm": [*notes_of_budget(budget), *notes_of(scene)]
+        for gap, scene, budget in zip(gaps, scenes, found, strict=True)
     }
 
 

@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator
 
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, micrometres
-from squeezefilm.io.positions import CARTESIAN, POLAR, form_of
+from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import THIS_SCENE
 from squeezefilm.studies.config import Config
@@ -37,7 +37,7 @@ EFFECTS = {
 }
 # Contours nearer to the least or the largest value, in shares of the range, have no room.
 EDGE = 0.04
-POSITIONS = {POLAR: ("phi_r_mm", "phi_deg"), CARTESIAN: ("x_mm", "y_mm")}
+ON_DISC, ON_RECTANGLE = ("phi_r_mm", "phi_deg"), ("x_mm", "y_mm")
 COLUMNS = (
     "layer",
     "h0_um",
@@ -54,7 +54,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     largest = positions["hv_um"] / positions["h0_um"]
     chosen = positions[largest >= largest.max() * (1 - 1e-9)]
     first = chosen.iloc[0]
-    places = POSITIONS[form_of(positions)]
+    places = ON_DISC if "phi_deg" in positions else ON_RECTANGLE
     other = "direction" if "phi_deg" in places else "y"
     note = (
         f"Maps: finger at the centre. (f): h0 = {first['h0_um']:.3g} µm, "
@@ -101,7 +101,7 @@ def draw(data: pd.DataFrame) -> Figure:
         axes.set_title(f"({letter}) {EFFECTS[name][1]} (%)")
         axes.set_xlabel(plane.H0_LABEL)
         axes.set_ylabel(plane.HV_LABEL)
-    places = POSITIONS[POLAR if "phi_deg" in data else CARTESIAN]
+    places = ON_DISC if "phi_deg" in data else ON_RECTANGLE
     _draw_lines(panels[-1], style.rows(data, "radius"), places)
     panels[-1].set_title(f"(f) along {'the radius' if 'phi_deg' in places else 'x'}")
     style.add_note(figure, data)

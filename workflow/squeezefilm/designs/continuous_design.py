@@ -53,10 +53,6 @@ def sensitivity(
     share = np.full(own.shape[1], 1 / own.shape[1]) if weights is None else np.asarray(weights)
     total = np.zeros(other.shape[1])
     for f, at in zip(own, other, strict=True):
-        # Parameters in units of their own: what is asked for does not depend on them.
-        size = np.linalg.norm(f, axis=0)
-        size[size == 0] = 1.0
-        f, at = f / size, at / size
         triangle = np.linalg.qr(np.sqrt(share)[:, None] * f, mode="r")
         total += np.sum(solve_triangular(triangle, at.T, trans="T") ** 2, axis=0) / len(own)
     return np.asarray(total / own.shape[2])
