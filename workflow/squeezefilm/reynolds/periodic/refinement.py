@@ -29,7 +29,7 @@ from squeezefilm.reynolds.periodic.resolution import (
 )
 from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.solution import solution_of
-from squeezefilm.reynolds.terms import Terms, state_refused, stiffness_of
+from squeezefilm.reynolds.terms import Terms, numbers_of, state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
@@ -136,6 +136,7 @@ def grid_for(scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST
         aspect=scene.aspect,
         needs=needs,
         tolerance=tolerance,
+        slow=float(numbers_of(scene, needs.terms)["slow"]),  # type: ignore[arg-type]
         room=room,
     )
 
