@@ -40,7 +40,7 @@ from squeezefilm.reynolds.periodic.resolution import (
 )
 from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.solution import solution_of
-from squeezefilm.reynolds.terms import Terms, state_refused, stiffness_of
+from squeezefilm.reynolds.terms import Terms, numbers_of, state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
@@ -186,6 +186,7 @@ def grid_for(
         needs=needs,
         tolerance=tolerance,
         share=share,
+        slow=float(numbers_of(scene, needs.terms)["slow"]),  # type: ignore[arg-type]
         room=room,
     )
 

@@ -36,6 +36,8 @@ SLIDING_LAYER = 24.0
 # Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,
 # with stronger harmonics than the gas spring's 1/H.
 INCOMPRESSIBLE = 10.0
+# Above this the layer at the rim is thin enough for two coarse grids to agree by chance.
+THIN_LAYER_SIGMA = 1e4
 
 
 # A profile is seen by a grid that misses no more of it than this or the root of the tolerance: a
@@ -86,6 +88,7 @@ def first_grid(
     bearing: float = 0.0,
     bend: float = 0.0,
     share: float = FIRST_SHARE,
+    slow: float = 1.0,
     room: float = MOST_UNKNOWNS,
 ) -> Grid:
     """A grid whose force error is about a share of ``tolerance``, relative.
@@ -94,6 +97,7 @@ def first_grid(
 
     Args:
         bend: what the gap at rest adds to the profile's curvature.
+        slow: share of the harmonics that the equation is whole for (time_modes.py).
         room: most unknowns that there is memory for, on the next finer grid too.
     """
     wanted = share * tolerance
@@ -105,8 +109,9 @@ def first_grid(
     probe = probe_for(needs, tolerance=tolerance)
     seen_x, seen_y = nodes_for_profile(needs, tolerance=tolerance)
     bent_x, bent_y = probe.curvature_x + bend, probe.curvature_y + bend
-    least = max((term.LEAST_TIME for term in needs.terms), default=LEAST_TIME)
-    layers = sigma * max((term.LAYER_STIFFNESS for term in needs.terms), default=1.0)
+    layers = sigma
+    if sigma > THIN_LAYER_SIGMA:
+        layers *= max((term.LAYER_STIFFNESS for term in needs.terms), default=1.0)
     layer_x = max(layers, SLIDING_LAYER * (bearing / (1 - epsilon)) ** 2)
     nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x))
     nodes_y = max(
@@ -115,7 +120,7 @@ def first_grid(
     grid = Grid(
         nx=_unknowns(nodes_x, fold=needs.fold_x),
         ny=_unknowns(nodes_y, fold=needs.fold_y),
-        nt=min(max(least, 4 * ceil(instants / 4)), MOST_JUDGED_TIME),
+        nt=min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_JUDGED_TIME),
         fold_x=needs.fold_x,
         fold_y=needs.fold_y,
     )

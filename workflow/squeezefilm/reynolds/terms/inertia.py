@@ -63,7 +63,6 @@ class Inertia(Term):
     ESTIMATE_MARGIN = 2.0
     # Without it two grids agreed by chance at σ 1e5, ε 0.5, Re 0.5: four times the error estimate.
     LAYER_STIFFNESS = 2.5
-    LEAST_TIME = 16  # of which half may have inertia: with 8, a force at 1e-3 was 1.5e-3 off
     MOST_WORK = 1e11  # some ten to twenty seconds of one core
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
