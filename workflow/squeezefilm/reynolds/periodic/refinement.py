@@ -257,7 +257,7 @@ def _judge(
         fall=np.maximum(fall, of_profile),
         margin=margin,
     )
-    for at in np.flatnonzero(~found.holds):
+    for at in np.flatnonzero(~found.holds).tolist():
         group[at].change, group[at].in_time = change and change[at], float(in_time[at])
     finer = finer_grid(grids[-1], room=room)
     return [
