@@ -258,7 +258,7 @@ def _judge(
         fall=np.maximum(fall, of_profile),
         margin=margin,
     )
-    for at in map(int, np.flatnonzero(~found.holds)):
+    for at in np.flatnonzero(~found.holds).tolist():
         group[at].change, group[at].in_time = change and change[at], float(in_time[at])
     finer = finer_grid(grids[-1], room=room)
     return [
