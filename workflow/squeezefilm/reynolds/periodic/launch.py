@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,7 @@ class Batch:
     problems: Sequence[Problems]
     guess: np.ndarray | None = None
 
-    @property
+    @cached_property
     def scenes(self) -> int:
         return len(self.problems[0])
 
@@ -53,17 +54,17 @@ class Batch:
     def terms(self) -> Terms:
         return self.problems[0].terms
 
-    @property
+    @cached_property
     def fields(self) -> int:
         """Fields of a state."""
         return unknown_fields(self.terms)
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of unknowns, of all scenes on all grids."""
         return self.scenes * self.fields * sum(grid.count for grid in self.grids)
 
-    @property
+    @cached_property
     def workspace_size(self) -> int:
         """Numbers that a work-group needs beside the states: fields, Krylov basis, Hessenberg."""
         flow_terms = self.problems[0].numbers["flow"].shape[1]
@@ -75,6 +76,7 @@ class Batch:
         return max(sizes)
 
 
+@lru_cache(maxsize=256)
 def most_krylov(grid: Grid, terms: Terms) -> int:
     """Krylov iterations that a Newton step may take: as many as there is room for."""
     room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
@@ -186,7 +188,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     inputs = _inputs(batches)
     terms = batches[0].problems[0].terms
     periodic_state = kernel(
-        device, "periodic_state", sources=_sources(terms), header=_header(terms, inputs.rows)
+        device, "periodic_state", sources=_sources(terms), header=_header(terms, inputs.rows.dtype)
     )
     scenes = sum(batch.scenes for batch in batches)
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
@@ -261,47 +263,54 @@ def _offsets(
     pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None
 ) -> dict[str, int | np.ndarray]:
     """Where what a batch needs on one grid lies in the pile, which it is put on."""
-    matrices = grid_matrices(grid, aspect=problems.aspect, terms=problems.terms)
-    carrying = (*CARRYING, *(name for term in problems.terms for name in term.CARRYING))
-    offsets: dict[str, int | np.ndarray] = dict.fromkeys(carrying, NOTHING)
+    offsets: dict[str, int | np.ndarray] = {**_nothing_to_carry(problems.terms)}
     if coarser:
         offsets |= pile.add(carrying_matrices(coarser, grid, terms=problems.terms))
-    offsets |= pile.add(matrices)
+    offsets |= pile.add(grid_matrices(grid, aspect=problems.aspect, terms=problems.terms))
     offsets |= pile.add_each(profile_fields(problems, grid), problems.places)
-    offsets |= pile.add_each(*_time_modes(problems, grid))
+    offsets |= _time_modes(pile, problems, grid)
     for term in problems.terms:
         offsets |= pile.add_each(term.operators(problems.numbers, grid, aspect=problems.aspect))
     return offsets
 
 
-def _time_modes(problems: Problems, grid: Grid) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """The modes in time that scenes of a batch have, and which of them each scene has."""
+@lru_cache(maxsize=64)
+def _nothing_to_carry(terms: Terms) -> dict[str, int]:
+    carrying = (*CARRYING, *(name for term in terms for name in term.CARRYING))
+    return dict.fromkeys(carrying, NOTHING)
+
+
+def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
+    """Where each scene's modes in time lie in the pile, which they are put on once for all."""
     variations = problems.epsilon * mean_amplitude(problems, grid)
     each = [
-        time_modes(grid.nt, variation=float(variation), lag=float(lag))
-        for variation, lag in zip(variations, problems.numbers["lag"], strict=True)
+        time_modes(grid.nt, variation=variation, lag=lag).parts
+        for variation, lag in zip(
+            variations.tolist(), problems.numbers["lag"].tolist(), strict=True
+        )
     ]
-    places = {modes: place for place, modes in enumerate(dict.fromkeys(each))}
-    parts = [modes.parts() for modes in places]
-    stacked = {name: np.stack([part[name] for part in parts]) for name in parts[0]}
-    return stacked, np.array([places[modes] for modes in each])
+    begins = {parts: pile.put(parts.values) for parts in dict.fromkeys(each)}
+    begin = np.array([begins[parts] for parts in each])
+    return {name: begin + start for name, start in each[0].starts.items()}
 
 
+@lru_cache(maxsize=64)
 def _sources(terms: Terms) -> tuple[str, ...]:
     own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
     grid = ["linear_algebra.cl", "periodic/grid_over_period.cl"]
     return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
-def _header(terms: Terms, rows: np.ndarray) -> str:
+@lru_cache(maxsize=64)
+def _header(terms: Terms, row: np.dtype[Any]) -> str:
     """What the sources take as known; terms that no scene of a launch has are not compiled."""
-    (flow_terms,) = rows.dtype["flow"].shape
+    (flow_terms,) = row["flow"].shape
     return "\n".join(
         [
             f"#define FLOW_TERMS {flow_terms}",
             f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",
-            c_struct("Row", rows.dtype),
+            c_struct("Row", row),
             c_struct("Said", SAID),
             c_enum(ENDINGS),
             c_terms(terms),

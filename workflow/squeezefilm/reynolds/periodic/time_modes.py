@@ -13,11 +13,12 @@ number for each mode of space and of time.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import log10
 
 import numpy as np
 
+from squeezefilm.reynolds.layout import Joined, joined
 from squeezefilm.reynolds.spectral import period
 
 # Steps in which variation and lag are told apart: the basis only decides the iterations' number.
@@ -50,16 +51,19 @@ class TimeModes:
     mean_gap: np.ndarray
     settling: np.ndarray
 
-    def parts(self) -> dict[str, np.ndarray]:
+    @cached_property
+    def parts(self) -> Joined:
         """The arrays as kernels know them: transposed, and all of whole vectors of four."""
-        return {
-            "to_time_modes": self.to_modes.T,
-            "time_modes": self.from_modes.T,
-            "speeds": np.tile(self.speeds, 2),
-            "decays": np.tile(self.decays, 2),
-            "mean_gap": self.mean_gap,
-            "settling": self.settling.T,
-        }
+        return joined(
+            {
+                "to_time_modes": self.to_modes.T,
+                "time_modes": self.from_modes.T,
+                "speeds": np.tile(self.speeds, 2),
+                "decays": np.tile(self.decays, 2),
+                "mean_gap": self.mean_gap,
+                "settling": self.settling.T,
+            }
+        )
 
 
 def time_modes(instants: int, *, variation: float, lag: float) -> TimeModes:
