@@ -22,7 +22,7 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import iteration_flops
 from squeezefilm.reynolds.periodic.time_modes import time_modes
 
-SOURCES = ("linear_algebra.cl", "periodic/grid_over_period.cl", "roofline.cl")
+SOURCES = ("linear_algebra.cl", "vectors.cl", "periodic/grid_over_period.cl", "roofline.cl")
 REPEATS = 5
 PEAK_TURNS = 1_000_000
 TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}

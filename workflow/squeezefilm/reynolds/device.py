@@ -31,6 +31,7 @@ class Device:
         name: platform and device name, as reported by ``doctor`` and kept with results.
         groups: work-groups to launch, each with a workspace of its own.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
+        register_bytes: size of the vectors that a work-item computes with.
         memory_bytes: the device's own memory.
         processor: whether it is one, and not an accelerator.
         rooms: the buffer that kernels work in, kept from launch to launch.
@@ -44,6 +45,7 @@ class Device:
     work_items: int
     memory_bytes: int
     processor: bool = True
+    register_bytes: int = 32
     rooms: list[Any] = field(default_factory=list, compare=False)
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
@@ -163,6 +165,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         work_items=work_items or (128 if on_gpu else 1),
         memory_bytes=device.global_mem_size,
         processor=bool(device.type & cl.device_type.CPU),
+        register_bytes=64 if device.native_vector_width_double >= 8 else 32,
     )
 
 
@@ -205,10 +208,12 @@ def kernel(
 ) -> Any:
     """A kernel of a program made of a text and some files of this folder, joined in order.
 
-    The number of work-items per group is always defined. Kernels are
-    kept for the process and programs, by pyopencl and the driver, on disk.
+    The number of work-items per group and that of numbers in a register are always defined. Kernels
+    are kept for the process and programs, by pyopencl and the driver, on disk.
     """
-    defines = (f"WORK_ITEMS={device.work_items}", *defines)
+    lanes = device.register_bytes // 8
+    sizes = (f"WORK_ITEMS={device.work_items}", f"DOUBLE_LANES={lanes}", f"FLOAT_LANES={2 * lanes}")
+    defines = (*sizes, *defines)
     return _kernel(device.context, name, header, sources, defines)
 
 

@@ -3,34 +3,35 @@
 
 /* GMRES with modified Gram–Schmidt and Givens rotations for a preconditioned system whose product
  * is apply_jacobian. On entry basis[0] holds the right-hand side, of norm `beta`; on exit the
- * solution. Norms are root sums of squares over `weight`. Stops at the norm `target` of what is
+ * solution. Vectors are of the type
+ * `real`, all that is small is double. Norms are root sums of squares over `weight`. Stops at the norm `target` of what is
  * left or after `most` steps; an unfinished solution is still a good Newton step. `small` has room
  * for (most + 4)(most + 1) numbers. Returns the number of steps. */
-static int gmres(const Grid *g, Film *film, field basis, field small, double beta,
+static int gmres(const Grid *g, Film *film, vector basis, field small, double beta,
                  double target, int most, double weight, __local double *scratch)
 {
     const int lead = most + 1;
     field hessenberg = small, right = hessenberg + lead * most, cosines = right + lead,
           sines = cosines + most;
-    scale_field(basis, 1.0 / beta, g->length4);
+    scale_field(basis, 1.0 / beta, g->length);
     double left = beta;
     int steps = 0;
     if (get_local_id(0) == 0)
         right[0] = beta;
     while (steps < most && left > target) {
-        field next = basis + (steps + 1) * g->length;
+        vector next = basis + (steps + 1) * g->length;
         apply_jacobian(g, film, basis + steps * g->length, next);
         field column = hessenberg + steps * lead;
-        double overlap = dot_product((matrix4)basis, (matrix4)next, g->length4, scratch) / weight;
+        double overlap = dot_product(basis, next, g->length, scratch) / weight;
         for (int j = 0; j <= steps; j++) {
             if (get_local_id(0) == 0)
                 column[j] = overlap;
-            field old = basis + j * g->length, other = j < steps ? old + g->length : next;
-            overlap = subtract_and_project(next, overlap, old, other, g->length4, scratch) / weight;
+            vector old = basis + j * g->length, other = j < steps ? old + g->length : next;
+            overlap = subtract_and_project(next, overlap, old, other, g->length, scratch) / weight;
         }
         const double length = sqrt(overlap);
         if (length > 0.0)
-            scale_field(next, 1.0 / length, g->length4);
+            scale_field(next, 1.0 / length, g->length);
         if (get_local_id(0) == 0) {
             for (int j = 0; j < steps; j++) {
                 const double upper = column[j], lower = column[j + 1];
@@ -58,8 +59,8 @@ static int gmres(const Grid *g, Film *film, field basis, field small, double bet
         }
     SYNC;
     if (steps > 0)
-        scale_field(basis, right[0], g->length4);
+        scale_field(basis, right[0], g->length);
     for (int j = 1; j < steps; j++)
-        subtract(basis, -right[j], basis + j * g->length, g->length4);
+        subtract(basis, -right[j], basis + j * g->length, g->length);
     return steps;
 }

@@ -33,7 +33,8 @@ __kernel void stream_triad(const int count4, const int turns, field4 a, field4 b
 __kernel void panel_products(const int which, const int turns, __global const Row *row,
                              matrix values, field workspace)
 {
-    const Grid g = make_grid(row, values);
+    vector none = workspace;
+    const Grid g = make_grid(row, values, &none);
     field in = workspace + get_group_id(0) * (size_t)(2 * g.count), out = in + g.count;
     for (int turn = 0; turn < turns; turn++) {
         if (which == 0)
@@ -41,6 +42,6 @@ __kernel void panel_products(const int which, const int turns, __global const Ro
         else if (which == 1)
             along_y(&g, g.laplace_y, in, out, 0);
         else
-            along_t(&g, g.time_modes, in, out, 0);
+            along_t(&g, g.linear.time_modes, in, out, 0);
     }
 }

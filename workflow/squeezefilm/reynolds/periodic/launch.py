@@ -71,8 +71,10 @@ class Batch:
         sizes = []
         for grid in self.grids:
             most = most_krylov(grid, self.terms)
-            fields = 3 * flow_terms + 3 + own_fields(self.terms) + (most + 1) * self.fields
-            sizes.append(grid.count * fields + (most + 4) * (most + 1))
+            fields = 2 * flow_terms + 3 + own_fields(self.terms)
+            linear = 3 * flow_terms + 3 + (most + 1) * self.fields
+            matrices = 3 * (grid.nx**2 + grid.ny**2) + 2 * grid.nt**2
+            sizes.append(grid.count * (fields + linear) + matrices + (most + 4) * (most + 1))
         return max(sizes)
 
 
@@ -294,10 +296,19 @@ def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> dict[str, np.ndar
     return {name: begin + start for name, start in each[0].starts.items()}
 
 
+def in_single(terms: Terms) -> bool:
+    import os
+
+    return os.environ.get("SF_SINGLE", "1") == "1" and not any(
+        "response" in term.HOOKS for term in terms
+    )
+
+
 @lru_cache(maxsize=64)
 def _sources(terms: Terms) -> tuple[str, ...]:
     own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
-    grid = ["linear_algebra.cl", "periodic/grid_over_period.cl"]
+    vectors = ["vectors.cl"] * (2 if in_single(terms) else 1)
+    grid = ["linear_algebra.cl", *vectors, "periodic/grid_over_period.cl"]
     return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
@@ -310,6 +321,7 @@ def _header(terms: Terms, row: np.dtype[Any]) -> str:
             f"#define FLOW_TERMS {flow_terms}",
             f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",
+            "#define SINGLE" if in_single(terms) else "",
             c_struct("Row", row),
             c_struct("Said", SAID),
             c_enum(ENDINGS),

@@ -50,7 +50,7 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 /* Newton's iteration from the guess film->p. `basis` has room for most_krylov + 1 vectors,
  * `small` for the numbers of gmres. */
 static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
-                  field basis, field small, __local double *scratch)
+                  vector basis, field small, __local double *scratch)
 {
     Said s = {.mean = mean_overpressure(g, film, scratch), .status = STALLED};
     double least = INFINITY;
@@ -58,7 +58,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
     for (; s.newton_steps <= most_newton; s.newton_steps++) {
         residual(g, film, basis, scratch);
         precondition(g, film, basis);
-        s.residual = norm(basis, g->length4, g->nt, scratch);
+        s.residual = norm(basis, g->length, g->nt, scratch);
         if (!isfinite(s.residual)) {
             s.status = NOT_FINITE;
             break;
@@ -79,9 +79,11 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         s.krylov_iterations +=
             gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, scratch);
         field4 step = (field4)film->work_b;
-        from_modal(g, basis, film->work_a, film->work_b);
+        vector nodal = (vector)film->work_a;
+        from_modal(g, basis, (vector)film->work_c, nodal);
         FOR_EACH_POINT(g, row, t, i)
-            step[i] /= -gap_at(g, film, row, t) * density_slope(film, film->p[i]);
+            step[i] = -in_double(((__global const JOIN(real, 4) *)nodal)[i]) /
+                      (gap_at(g, film, row, t) * density_slope(film, film->p[i]));
         SYNC;
         const double share = safe_share(g, film, step, scratch);
         film->own_in = basis + g->count;
@@ -122,23 +124,36 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
         for (int k = begins[scene]; k < begins[scene + 1]; k++) {
             __global const Row *row = rows + k;
             const int most_krylov = row->most_krylov;
-            Grid g = make_grid(row, values);
+            field space = workspace + get_group_id(0) * workspace_size;
+            vector room = (vector)space;
+            Grid g = make_grid(row, values, &room);
+            space = (field)room;
             Film film;
             film.row = row;
             film.values = values;
-            field space = workspace + get_group_id(0) * workspace_size;
-            for (int term = 0; term < FLOW_TERMS; term++) {
-                film.gap_power[term] = (field4)space;
-                film.potential[term] = (field4)(space + g.count);
-                film.response[term] = (field4)(space + 2 * g.count);
-                space += 3 * g.count;
-            }
             film.work_a = space;
             film.work_b = space + g.count;
             film.work_c = space + 2 * g.count;
-            film.own_work = space + 3 * g.count;
-            field basis = film.own_work + OWN_FIELDS * g.count;
-            field small = basis + (most_krylov + 1) * g.length;
+            space += 3 * g.count;
+            film.own_work = space;
+            space += OWN_FIELDS * g.count;
+            for (int term = 0; term < FLOW_TERMS; term++) {
+                film.gap_power[term] = (field4)space;
+                film.potential[term] = (field4)(space + g.count);
+                space += 2 * g.count;
+            }
+            vector basis = (vector)space;
+            for (int term = 0; term < FLOW_TERMS; term++) {
+                film.power[term] = basis;
+                film.bend[term] = basis + g.count;
+                film.response[term] = basis + 2 * g.count;
+                basis += 3 * g.count;
+            }
+            film.diffusion = basis;
+            film.own_share = basis + g.count;
+            film.other_share = basis + 2 * g.count;
+            basis += 3 * g.count;
+            field small = (field)(basis + (most_krylov + 1) * g.length);
             film.epsilon = row->epsilon;
             film.sigma = row->sigma;
             film.amplitude = ARRAY(&film, amplitude);
@@ -149,7 +164,7 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             if (row->carry_t >= 0 && status == CONVERGED) {
                 carry(&g, &film, row - 1, results + (row - 1)->state);
             } else if (row->carry_t >= 0) {
-                FOR_EACH(i, g.length4) film.p[i] = (double4)(0.0);
+                FOR_EACH(i, g.length / 4) film.p[i] = (double4)(0.0);
                 SYNC;
             }
             set_gap(&g, &film);

@@ -53,17 +53,23 @@ class TimeModes:
 
     @cached_property
     def parts(self) -> Joined:
-        """The arrays as kernels know them: transposed, and all of whole vectors of four."""
+        """The arrays as kernels know them: transposed, the modes of a pair beside each other."""
+        instants = len(self.mean_gap)
         return joined(
             {
-                "to_time_modes": self.to_modes.T,
-                "time_modes": self.from_modes.T,
-                "speeds": np.tile(self.speeds, 2),
-                "decays": np.tile(self.decays, 2),
+                "to_time_modes": self.to_modes[_beside(instants)].T,
+                "time_modes": self.from_modes[:, _beside(instants)].T,
+                "speeds": self.speeds,
+                "decays": self.decays,
                 "mean_gap": self.mean_gap,
                 "settling": self.settling.T,
             }
         )
+
+
+def _beside(instants: int) -> np.ndarray:
+    """The order in which each first mode of a pair is followed by its second, shape (nt,)."""
+    return np.arange(instants).reshape(2, -1).T.ravel()
 
 
 def time_modes(instants: int, *, variation: float, lag: float) -> TimeModes:

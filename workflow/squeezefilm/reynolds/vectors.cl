@@ -1,0 +1,257 @@
+/* Dense products and sums of one number type, by the work-items of one work-group. Compiled for
+ * doubles, and again for floats where GMRES works in single precision (SINGLE): what is compiled
+ * behind that takes `real` for them.
+ *
+ * A field is stored [x][y][t] with time innermost, so that every operator of the solver is a
+ * small matrix times panels of contiguous numbers. All sizes are multiples of four. The device says
+ * how many doubles or floats its registers hold (device.py).
+ */
+#ifndef real
+#define real double
+#define LANES DOUBLE_LANES
+#else
+#undef real
+#undef LANES
+#define real float
+#define LANES FLOAT_LANES
+#endif
+
+#ifndef VECTORS
+#define VECTORS
+#define JOINED(a, b) a##b
+#define JOIN(a, b) JOINED(a, b)
+/* Of the type that is `real` where they stand: vectors in memory, and as many as a register holds. */
+#define vector JOIN(real, _vector)
+#define constant_vector JOIN(constant_, vector)
+#define lanes JOIN(real, LANES)
+#define OF_BOTH_TYPES static __attribute__((overloadable))
+
+/* n numbers at any place. PoCL's vload and vstore are calls that it does not expand; and a function
+ * that returns so many makes LLVM take registers as wide, where it prefers half of them. */
+#define UNALIGNED(n) JOIN(JOIN(unaligned_, real), n)
+#define LOADED(n) JOIN(JOIN(loaded_, n), _numbers)
+#define ACCESS(n)                                                                        \
+    typedef struct __attribute__((packed)) { JOIN(real, n) numbers; } UNALIGNED(n);      \
+    OF_BOTH_TYPES inline JOIN(real, n) LOADED(n)(constant_vector place)                  \
+    {                                                                                    \
+        return ((__global const UNALIGNED(n) *)place)->numbers;                          \
+    }
+
+/* c = a b (+ c) for 4 or 8 rows over 1 to 4 registers of n numbers. `a*b + c` is contracted to a fused
+ * multiply-add; an explicit fma() is slow on PoCL. */
+#define ROWS_4(STEP, w, n) STEP(0, w, n) STEP(1, w, n) STEP(2, w, n) STEP(3, w, n)
+#define ROWS_8(STEP, w, n) \
+    ROWS_4(STEP, w, n) STEP(4, w, n) STEP(5, w, n) STEP(6, w, n) STEP(7, w, n)
+#define ONE_ROW(STEP, w, n) STEP(0, w, n)
+#define WIDE_1(ROWS, STEP, n) ROWS(STEP, 0, n)
+#define WIDE_2(ROWS, STEP, n) WIDE_1(ROWS, STEP, n) ROWS(STEP, 1, n)
+#define WIDE_3(ROWS, STEP, n) WIDE_2(ROWS, STEP, n) ROWS(STEP, 2, n)
+#define WIDE_4(ROWS, STEP, n) WIDE_3(ROWS, STEP, n) ROWS(STEP, 3, n)
+#define LOAD(i, w, n)                                                              \
+    JOIN(real, n) c##i##w = add ? LOADED(n)(c + i * columns + w * n) : (JOIN(real, n))(0);
+#define ENTRY(i, w, n) const real a##i = a[i * inner + k];
+#define READ(i, w, n) const JOIN(real, n) b##w = LOADED(n)(row + w * n);
+#define MULTIPLY(i, w, n) c##i##w += a##i * b##w;
+#define STORE(i, w, n) ((__global UNALIGNED(n) *)(c + i * columns + w * n))->numbers = c##i##w;
+#define BLOCK(name, rows, wide, n)                                                             \
+    OF_BOTH_TYPES inline void name(constant_vector a, int inner, constant_vector b, vector c,  \
+                                   int columns, int add)                                       \
+    {                                                                                          \
+        WIDE_##wide(ROWS_##rows, LOAD, n)                                                      \
+        for (int k = 0; k < inner; k++) {                                                      \
+            constant_vector row = b + k * columns;                                             \
+            WIDE_##wide(ONE_ROW, READ, n)                                                      \
+            ROWS_##rows(ENTRY, 0, n)                                                           \
+            WIDE_##wide(ROWS_##rows, MULTIPLY, n)                                              \
+        }                                                                                      \
+        WIDE_##wide(ROWS_##rows, STORE, n)                                                     \
+    }
+#endif
+
+typedef __global real *vector;
+typedef __global const real *constant_vector;
+ACCESS(4)
+#if LANES > 4
+ACCESS(8)
+#endif
+#if LANES > 8
+ACCESS(16)
+#endif
+
+BLOCK(block_4_1, 4, 1, LANES)
+BLOCK(block_4_2, 4, 2, LANES)
+BLOCK(block_4_3, 4, 3, LANES)
+BLOCK(block_4_4, 4, 4, LANES)
+#if LANES > 4
+BLOCK(block_8_1, 8, 1, LANES)
+BLOCK(block_8_2, 8, 2, LANES)
+BLOCK(narrow_4_4, 4, 1, 4)
+BLOCK(narrow_8_4, 8, 1, 4)
+#endif
+#if LANES > 8
+BLOCK(narrow_4_8, 4, 1, 8)
+BLOCK(narrow_8_8, 8, 1, 8)
+#endif
+
+/* Four rows of a panel from column `from` up to `to`. */
+OF_BOTH_TYPES inline void four_rows(constant_vector a, int inner, constant_vector b, vector c,
+                                    int columns, int from, int to, int add)
+{
+    int column = from;
+    while (to - column >= LANES) {
+        const int left = (to - column) / LANES;
+        /* Never one alone beside others, which is slow. */
+        const int width = left == 5 ? 3 : min(left, 4);
+        switch (width) {
+        case 4: block_4_4(a, inner, b + column, c + column, columns, add); break;
+        case 3: block_4_3(a, inner, b + column, c + column, columns, add); break;
+        case 2: block_4_2(a, inner, b + column, c + column, columns, add); break;
+        default: block_4_1(a, inner, b + column, c + column, columns, add);
+        }
+        column += width * LANES;
+    }
+#if LANES > 8
+    if (to - column >= 8) {
+        narrow_4_8(a, inner, b + column, c + column, columns, add);
+        column += 8;
+    }
+#endif
+#if LANES > 4
+    if (to - column >= 4)
+        narrow_4_4(a, inner, b + column, c + column, columns, add);
+#endif
+}
+
+#if LANES > 4
+/* Eight rows of a panel: for registers as many as these vectors come with. */
+OF_BOTH_TYPES inline void eight_rows(constant_vector a, int inner, constant_vector b, vector c,
+                                     int columns, int add)
+{
+    int column = 0;
+    for (; columns - column >= 2 * LANES; column += 2 * LANES)
+        block_8_2(a, inner, b + column, c + column, columns, add);
+    if (columns - column >= LANES) {
+        block_8_1(a, inner, b + column, c + column, columns, add);
+        column += LANES;
+    }
+#if LANES > 8
+    if (columns - column >= 8) {
+        narrow_8_8(a, inner, b + column, c + column, columns, add);
+        column += 8;
+    }
+#endif
+    if (columns - column >= 4)
+        narrow_8_4(a, inner, b + column, c + column, columns, add);
+}
+#endif
+
+/* c = a b (+ c) for some panels of b and c, (inner, columns) and (rows, columns) numbers behind each
+ * other: a is (rows, inner). */
+OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vector b, vector c,
+                            int columns, int panels, int add)
+{
+    const int panel_b = inner * columns, panel_c = rows * columns;
+#if WORK_ITEMS == 1
+    for (int p = 0; p < panels; p++, b += panel_b, c += panel_c) {
+        int row = 0;
+#if LANES > 4
+        for (; rows - row >= 8; row += 8)
+            eight_rows(a + row * inner, inner, b, c + row * columns, columns, add);
+#endif
+        for (; row < rows; row += 4)
+            four_rows(a + row * inner, inner, b, c + row * columns, columns, 0, columns, add);
+    }
+#else
+    const int wide = 4 * LANES, row_blocks = rows / 4, column_blocks = (columns + wide - 1) / wide;
+    FOR_EACH(task, panels * row_blocks * column_blocks)
+    {
+        const int p = task / (row_blocks * column_blocks);
+        const int row = 4 * (task / column_blocks % row_blocks);
+        const int column = wide * (task % column_blocks);
+        four_rows(a + row * inner, inner, b + p * panel_b, c + p * panel_c + row * columns, columns,
+                  column, min(column + wide, columns), add);
+    }
+#endif
+    SYNC;
+}
+
+/* Four numbers as doubles, and doubles in a vector: PoCL's own conversions are calls, too. */
+OF_BOTH_TYPES double4 in_double(JOIN(real, 4) v) { return (double4)(v.x, v.y, v.z, v.w); }
+OF_BOTH_TYPES void store4(double4 v, int i, vector to)
+{
+    ((__global JOIN(real, 4) *)to)[i] = (JOIN(real, 4))(v.x, v.y, v.z, v.w);
+}
+
+OF_BOTH_TYPES double sum_of_lanes(lanes v)
+{
+#if LANES == 16
+    const float8 two = v.lo + v.hi;
+    return sum_of(in_double(two.lo + two.hi));
+#elif LANES == 8
+    return sum_of(in_double(v.lo + v.hi));
+#else
+    return sum_of(in_double(v));
+#endif
+}
+
+OF_BOTH_TYPES double dot_product(constant_vector a, constant_vector b, int count,
+                                 __local double *scratch)
+{
+    __global const lanes *a_lanes = (__global const lanes *)a, *b_lanes = (__global const lanes *)b;
+    lanes even = (lanes)(0), odd = (lanes)(0);
+    FOR_EACH(i, count / (2 * LANES))
+    {
+        even += a_lanes[2 * i] * b_lanes[2 * i];
+        odd += a_lanes[2 * i + 1] * b_lanes[2 * i + 1];
+    }
+    return sum_over_group(sum_of_lanes(even + odd), scratch);
+}
+
+/* Root of the sum of squares over `weight`; the squares of small floats are none. */
+OF_BOTH_TYPES double norm(constant_vector a, int count, double weight, __local double *scratch)
+{
+    __global const JOIN(real, 4) *a4 = (__global const JOIN(real, 4) *)a;
+    double4 even = (double4)(0.0), odd = (double4)(0.0);
+    FOR_EACH(i, count / 8)
+    {
+        const double4 first = in_double(a4[2 * i]), second = in_double(a4[2 * i + 1]);
+        even += first * first;
+        odd += second * second;
+    }
+    return sqrt(sum_over_group(sum_of(even + odd), scratch) / weight);
+}
+
+/* a −= scale b, and the dot product of the new a with c: one pass over a instead of two. */
+OF_BOTH_TYPES double subtract_and_project(vector a, real scale, constant_vector b, constant_vector c,
+                                          int count, __local double *scratch)
+{
+    __global lanes *a_lanes = (__global lanes *)a;
+    __global const lanes *b_lanes = (__global const lanes *)b, *c_lanes = (__global const lanes *)c;
+    lanes even = (lanes)(0), odd = (lanes)(0);
+    FOR_EACH(i, count / (2 * LANES))
+    {
+        const lanes first = a_lanes[2 * i] - scale * b_lanes[2 * i];
+        const lanes second = a_lanes[2 * i + 1] - scale * b_lanes[2 * i + 1];
+        a_lanes[2 * i] = first;
+        a_lanes[2 * i + 1] = second;
+        even += first * c_lanes[2 * i];
+        odd += second * c_lanes[2 * i + 1];
+    }
+    return sum_over_group(sum_of_lanes(even + odd), scratch);
+}
+
+OF_BOTH_TYPES void scale_field(vector a, real factor, int count)
+{
+    __global lanes *a_lanes = (__global lanes *)a;
+    FOR_EACH(i, count / LANES) a_lanes[i] *= factor;
+    SYNC;
+}
+
+/* a −= scale b. */
+OF_BOTH_TYPES void subtract(vector a, real scale, constant_vector b, int count)
+{
+    __global lanes *a_lanes = (__global lanes *)a;
+    __global const lanes *b_lanes = (__global const lanes *)b;
+    FOR_EACH(i, count / LANES) a_lanes[i] -= scale * b_lanes[i];
+    SYNC;
+}
