@@ -194,12 +194,12 @@ OF_BOTH_TYPES double sum_of_lanes(lanes v)
 #endif
 }
 
-OF_BOTH_TYPES double dot_product(constant_vector a, constant_vector b, int count,
+OF_BOTH_TYPES double dot_product(constant_vector a, constant_vector b, int count4,
                                  __local double *scratch)
 {
     __global const lanes *a_lanes = (__global const lanes *)a, *b_lanes = (__global const lanes *)b;
     lanes even = (lanes)(0), odd = (lanes)(0);
-    FOR_EACH(i, count / (2 * LANES))
+    FOR_EACH(i, count4 / (LANES / 2))
     {
         even += a_lanes[2 * i] * b_lanes[2 * i];
         odd += a_lanes[2 * i + 1] * b_lanes[2 * i + 1];
@@ -208,11 +208,11 @@ OF_BOTH_TYPES double dot_product(constant_vector a, constant_vector b, int count
 }
 
 /* Root of the sum of squares over `weight`; the squares of small floats are none. */
-OF_BOTH_TYPES double norm(constant_vector a, int count, double weight, __local double *scratch)
+OF_BOTH_TYPES double norm(constant_vector a, int count4, double weight, __local double *scratch)
 {
     __global const JOIN(real, 4) *a4 = (__global const JOIN(real, 4) *)a;
     double4 even = (double4)(0.0), odd = (double4)(0.0);
-    FOR_EACH(i, count / 8)
+    FOR_EACH(i, count4 / 2)
     {
         const double4 first = in_double(a4[2 * i]), second = in_double(a4[2 * i + 1]);
         even += first * first;
@@ -223,12 +223,12 @@ OF_BOTH_TYPES double norm(constant_vector a, int count, double weight, __local d
 
 /* a −= scale b, and the dot product of the new a with c: one pass over a instead of two. */
 OF_BOTH_TYPES double subtract_and_project(vector a, real scale, constant_vector b, constant_vector c,
-                                          int count, __local double *scratch)
+                                          int count4, __local double *scratch)
 {
     __global lanes *a_lanes = (__global lanes *)a;
     __global const lanes *b_lanes = (__global const lanes *)b, *c_lanes = (__global const lanes *)c;
     lanes even = (lanes)(0), odd = (lanes)(0);
-    FOR_EACH(i, count / (2 * LANES))
+    FOR_EACH(i, count4 / (LANES / 2))
     {
         const lanes first = a_lanes[2 * i] - scale * b_lanes[2 * i];
         const lanes second = a_lanes[2 * i + 1] - scale * b_lanes[2 * i + 1];
@@ -240,18 +240,18 @@ OF_BOTH_TYPES double subtract_and_project(vector a, real scale, constant_vector 
     return sum_over_group(sum_of_lanes(even + odd), scratch);
 }
 
-OF_BOTH_TYPES void scale_field(vector a, real factor, int count)
+OF_BOTH_TYPES void scale_field(vector a, real factor, int count4)
 {
     __global lanes *a_lanes = (__global lanes *)a;
-    FOR_EACH(i, count / LANES) a_lanes[i] *= factor;
+    FOR_EACH(i, count4 / (LANES / 4)) a_lanes[i] *= factor;
     SYNC;
 }
 
 /* a −= scale b. */
-OF_BOTH_TYPES void subtract(vector a, real scale, constant_vector b, int count)
+OF_BOTH_TYPES void subtract(vector a, real scale, constant_vector b, int count4)
 {
     __global lanes *a_lanes = (__global lanes *)a;
     __global const lanes *b_lanes = (__global const lanes *)b;
-    FOR_EACH(i, count / LANES) a_lanes[i] -= scale * b_lanes[i];
+    FOR_EACH(i, count4 / (LANES / 4)) a_lanes[i] -= scale * b_lanes[i];
     SYNC;
 }

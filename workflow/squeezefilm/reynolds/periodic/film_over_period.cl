@@ -175,7 +175,7 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
     }
     SYNC;
     along_t(g, g->time_derivative, work, v, 0);
-    subtract(r, film->sigma, v, g->count);
+    subtract(r, film->sigma, v, g->count4);
     film->own_out = modal + g->count;
     TERMS_RESIDUAL(g, film, work, v, r)
     vector nodal = (vector)v;

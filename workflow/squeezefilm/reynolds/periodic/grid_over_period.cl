@@ -10,7 +10,7 @@ typedef struct {
 
 /* Sizes and matrices. */
 typedef struct {
-    int nx, ny, nt, rows, count, nt4, count4, length;
+    int nx, ny, nt, rows, count, nt4, count4, length, length4;
     Operators linear;
     matrix laplace_x, laplace_y, eigenvalues, eigenvalues_y, weights;
     matrix time_derivative, mean_gap, speeds, decays;
@@ -60,7 +60,7 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     Grid g;
     g.nx = row->nx; g.ny = row->ny; g.nt = row->nt;
     g.rows = g.nx * g.ny; g.count = g.rows * g.nt;
-    g.length = UNKNOWN_FIELDS * g.count;
+    g.length = UNKNOWN_FIELDS * g.count; g.length4 = g.length / 4;
     g.nt4 = g.nt / 4; g.count4 = g.count / 4;
     g.laplace_x = values + row->laplace_x;
     g.laplace_y = values + row->laplace_y;

@@ -297,11 +297,10 @@ def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> dict[str, np.ndar
 
 
 def in_single(terms: Terms) -> bool:
-    import os
-
-    return os.environ.get("SF_SINGLE", "1") == "1" and not any(
-        "response" in term.HOOKS for term in terms
-    )
+    """Whether GMRES works in single precision: residual and state are double, so that only its
+    steps are rounded. Terms' own lines in the linear system are written for doubles.
+    """
+    return not any("response" in term.HOOKS for term in terms)
 
 
 @lru_cache(maxsize=64)

@@ -6,7 +6,7 @@
 static void response_bearing(const Grid *g, const Film *film, field mass, field work, field out)
 {
     along_x(g, ARRAY(film, derivative_x), mass, work, 0);
-    subtract(out, film->row->bearing, work, g->count);
+    subtract(out, film->row->bearing, work, g->count4);
 }
 
 /* The same for all of the mass: that of the gap at ambient density is known. */
