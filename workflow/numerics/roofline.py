@@ -15,7 +15,7 @@ import numpy as np
 
 from numerics.films import Film
 from numerics.peers.fixed_grid import problems_on_grid
-from squeezefilm.reynolds.device import Device, kernel
+from squeezefilm.reynolds.device import SPARE, Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -81,7 +81,7 @@ def measure(device: Device) -> list[Rate]:
     for name, grid in GRIDS.items():
         row, matrices = (device.sent(values) for values in _row(grid))
         nx, ny, nt = grid.shape
-        workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups))
+        workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups + SPARE))
         for which, (part, inner) in enumerate((("along x", nx), ("along y", ny), ("along t", nt))):
             flops = 2.0 * nx * ny * nt * inner
             turns = int(PRODUCT_FLOPS / flops)

@@ -16,6 +16,8 @@ from squeezefilm.reynolds import unknown_processor
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64
+# Doubles behind an array that kernels may read with the last of it, and not use (vectors.cl).
+SPARE = 8
 BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable", "-cl-kernel-arg-info")
 # Kernels' arguments that are numbers: told of their types, pyopencl need not try them out.
 NUMBER_TYPES: dict[str, Any] = {"int": np.int32, "ulong": np.uint64, "double": np.float64}
@@ -31,7 +33,7 @@ class Device:
         name: platform and device name, as reported by ``doctor`` and kept with results.
         groups: work-groups to launch, each with a workspace of its own.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
-        register_bytes: size of the vectors that a work-item computes with.
+        register_bytes: size of the vectors that a processor computes with.
         memory_bytes: the device's own memory.
         processor: whether it is one, and not an accelerator.
         rooms: the buffer that kernels work in, kept from launch to launch.
@@ -52,6 +54,10 @@ class Device:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
         room = self.memory_bytes // 2 // workspace_bytes
         return max(1, min(self.groups, scenes, room))
+
+    def lanes(self, number_bytes: int) -> int:
+        """How many numbers a work-item computes with at a time."""
+        return 4 if self.work_items > 1 else self.register_bytes // number_bytes
 
     def sent(self, values: np.ndarray) -> Any:
         """A buffer that holds a copy of ``values``."""
@@ -91,16 +97,17 @@ class Device:
         mapped.base.release(self.transfers)
 
     def room(self, numbers: int) -> Any:
-        """A buffer of so many doubles, or more, for a kernel to work in.
+        """A buffer of so many doubles, or more, for a kernel to work in, and some to spare.
 
         All kernels get the same one, for the queue runs them one after the other, and it is kept:
         new room is dear, the system clears its pages first.
         """
         import pyopencl as cl
 
-        if not self.rooms or self.rooms[0].size < 8 * numbers:
+        size = 8 * (numbers + SPARE)
+        if not self.rooms or self.rooms[0].size < size:
             self.rooms.clear()
-            self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 8 * numbers))
+            self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
         return self.rooms[0]
 
     @property
@@ -211,8 +218,11 @@ def kernel(
     The number of work-items per group and that of numbers in a register are always defined. Kernels
     are kept for the process and programs, by pyopencl and the driver, on disk.
     """
-    lanes = device.register_bytes // 8
-    sizes = (f"WORK_ITEMS={device.work_items}", f"DOUBLE_LANES={lanes}", f"FLOAT_LANES={2 * lanes}")
+    sizes = (
+        f"WORK_ITEMS={device.work_items}",
+        f"DOUBLE_LANES={device.lanes(8)}",
+        f"FLOAT_LANES={device.lanes(4)}",
+    )
     defines = (*sizes, *defines)
     return _kernel(device.context, name, header, sources, defines)
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from squeezefilm.reynolds.device import SPARE
 from squeezefilm.reynolds.terms import HOOKS, Terms
 
 C_TYPES = {"float64": "double", "int64": "long"}
@@ -134,4 +135,5 @@ class Pile:
 
     @property
     def values(self) -> np.ndarray:
-        return np.concatenate(self.parts)
+        """All of them, with room to spare behind the last."""
+        return np.concatenate([*self.parts, np.zeros(SPARE)])

@@ -8,7 +8,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
 from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
 
-
 HALVES = tuple(
     LeftOut(what, "the profile is even about the finger's middle, and nothing else breaks that")
     for what in ("mirror half in x", "mirror half in y")

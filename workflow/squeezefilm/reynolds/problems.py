@@ -92,7 +92,7 @@ def _amplitudes(
     known: dict[object, tuple[int, Scene]] = {}
     places = [known.setdefault(scene.place, (len(known), scene))[0] for scene in scenes]
     # On all grids at once: a profile is asked as rarely as can be.
-    x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids)))
+    x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids), strict=True))
     values = np.stack([scene.amplitude(x, y) for _, scene in known.values()])
     amplitudes, begin = [], 0
     for grid in grids:

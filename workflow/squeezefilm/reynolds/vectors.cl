@@ -26,100 +26,94 @@
 #define lanes JOIN(real, LANES)
 #define OF_BOTH_TYPES static __attribute__((overloadable))
 
-/* n numbers at any place. PoCL's vload and vstore are calls that it does not expand; and a function
- * that returns so many makes LLVM take registers as wide, where it prefers half of them. */
-#define UNALIGNED(n) JOIN(JOIN(unaligned_, real), n)
-#define LOADED(n) JOIN(JOIN(loaded_, n), _numbers)
-#define ACCESS(n)                                                                        \
-    typedef struct __attribute__((packed)) { JOIN(real, n) numbers; } UNALIGNED(n);      \
-    OF_BOTH_TYPES inline JOIN(real, n) LOADED(n)(constant_vector place)                  \
-    {                                                                                    \
-        return ((__global const UNALIGNED(n) *)place)->numbers;                          \
-    }
-
-/* c = a b (+ c) for 4 or 8 rows over 1 to 4 registers of n numbers. `a*b + c` is contracted to a fused
- * multiply-add; an explicit fma() is slow on PoCL. */
-#define ROWS_4(STEP, w, n) STEP(0, w, n) STEP(1, w, n) STEP(2, w, n) STEP(3, w, n)
-#define ROWS_8(STEP, w, n) \
-    ROWS_4(STEP, w, n) STEP(4, w, n) STEP(5, w, n) STEP(6, w, n) STEP(7, w, n)
-#define ONE_ROW(STEP, w, n) STEP(0, w, n)
-#define WIDE_1(ROWS, STEP, n) ROWS(STEP, 0, n)
-#define WIDE_2(ROWS, STEP, n) WIDE_1(ROWS, STEP, n) ROWS(STEP, 1, n)
-#define WIDE_3(ROWS, STEP, n) WIDE_2(ROWS, STEP, n) ROWS(STEP, 2, n)
-#define WIDE_4(ROWS, STEP, n) WIDE_3(ROWS, STEP, n) ROWS(STEP, 3, n)
-#define LOAD(i, w, n)                                                              \
-    JOIN(real, n) c##i##w = add ? LOADED(n)(c + i * columns + w * n) : (JOIN(real, n))(0);
-#define ENTRY(i, w, n) const real a##i = a[i * inner + k];
-#define READ(i, w, n) const JOIN(real, n) b##w = LOADED(n)(row + w * n);
-#define MULTIPLY(i, w, n) c##i##w += a##i * b##w;
-#define STORE(i, w, n) ((__global UNALIGNED(n) *)(c + i * columns + w * n))->numbers = c##i##w;
-#define BLOCK(name, rows, wide, n)                                                             \
+/* c = a b (+ c) for 4 or 8 rows over 1 to 4 registers, of the last of which `last` numbers are stored.
+ * `a*b + c` is contracted to a fused multiply-add; an explicit fma() is slow on PoCL. */
+#define ROWS_4(STEP, w) STEP(0, w) STEP(1, w) STEP(2, w) STEP(3, w)
+#define ROWS_8(STEP, w) ROWS_4(STEP, w) STEP(4, w) STEP(5, w) STEP(6, w) STEP(7, w)
+#define ONE_ROW(STEP, w) STEP(0, w)
+#define WIDE_1(ROWS, STEP) ROWS(STEP, 0)
+#define WIDE_2(ROWS, STEP) WIDE_1(ROWS, STEP) ROWS(STEP, 1)
+#define WIDE_3(ROWS, STEP) WIDE_2(ROWS, STEP) ROWS(STEP, 2)
+#define WIDE_4(ROWS, STEP) WIDE_3(ROWS, STEP) ROWS(STEP, 3)
+#define LOAD(i, w) lanes c##i##w = add ? loaded(c + i * columns + w * LANES) : (lanes)(0);
+#define ENTRY(i, w) const real a##i = a[i * inner + k];
+#define READ(i, w) const lanes b##w = loaded(row + w * LANES);
+#define MULTIPLY(i, w) c##i##w += a##i * b##w;
+#define STORE(i, w) store(c##i##w, c + i * columns + w * LANES, w < wide - 1 ? LANES : last);
+#define BLOCK(name, rows, registers)                                                           \
     OF_BOTH_TYPES inline void name(constant_vector a, int inner, constant_vector b, vector c,  \
-                                   int columns, int add)                                       \
+                                   int columns, int last, int add)                             \
     {                                                                                          \
-        WIDE_##wide(ROWS_##rows, LOAD, n)                                                      \
+        const int wide = registers;                                                            \
+        WIDE_##registers(ROWS_##rows, LOAD)                                                    \
         for (int k = 0; k < inner; k++) {                                                      \
             constant_vector row = b + k * columns;                                             \
-            WIDE_##wide(ONE_ROW, READ, n)                                                      \
-            ROWS_##rows(ENTRY, 0, n)                                                           \
-            WIDE_##wide(ROWS_##rows, MULTIPLY, n)                                              \
+            WIDE_##registers(ONE_ROW, READ)                                                    \
+            ROWS_##rows(ENTRY, 0)                                                              \
+            WIDE_##registers(ROWS_##rows, MULTIPLY)                                            \
         }                                                                                      \
-        WIDE_##wide(ROWS_##rows, STORE, n)                                                     \
+        WIDE_##registers(ROWS_##rows, STORE)                                                   \
     }
 #endif
 
 typedef __global real *vector;
 typedef __global const real *constant_vector;
-ACCESS(4)
-#if LANES > 4
-ACCESS(8)
-#endif
-#if LANES > 8
-ACCESS(16)
-#endif
+/* A register of numbers at any place, and the first `count` of them stored. PoCL's vload and vstore
+ * are calls that it does not expand; and a function that returns a register makes LLVM take them as
+ * wide, where it prefers half of them. */
+typedef struct __attribute__((packed)) { lanes numbers; } JOIN(unaligned_, real);
+typedef struct __attribute__((packed)) { JOIN(real, 4) numbers; } JOIN(four_unaligned_, real);
 
-BLOCK(block_4_1, 4, 1, LANES)
-BLOCK(block_4_2, 4, 2, LANES)
-BLOCK(block_4_3, 4, 3, LANES)
-BLOCK(block_4_4, 4, 4, LANES)
-#if LANES > 4
-BLOCK(block_8_1, 8, 1, LANES)
-BLOCK(block_8_2, 8, 2, LANES)
-BLOCK(narrow_4_4, 4, 1, 4)
-BLOCK(narrow_8_4, 8, 1, 4)
+OF_BOTH_TYPES inline lanes loaded(constant_vector place)
+{
+    return ((__global const JOIN(unaligned_, real) *)place)->numbers;
+}
+
+OF_BOTH_TYPES inline void store(lanes values, vector place, int count)
+{
+    __global JOIN(four_unaligned_, real) *fours = (__global JOIN(four_unaligned_, real) *)place;
+    if (count >= LANES) {
+        ((__global JOIN(unaligned_, real) *)place)->numbers = values;
+        return;
+    }
+#if LANES == 8
+    fours[0].numbers = values.lo;
+#elif LANES == 16
+    fours[0].numbers = values.lo.lo;
+    if (count > 4)
+        fours[1].numbers = values.lo.hi;
+    if (count > 8)
+        fours[2].numbers = values.hi.lo;
 #endif
-#if LANES > 8
-BLOCK(narrow_4_8, 4, 1, 8)
-BLOCK(narrow_8_8, 8, 1, 8)
+}
+
+BLOCK(block_4_1, 4, 1)
+BLOCK(block_4_2, 4, 2)
+BLOCK(block_4_3, 4, 3)
+BLOCK(block_4_4, 4, 4)
+#if LANES > 4
+BLOCK(block_8_1, 8, 1)
+BLOCK(block_8_2, 8, 2)
 #endif
 
 /* Four rows of a panel from column `from` up to `to`. */
 OF_BOTH_TYPES inline void four_rows(constant_vector a, int inner, constant_vector b, vector c,
                                     int columns, int from, int to, int add)
 {
-    int column = from;
-    while (to - column >= LANES) {
-        const int left = (to - column) / LANES;
+    for (int column = from; column < to;) {
+        const int left = (to - column + LANES - 1) / LANES;
         /* Never one alone beside others, which is slow. */
-        const int width = left == 5 ? 3 : min(left, 4);
+        const int width = left == 5 ? 3 : min(left, 4), last = to - column - (width - 1) * LANES;
+        constant_vector from_b = b + column;
+        vector to_c = c + column;
         switch (width) {
-        case 4: block_4_4(a, inner, b + column, c + column, columns, add); break;
-        case 3: block_4_3(a, inner, b + column, c + column, columns, add); break;
-        case 2: block_4_2(a, inner, b + column, c + column, columns, add); break;
-        default: block_4_1(a, inner, b + column, c + column, columns, add);
+        case 4: block_4_4(a, inner, from_b, to_c, columns, last, add); break;
+        case 3: block_4_3(a, inner, from_b, to_c, columns, last, add); break;
+        case 2: block_4_2(a, inner, from_b, to_c, columns, last, add); break;
+        default: block_4_1(a, inner, from_b, to_c, columns, last, add);
         }
         column += width * LANES;
     }
-#if LANES > 8
-    if (to - column >= 8) {
-        narrow_4_8(a, inner, b + column, c + column, columns, add);
-        column += 8;
-    }
-#endif
-#if LANES > 4
-    if (to - column >= 4)
-        narrow_4_4(a, inner, b + column, c + column, columns, add);
-#endif
 }
 
 #if LANES > 4
@@ -128,25 +122,16 @@ OF_BOTH_TYPES inline void eight_rows(constant_vector a, int inner, constant_vect
                                      int columns, int add)
 {
     int column = 0;
-    for (; columns - column >= 2 * LANES; column += 2 * LANES)
-        block_8_2(a, inner, b + column, c + column, columns, add);
-    if (columns - column >= LANES) {
-        block_8_1(a, inner, b + column, c + column, columns, add);
-        column += LANES;
-    }
-#if LANES > 8
-    if (columns - column >= 8) {
-        narrow_8_8(a, inner, b + column, c + column, columns, add);
-        column += 8;
-    }
-#endif
-    if (columns - column >= 4)
-        narrow_8_4(a, inner, b + column, c + column, columns, add);
+    for (; columns - column > LANES; column += 2 * LANES)
+        block_8_2(a, inner, b + column, c + column, columns, columns - column - LANES, add);
+    if (column < columns)
+        block_8_1(a, inner, b + column, c + column, columns, columns - column, add);
 }
 #endif
 
 /* c = a b (+ c) for some panels of b and c, (inner, columns) and (rows, columns) numbers behind each
- * other: a is (rows, inner). */
+ * other: a is (rows, inner). Of b up to a register more is read, and not used: behind every array there
+ * is room for that. */
 OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vector b, vector c,
                             int columns, int panels, int add)
 {

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.device import ALIGNMENT_BYTES, Device, aligned, kernel
+from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, aligned, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
 from squeezefilm.reynolds.periodic.time_modes import time_modes
@@ -231,7 +231,7 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
     stages = np.concatenate([np.full(batch.scenes, len(batch.grids)) for batch in batches])
     begins = np.concatenate([[0], np.cumsum(stages)])
     at_state = _said_numbers(int(begins[-1]))
-    results = aligned(at_state + sum(batch.count for batch in batches))
+    results = aligned(at_state + sum(batch.count for batch in batches) + SPARE)
     pile = Pile()
     rows = []
     for batch in batches:
