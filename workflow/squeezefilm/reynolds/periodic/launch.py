@@ -189,8 +189,12 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
 
     inputs = _inputs(batches)
     terms = batches[0].problems[0].terms
+    single = in_single(terms)
     periodic_state = kernel(
-        device, "periodic_state", sources=_sources(terms), header=_header(terms, inputs.rows.dtype)
+        device,
+        "periodic_state",
+        sources=_sources(terms, single=single),
+        header=_header(terms, inputs.rows.dtype, single=single),
     )
     scenes = sum(batch.scenes for batch in batches)
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
@@ -304,15 +308,15 @@ def in_single(terms: Terms) -> bool:
 
 
 @lru_cache(maxsize=64)
-def _sources(terms: Terms) -> tuple[str, ...]:
+def _sources(terms: Terms, *, single: bool) -> tuple[str, ...]:
     own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
-    vectors = ["vectors.cl"] * (2 if in_single(terms) else 1)
+    vectors = ["vectors.cl"] * (2 if single else 1)
     grid = ["linear_algebra.cl", *vectors, "periodic/grid_over_period.cl"]
     return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
 @lru_cache(maxsize=64)
-def _header(terms: Terms, row: np.dtype[Any]) -> str:
+def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
     """What the sources take as known; terms that no scene of a launch has are not compiled."""
     (flow_terms,) = row["flow"].shape
     return "\n".join(
@@ -320,7 +324,7 @@ def _header(terms: Terms, row: np.dtype[Any]) -> str:
             f"#define FLOW_TERMS {flow_terms}",
             f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",
-            "#define SINGLE" if in_single(terms) else "",
+            "#define SINGLE" if single else "",
             c_struct("Row", row),
             c_struct("Said", SAID),
             c_enum(ENDINGS),
