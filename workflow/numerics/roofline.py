@@ -1,7 +1,7 @@
 """The solver's parts beside the limits of the device they run on (a roofline, as a table).
 
-Arithmetic is set against a multiply-add peak and memory against a stream triad, both measured
-through the same OpenCL queue (Williams, Waterman and Patterson, Comm. ACM 52 (2009), 65–76). A
+Arithmetic is set against a multiply-add peak in double precision and memory against a stream triad,
+both measured through the same OpenCL queue (Williams, Waterman and Patterson, Comm. ACM 52 (2009), 65–76). A
 limit is what the device can do at its best: all rates are those of the fastest of some repeats,
 and the peak is measured anew beside each grid, for a processor's clock changes.
 """
@@ -25,6 +25,7 @@ from squeezefilm.reynolds.periodic.time_modes import time_modes
 SOURCES = ("linear_algebra.cl", "vectors.cl", "periodic/grid_over_period.cl", "roofline.cl")
 REPEATS = 5
 PEAK_TURNS = 1_000_000
+MATRIX_SIZE = 1000
 TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}
 TRIAD_TRAFFIC_BYTES = 4e9
 PRODUCT_FLOPS = 1e9
@@ -65,10 +66,13 @@ def measure(device: Device) -> list[Rate]:
 
     def peak() -> float:
         items = device.groups * device.work_items
-        time_s = seconds("multiply_add_peak", PEAK_TURNS, device.sent(np.zeros(items)))
-        return 2 * 4 * 12 * PEAK_TURNS * items / time_s / 1e9
+        values = device.sent(np.zeros(items + SPARE))
+        time_s = seconds("multiply_add_peak", PEAK_TURNS, values)
+        return 2 * 12 * device.lanes(8) * PEAK_TURNS * items / time_s / 1e9
 
     peaks = [peak()]
+    if device.processor:  # a peak that a library's matrix product surpasses is none
+        peaks.append(_matrix_product_rate())
     streams = []
     for name, size in TRIAD_BYTES.items():
         count4 = size // (3 * 32)
@@ -98,6 +102,12 @@ def measure(device: Device) -> list[Rate]:
     ]
 
 
+def _matrix_product_rate() -> float:
+    """GFLOP/s of NumPy's product of two large matrices."""
+    matrix = np.random.default_rng(1).random((MATRIX_SIZE, MATRIX_SIZE))
+    return 2 * MATRIX_SIZE**3 / _fastest_seconds(lambda: matrix @ matrix) / 1e9
+
+
 def _solve_rate(grid: Grid, device: Device) -> float:
     """GFLOP/s of a batch's whole Newton–Krylov solve, counting its products alone."""
     scenes = 8 * device.groups
@@ -121,7 +131,7 @@ def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     return row, pile.values
 
 
-def _fastest_seconds(run: Callable[[], None]) -> float:
+def _fastest_seconds(run: Callable[[], object]) -> float:
     """Wall seconds of a call, after one that warms it."""
     run()
     spans = []
