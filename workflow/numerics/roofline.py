@@ -1,9 +1,9 @@
 """The solver's parts beside the limits of the device they run on (a roofline, as a table).
 
 Arithmetic is set against a multiply-add peak in double precision and memory against a stream triad,
-both measured through the same OpenCL queue (Williams, Waterman and Patterson, Comm. ACM 52 (2009), 65–76). A
-limit is what the device can do at its best: all rates are those of the fastest of some repeats,
-and the peak is measured anew beside each grid, for a processor's clock changes.
+both measured through the same OpenCL queue (Williams, Waterman and Patterson, Comm. ACM 52 (2009),
+65–76). A limit is what the device can do at its best: all rates are those of the fastest of some
+repeats, and the peak is measured anew beside each grid, for a processor's clock changes.
 """
 
 import time
