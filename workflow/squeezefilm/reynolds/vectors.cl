@@ -24,6 +24,10 @@
 #define vector JOIN(real, _vector)
 #define constant_vector JOIN(constant_, vector)
 #define lanes JOIN(real, LANES)
+/* Processors with registers of 64 bytes have 32 of them. */
+#if DOUBLE_LANES == 8
+#define MANY_REGISTERS
+#endif
 #define OF_BOTH_TYPES static __attribute__((overloadable))
 
 /* c = a b (+ c) for 4 or 8 rows over 1 to 4 registers, of the last of which `last` numbers are stored.
@@ -58,11 +62,14 @@
 
 typedef __global real *vector;
 typedef __global const real *constant_vector;
-/* A register of numbers at any place, and the first `count` of them stored. PoCL's vload and vstore
- * are calls that it does not expand; and a function that returns a register makes LLVM take them as
- * wide, where it prefers half of them. */
+/* A register of numbers, and the first `count` of one stored; places are those of four numbers each.
+ * PoCL's vload and vstore are calls that it does not expand; and a function that returns a register
+ * makes LLVM take them as wide, where it prefers half of them. */
+#if LANES > 4
 typedef struct __attribute__((packed)) { lanes numbers; } JOIN(unaligned_, real);
-typedef struct __attribute__((packed)) { JOIN(real, 4) numbers; } JOIN(four_unaligned_, real);
+#else
+typedef struct { lanes numbers; } JOIN(unaligned_, real);
+#endif
 
 OF_BOTH_TYPES inline lanes loaded(constant_vector place)
 {
@@ -71,19 +78,19 @@ OF_BOTH_TYPES inline lanes loaded(constant_vector place)
 
 OF_BOTH_TYPES inline void store(lanes values, vector place, int count)
 {
-    __global JOIN(four_unaligned_, real) *fours = (__global JOIN(four_unaligned_, real) *)place;
     if (count >= LANES) {
         ((__global JOIN(unaligned_, real) *)place)->numbers = values;
         return;
     }
+    __global JOIN(real, 4) *fours = (__global JOIN(real, 4) *)place;
 #if LANES == 8
-    fours[0].numbers = values.lo;
+    fours[0] = values.lo;
 #elif LANES == 16
-    fours[0].numbers = values.lo.lo;
+    fours[0] = values.lo.lo;
     if (count > 4)
-        fours[1].numbers = values.lo.hi;
+        fours[1] = values.lo.hi;
     if (count > 8)
-        fours[2].numbers = values.hi.lo;
+        fours[2] = values.hi.lo;
 #endif
 }
 
@@ -91,7 +98,7 @@ BLOCK(block_4_1, 4, 1)
 BLOCK(block_4_2, 4, 2)
 BLOCK(block_4_3, 4, 3)
 BLOCK(block_4_4, 4, 4)
-#if LANES > 4
+#ifdef MANY_REGISTERS
 BLOCK(block_8_1, 8, 1)
 BLOCK(block_8_2, 8, 2)
 #endif
@@ -116,8 +123,8 @@ OF_BOTH_TYPES inline void four_rows(constant_vector a, int inner, constant_vecto
     }
 }
 
-#if LANES > 4
-/* Eight rows of a panel: for registers as many as these vectors come with. */
+#ifdef MANY_REGISTERS
+/* Eight rows of a panel. */
 OF_BOTH_TYPES inline void eight_rows(constant_vector a, int inner, constant_vector b, vector c,
                                      int columns, int add)
 {
@@ -139,7 +146,7 @@ OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vec
 #if WORK_ITEMS == 1
     for (int p = 0; p < panels; p++, b += panel_b, c += panel_c) {
         int row = 0;
-#if LANES > 4
+#ifdef MANY_REGISTERS
         for (; rows - row >= 8; row += 8)
             eight_rows(a + row * inner, inner, b, c + row * columns, columns, add);
 #endif

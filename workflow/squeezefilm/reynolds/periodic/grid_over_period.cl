@@ -46,7 +46,7 @@ static constant_vector taken(matrix values, int count, vector *room)
 {
 #ifdef SINGLE
     vector copy = *room;
-    FOR_EACH(i, count / 4) store4(((__global const four_unaligned_double *)values)[i].numbers, i, copy);
+    FOR_EACH(i, count / 4) store4(((matrix4)values)[i], i, copy);
     *room += count;
     return copy;
 #else
