@@ -12,8 +12,11 @@ from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.explain import explain
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic import refinement
+from squeezefilm.reynolds.periodic import launch, refinement
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.study import scene_of
 
@@ -216,9 +219,44 @@ def test_work_groups_of_many_items_give_the_same_forces(paper_scenes, monkeypatc
     """The code path of a graphics processor, run on the processor at hand."""
     # PoCL optimises such a kernel for a minute and more.
     monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
-    alone = solve(paper_scenes[:6], tolerance=1e-6)
-    shared = solve(paper_scenes[:6], tolerance=1e-6, device=choose_device(work_items=4))
+    # To 1e-8: what single precision leaves in a step is a part of the tolerance.
+    alone = solve(paper_scenes[:6], tolerance=1e-8)
+    shared = solve(paper_scenes[:6], tolerance=1e-8, device=choose_device(work_items=4))
     assert [s.force_n for s in shared] == pytest.approx([s.force_n for s in alone], rel=1e-9)
+
+
+FEW_FILMS = [
+    film(profile=profile, epsilon=epsilon, sigma=sigma)
+    for profile in (PISTON, SINC)
+    for epsilon in (0.05, 0.4, 0.9)
+    for sigma in (0.5, 20.0, 3e3)
+]
+
+
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-3, 1e-5, 1e-7])
+def test_no_more_is_left_of_an_iteration_than_it_says(tolerance):
+    """Also where the residual behind the last step is not computed (periodic.cl)."""
+    grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
+    exact, found = (
+        solve_batch(
+            problems=problems_of(FEW_FILMS, grid, tolerance=each), grid=grid, device=choose_device()
+        )
+        for each in (1e-12, tolerance)
+    )
+    narrowest = 1 - np.array([each.epsilon for each in FEW_FILMS])
+    floor = 1e-14 * exact.largest
+    assert (np.abs(found.mean - exact.mean) <= found.residual / narrowest + floor).all()
+    assert (np.abs(found.mean / exact.mean - 1) <= tolerance).all()
+
+
+def test_single_precision_in_a_step_moves_no_force(monkeypatch):
+    grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
+    problems = problems_of(FEW_FILMS, grid, tolerance=1e-10)
+    single = solve_batch(problems=problems, grid=grid, device=choose_device())
+    monkeypatch.setattr(launch, "in_single", lambda terms: False)
+    double = solve_batch(problems=problems, grid=grid, device=choose_device())
+    assert single.mean == pytest.approx(double.mean, rel=2e-10)
+    assert (single.mean != double.mean).any()  # it was another kernel
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,9 @@
 """The solver's parts beside the limits of the device they run on (a roofline, as a table).
 
-Arithmetic is set against a multiply-add peak and memory against a stream triad, both measured
-through the same OpenCL queue (Williams, Waterman and Patterson, Comm. ACM 52 (2009), 65–76). A
-limit is what the device can do at its best: all rates are those of the fastest of some repeats,
-and the peak is measured anew beside each grid, for a processor's clock changes.
+Arithmetic is set against a multiply-add peak in double precision and memory against a stream triad,
+both measured through the same OpenCL queue (Williams, Waterman and Patterson, Comm. ACM 52 (2009),
+65–76). A limit is what the device can do at its best: all rates are those of the fastest of some
+repeats, and the peak is measured anew beside each grid, for a processor's clock changes.
 """
 
 import time
@@ -15,16 +15,17 @@ import numpy as np
 
 from numerics.films import Film
 from numerics.peers.fixed_grid import problems_on_grid
-from squeezefilm.reynolds.device import Device, kernel
+from squeezefilm.reynolds.device import SPARE, Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
-from squeezefilm.reynolds.layout import Pile, c_struct, joined, rows_of
+from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import iteration_flops
 from squeezefilm.reynolds.periodic.time_modes import time_modes
 
-SOURCES = ("linear_algebra.cl", "periodic/grid_over_period.cl", "roofline.cl")
+SOURCES = ("linear_algebra.cl", "vectors.cl", "periodic/grid_over_period.cl", "roofline.cl")
 REPEATS = 5
 PEAK_TURNS = 1_000_000
+MATRIX_SIZE = 1000
 TRIAD_BYTES = {"in cache": 192 * 2**10, "in memory": 192 * 2**20}
 TRIAD_TRAFFIC_BYTES = 4e9
 PRODUCT_FLOPS = 1e9
@@ -65,10 +66,13 @@ def measure(device: Device) -> list[Rate]:
 
     def peak() -> float:
         items = device.groups * device.work_items
-        time_s = seconds("multiply_add_peak", PEAK_TURNS, device.sent(np.zeros(items)))
-        return 2 * 4 * 12 * PEAK_TURNS * items / time_s / 1e9
+        values = device.sent(np.zeros(items + SPARE))
+        time_s = seconds("multiply_add_peak", PEAK_TURNS, values)
+        return 2 * 12 * device.lanes(8) * PEAK_TURNS * items / time_s / 1e9
 
     peaks = [peak()]
+    if device.processor:  # a peak that a library's matrix product surpasses is none
+        peaks.append(_matrix_product_rate())
     streams = []
     for name, size in TRIAD_BYTES.items():
         count4 = size // (3 * 32)
@@ -81,7 +85,7 @@ def measure(device: Device) -> list[Rate]:
     for name, grid in GRIDS.items():
         row, matrices = (device.sent(values) for values in _row(grid))
         nx, ny, nt = grid.shape
-        workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups))
+        workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups + SPARE))
         for which, (part, inner) in enumerate((("along x", nx), ("along y", ny), ("along t", nt))):
             flops = 2.0 * nx * ny * nt * inner
             turns = int(PRODUCT_FLOPS / flops)
@@ -96,6 +100,12 @@ def measure(device: Device) -> list[Rate]:
         *streams,
         *(Rate(part, name, rate, 0.0, "arithmetic", rate / limit) for part, name, rate in parts),
     ]
+
+
+def _matrix_product_rate() -> float:
+    """GFLOP/s of NumPy's product of two large matrices."""
+    matrix = np.random.default_rng(1).random((MATRIX_SIZE, MATRIX_SIZE))
+    return 2 * MATRIX_SIZE**3 / _fastest_seconds(lambda: matrix @ matrix) / 1e9
 
 
 def _solve_rate(grid: Grid, device: Device) -> float:
@@ -116,12 +126,12 @@ def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The grid as kernels take it: a row of sizes and places, and the matrices."""
     pile = Pile()
     starts = pile.add(grid_matrices(grid, aspect=1.0, terms=()))
-    starts |= pile.add(joined(time_modes(grid.nt, variation=0.0, lag=0.0, slow=1.0).parts()))
+    starts |= pile.add(time_modes(grid.nt, variation=0.0, lag=0.0, slow=1.0).parts)
     row = rows_of({"nx": grid.nx, "ny": grid.ny, "nt": grid.nt, **starts}, np.empty(1, dtype=[]))
     return row, pile.values
 
 
-def _fastest_seconds(run: Callable[[], None]) -> float:
+def _fastest_seconds(run: Callable[[], object]) -> float:
     """Wall seconds of a call, after one that warms it."""
     run()
     spans = []

@@ -1,6 +1,7 @@
 """One operating point of a squeeze film, and the dimensionless numbers that govern it."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import cos, hypot, isfinite, pi, radians, sin, sqrt
 from typing import TypeVar
 
@@ -150,12 +151,12 @@ class Scene:
     actuator: Actuator
     finger: Finger
 
-    @property
+    @cached_property
     def epsilon(self) -> float:
         """Excursion ratio hv/h0."""
         return self.hv_m / self.h0_m
 
-    @property
+    @cached_property
     def sigma(self) -> float:
         """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the finger's length along x (paper eq. 1)."""
         return (
@@ -207,7 +208,7 @@ class Scene:
         """p0 times the finger's area: the force of a mean overpressure of one atmosphere."""
         return self.gas.ambient_pressure_pa * self.finger.area_m2
 
-    @property
+    @cached_property
     def place(self) -> tuple[Profile, Finger, float, float]:
         """All that the profile under the finger depends on: equal for scenes that share it."""
         return self.actuator.profile, self.finger, self.x_m, self.y_m

@@ -16,6 +16,8 @@ from squeezefilm.reynolds import unknown_processor
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64
+# Doubles behind an array that kernels may read with the last of it, and not use (vectors.cl).
+SPARE = 8
 BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable", "-cl-kernel-arg-info")
 # Kernels' arguments that are numbers: told of their types, pyopencl need not try them out.
 NUMBER_TYPES: dict[str, Any] = {"int": np.int32, "ulong": np.uint64, "double": np.float64}
@@ -31,6 +33,7 @@ class Device:
         name: platform and device name, as reported by ``doctor`` and kept with results.
         groups: work-groups to launch, each with a workspace of its own.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
+        register_bytes: size of the vectors that a processor computes with.
         memory_bytes: the device's own memory.
         processor: whether it is one, and not an accelerator.
         rooms: the buffer that kernels work in, kept from launch to launch.
@@ -44,12 +47,17 @@ class Device:
     work_items: int
     memory_bytes: int
     processor: bool = True
+    register_bytes: int = 32
     rooms: list[Any] = field(default_factory=list, compare=False)
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
         room = self.memory_bytes // 2 // workspace_bytes
         return max(1, min(self.groups, scenes, room))
+
+    def lanes(self, number_bytes: int) -> int:
+        """How many numbers a work-item computes with at a time."""
+        return 4 if self.work_items > 1 else self.register_bytes // number_bytes
 
     def sent(self, values: np.ndarray) -> Any:
         """A buffer that holds a copy of ``values``."""
@@ -89,16 +97,17 @@ class Device:
         mapped.base.release(self.transfers)
 
     def room(self, numbers: int) -> Any:
-        """A buffer of so many doubles, or more, for a kernel to work in.
+        """A buffer of so many doubles, or more, for a kernel to work in, and some to spare.
 
         All kernels get the same one, for the queue runs them one after the other, and it is kept:
         new room is dear, the system clears its pages first.
         """
         import pyopencl as cl
 
-        if not self.rooms or self.rooms[0].size < 8 * numbers:
+        size = 8 * (numbers + SPARE)
+        if not self.rooms or self.rooms[0].size < size:
             self.rooms.clear()
-            self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, 8 * numbers))
+            self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
         return self.rooms[0]
 
     @property
@@ -163,6 +172,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         work_items=work_items or (128 if on_gpu else 1),
         memory_bytes=device.global_mem_size,
         processor=bool(device.type & cl.device_type.CPU),
+        register_bytes=64 if device.native_vector_width_double >= 8 else 32,
     )
 
 
@@ -205,10 +215,15 @@ def kernel(
 ) -> Any:
     """A kernel of a program made of a text and some files of this folder, joined in order.
 
-    The number of work-items per group is always defined. Kernels are
-    kept for the process and programs, by pyopencl and the driver, on disk.
+    The number of work-items per group and that of numbers in a register are always defined. Kernels
+    are kept for the process and programs, by pyopencl and the driver, on disk.
     """
-    defines = (f"WORK_ITEMS={device.work_items}", *defines)
+    sizes = (
+        f"WORK_ITEMS={device.work_items}",
+        f"DOUBLE_LANES={device.lanes(8)}",
+        f"FLOAT_LANES={device.lanes(4)}",
+    )
+    defines = (*sizes, *defines)
     return _kernel(device.context, name, header, sources, defines)
 
 

@@ -45,7 +45,7 @@ class Grid:
 
     @property
     def positions(self) -> tuple[np.ndarray, np.ndarray]:
-        """All nodes x, y across the finger, ends and mirror images included."""
+        """All nodes x, y across the finger, ends and mirror images included, row by row."""
         return _positions(self.x, self.y)
 
     @property
@@ -69,7 +69,7 @@ class Grid:
 @lru_cache(maxsize=256)
 def _positions(x: Axis, y: Axis) -> tuple[np.ndarray, np.ndarray]:
     along_x, along_y = np.meshgrid(x.all_nodes, y.all_nodes, indexing="ij")
-    return along_x, along_y
+    return along_x.ravel(), along_y.ravel()
 
 
 @lru_cache(maxsize=256)

@@ -3,11 +3,12 @@
 
 /* GMRES with modified Gram–Schmidt and Givens rotations for a preconditioned system whose product
  * is apply_jacobian. On entry basis[0] holds the right-hand side, of norm `beta`; on exit the
- * solution. Norms are root sums of squares over `weight`. Stops at the norm `target` of what is
- * left or after `most` steps; an unfinished solution is still a good Newton step. `small` has room
- * for (most + 4)(most + 1) numbers. Returns the number of steps. */
-static int gmres(const Grid *g, Film *film, field basis, field small, double beta,
-                 double target, int most, double weight, __local double *scratch)
+ * solution. Vectors are of the type `real`, all that is small is double. Norms are root sums of
+ * squares over `weight`. Stops at the norm `target` of what is left or after `most` steps; an
+ * unfinished solution is still a good Newton step. `small` has room for (most + 4)(most + 1)
+ * numbers. Returns the number of steps, and in `left_over` that norm. */
+static int gmres(const Grid *g, Film *film, vector basis, field small, double beta,
+                 double target, int most, double weight, double *left_over, __local double *scratch)
 {
     const int lead = most + 1;
     field hessenberg = small, right = hessenberg + lead * most, cosines = right + lead,
@@ -18,14 +19,14 @@ static int gmres(const Grid *g, Film *film, field basis, field small, double bet
     if (get_local_id(0) == 0)
         right[0] = beta;
     while (steps < most && left > target) {
-        field next = basis + (steps + 1) * g->length;
+        vector next = basis + (steps + 1) * g->length;
         apply_jacobian(g, film, basis + steps * g->length, next);
         field column = hessenberg + steps * lead;
-        double overlap = dot_product((matrix4)basis, (matrix4)next, g->length4, scratch) / weight;
+        double overlap = dot_product(basis, next, g->length4, scratch) / weight;
         for (int j = 0; j <= steps; j++) {
             if (get_local_id(0) == 0)
                 column[j] = overlap;
-            field old = basis + j * g->length, other = j < steps ? old + g->length : next;
+            vector old = basis + j * g->length, other = j < steps ? old + g->length : next;
             overlap = subtract_and_project(next, overlap, old, other, g->length4, scratch) / weight;
         }
         const double length = sqrt(overlap);
@@ -61,5 +62,6 @@ static int gmres(const Grid *g, Film *film, field basis, field small, double bet
         scale_field(basis, right[0], g->length4);
     for (int j = 1; j < steps; j++)
         subtract(basis, -right[j], basis + j * g->length, g->length4);
+    *left_over = left;
     return steps;
 }

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from squeezefilm.reynolds.device import SPARE
 from squeezefilm.reynolds.terms import HOOKS, Terms
 
 C_TYPES = {"float64": "double", "int64": "long"}
@@ -49,18 +50,20 @@ def rows_of(
     """
     kind = _row_type(tuple(whole), numbers.dtype, tuple(more))
     table = np.empty((len(numbers), kind.itemsize // 8), dtype=np.int64)
-    # All at once what is one for all: a row has some thirty columns.
+    # As plain numbers, and at once what is one for all: a row has some thirty columns.
     table[:, : len(whole)] = [
         0 if isinstance(each, np.ndarray) else each for each in whole.values()
     ]
-    rows = table.view(kind)[:, 0]
-    for names in (whole, more):
-        for name, each in names.items():
-            if isinstance(each, np.ndarray):
-                rows[name] = each
-    for name in numbers.dtype.names or ():
-        rows[name] = numbers[name]
-    return rows
+    for column, each in enumerate(whole.values()):
+        if isinstance(each, np.ndarray):
+            table[:, column] = each
+    reals = table.view(np.float64)
+    own = numbers.dtype.itemsize // 8
+    if own:
+        reals[:, len(whole) : len(whole) + own] = numbers.view(np.float64).reshape(-1, own)
+    for column, each in enumerate(more.values(), start=len(whole) + own):
+        reals[:, column] = each
+    return table.view(kind)[:, 0]
 
 
 def scene_by_scene(batches: Iterable[Sequence[np.ndarray]]) -> np.ndarray:
@@ -107,11 +110,16 @@ class Pile:
     parts: list[np.ndarray] = field(default_factory=list)
     end: int = 0
 
+    def put(self, values: np.ndarray) -> int:
+        """Where an array begins."""
+        begin = self.end
+        self.parts.append(values)
+        self.end += values.size
+        return begin
+
     def add(self, more: Joined) -> dict[str, int]:
         """Where each of some arrays begins."""
-        begin = self.end
-        self.parts.append(more.values)
-        self.end += more.values.size
+        begin = self.put(more.values)
         return {name: begin + start for name, start in more.starts.items()}
 
     def add_each(
@@ -127,4 +135,5 @@ class Pile:
 
     @property
     def values(self) -> np.ndarray:
-        return np.concatenate(self.parts)
+        """All of them, with room to spare behind the last."""
+        return np.concatenate([*self.parts, np.zeros(SPARE)])

@@ -8,6 +8,11 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
 from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
 
+HALVES = tuple(
+    LeftOut(what, "the profile is even about the finger's middle, and nothing else breaks that")
+    for what in ("mirror half in x", "mirror half in y")
+)
+
 
 @dataclass(frozen=True)
 class Needs:
@@ -32,9 +37,8 @@ class Needs:
     @property
     def halves_left_out(self) -> tuple[LeftOut, ...]:
         """Mirror images of what is solved."""
-        why = "the profile is even about the finger's middle, and nothing else breaks that"
-        folds = (("mirror half in x", self.fold_x), ("mirror half in y", self.fold_y))
-        return tuple(LeftOut(what, why) for what, fold in folds if fold)
+        folds = zip(HALVES, (self.fold_x, self.fold_y), strict=True)
+        return tuple(half for half, fold in folds if fold)
 
     @property
     def terms_left_out(self) -> tuple[LeftOut, ...]:

@@ -66,20 +66,18 @@ def problems_on(scenes: Sequence[Scene], tolerances: Mapping[Grid, float]) -> li
     if any(terms_of(scene) != terms for scene in scenes):
         raise ValueError("a batch is of scenes with like terms")
     numbers = _table([numbers_of(scene, terms) for scene in scenes])
-    problems = []
-    for grid, tolerance in tolerances.items():
-        amplitude, places = _amplitudes(scenes, grid)
-        problems.append(
-            Problems(
-                numbers=numbers,
-                terms=terms,
-                aspect=scenes[0].aspect,
-                amplitude=amplitude,
-                places=places,
-                tolerance=tolerance,
-            )
+    amplitudes, places = _amplitudes(scenes, list(tolerances))
+    return [
+        Problems(
+            numbers=numbers,
+            terms=terms,
+            aspect=scenes[0].aspect,
+            amplitude=amplitude,
+            places=places,
+            tolerance=tolerance,
         )
-    return problems
+        for amplitude, tolerance in zip(amplitudes, tolerances.values(), strict=True)
+    ]
 
 
 def _table(rows: Sequence[Any]) -> np.ndarray:
@@ -87,16 +85,22 @@ def _table(rows: Sequence[Any]) -> np.ndarray:
     return np.array([tuple(row.values()) for row in rows], dtype=kinds)
 
 
-def _amplitudes(scenes: Sequence[Scene], grid: Grid) -> tuple[np.ndarray, np.ndarray]:
-    """The profile on all nodes at each place of the finger, and each scene's place."""
-    x, y = grid.positions
-    profiles: list[np.ndarray] = []
-    known: dict[object, int] = {}
-    for scene in scenes:
-        if scene.place not in known:
-            known[scene.place] = len(profiles)
-            profiles.append(scene.amplitude(x, y))
-    return np.stack(profiles), np.array([known[scene.place] for scene in scenes])
+def _amplitudes(
+    scenes: Sequence[Scene], grids: Sequence[Grid]
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """The profile on all nodes of each grid at each place of the finger, and each scene's place."""
+    known: dict[object, tuple[int, Scene]] = {}
+    places = [known.setdefault(scene.place, (len(known), scene))[0] for scene in scenes]
+    # On all grids at once: a profile is asked as rarely as can be.
+    x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids), strict=True))
+    values = np.stack([scene.amplitude(x, y) for _, scene in known.values()])
+    amplitudes, begin = [], 0
+    for grid in grids:
+        shape = grid.x.full_points + 2, grid.y.full_points + 2
+        end = begin + shape[0] * shape[1]
+        amplitudes.append(values[:, begin:end].reshape(-1, *shape))
+        begin = end
+    return amplitudes, np.array(places)
 
 
 def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
@@ -123,5 +127,5 @@ def mean_amplitude(problems: Problems, grid: Grid) -> np.ndarray:
     """The profile averaged over the finger, for each scene, shape (scenes,)."""
     inner = problems.amplitude[:, 1 : grid.nx + 1, 1 : grid.ny + 1]
     # The rule leaves out the ends; what it gives them is small, and the mean is no result.
-    weights = np.outer(grid.x.weights, grid.y.weights)
-    return np.asarray((inner * weights).sum(axis=(1, 2)) / weights.sum())[problems.places]
+    whole = grid.x.weights.sum() * grid.y.weights.sum()
+    return np.asarray(grid.x.weights @ inner @ grid.y.weights / whole)[problems.places]

@@ -268,13 +268,14 @@ def by_limits(
     if method in ("periodic", "march"):
         return {}
     results: dict[int, LimitResult] = {}
+    # A limit's promise, an inequality, is asked first: it is cheap and mostly not given.
     for name in CHOSEN_LIMITS if method == "auto" else (method,):
         waiting = [
             index
-            for index in range(len(scenes))
+            for index, (scene, need) in enumerate(zip(scenes, needs, strict=True))
             if index not in results
-            and _applies(name, scenes[index], needs[index])
-            and (method != "auto" or _promises(name, scenes[index], needs[index], tolerance))
+            and (method != "auto" or _promises(name, scene, need, tolerance))
+            and _applies(name, scene, need)
         ]
         for index, result in _evaluate(name, scenes, needs, waiting, tolerance=tolerance).items():
             if method != "auto" or result.holds(tolerance):
@@ -302,13 +303,18 @@ def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
         return False
     if name == "matched-limit" and needs.fold_x and needs.fold_y:
         return False  # the periodic state on a quarter costs no more
-    order = {
-        "closed-form": 0.3 * scene.sigma**-0.5,
-        "boundary-layer": (0.3 if needs.uniform else 100) * scene.sigma**-1.5,
-        "small-amplitude": scene.epsilon**2,
-        "matched-limit": (3 if needs.uniform else 15) * scene.epsilon**2 * scene.sigma**-1.5,
-    }
-    return order[name] <= tolerance
+    match name:
+        case "closed-form":
+            order = 0.3 * scene.sigma**-0.5
+        case "boundary-layer":
+            order = (0.3 if needs.uniform else 100) * scene.sigma**-1.5
+        case "small-amplitude":
+            order = scene.epsilon**2
+        case "matched-limit":
+            order = (3 if needs.uniform else 15) * scene.epsilon**2 * scene.sigma**-1.5
+        case _:
+            raise ValueError(f"no limit is called {name}")
+    return order <= tolerance
 
 
 def _evaluate(

@@ -43,6 +43,7 @@ class Probe:
     tail_x: np.ndarray
     tail_y: np.ndarray
 
+    @lru_cache(maxsize=1024)  # noqa: B019 - probes are kept by place anyway
     def nodes(self, share: float) -> tuple[int, int]:
         """Nodes along x and y that miss no more than a share."""
         return int(np.argmax(self.tail_x <= share)), int(np.argmax(self.tail_y <= share))
@@ -113,13 +114,12 @@ class _Place:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.key = (scene.actuator.profile, scene.finger, scene.x_m, scene.y_m)
 
     def __hash__(self) -> int:
-        return hash(self.key)
+        return hash(self.scene.place)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Place) and self.key == other.key
+        return isinstance(other, _Place) and self.scene.place == other.scene.place
 
 
 @lru_cache(maxsize=4096)

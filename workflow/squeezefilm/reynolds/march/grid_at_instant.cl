@@ -36,10 +36,10 @@ static Grid make_grid(__global const Row *row, matrix values)
 
 static void along_x(const Grid *g, matrix a, field in, field out, int add)
 {
-    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, g->ny4, 1, add);
+    multiply(a, g->nx, g->nx, in, out, g->ny, 1, add);
 }
 
 static void along_y(const Grid *g, matrix transposed, field in, field out, int add)
 {
-    multiply(in, g->nx, g->ny, (matrix4)transposed, (field4)out, g->ny4, 1, add);
+    multiply(in, g->nx, g->ny, transposed, out, g->ny, 1, add);
 }

@@ -23,8 +23,9 @@ static bool solve_stage(const Grid *g, Film *film, double c, field y, matrix z, 
         beta = norm(basis, g->count4, g->count, scratch);
         if (beta <= tolerance || !isfinite(beta) || step == NEWTON)
             break;
+        double left;
         const double target = fmax(0.3 * tolerance, fmin(0.1 * beta, beta * beta));
-        *krylov += gmres(g, film, basis, small, beta, target, KRYLOV, g->count, scratch);
+        *krylov += gmres(g, film, basis, small, beta, target, KRYLOV, g->count, &left, scratch);
         *newton += 1;
         FOR_EACH(i, g->count) y[i] -= basis[i];
         SYNC;
@@ -132,7 +133,7 @@ __kernel void march_films(const int scenes, const int periods, const int stages,
                     FOR_EACH(k, g.count4) mean[k] += share * film.overpressure[k];
                     SYNC;
                     const double force =
-                        dot_product((matrix4)g.area, film.overpressure, g.count4, scratch);
+                        dot_product(g.area, (field)film.overpressure, g.count4, scratch);
                     if (i == 0) {
                         lowest = fmin(lowest, force);
                         highest = fmax(highest, force);
@@ -153,7 +154,7 @@ __kernel void march_films(const int scenes, const int periods, const int stages,
             FOR_EACH(k, g.count) wrong = isfinite(y[k]) && y[k] > -1.0 ? wrong : 1.0;
             if (max_over_group(wrong, scratch) > 0.0 && status == MARCHED)
                 status = NOT_PHYSICAL;
-            const double force = dot_product((matrix4)g.area, mean, g.count4, scratch);
+            const double force = dot_product(g.area, (field)mean, g.count4, scratch);
             if (get_local_id(0) == 0) {
                 result[period].mean = status == MARCHED ? force : NAN;
                 result[period].lowest = lowest;

@@ -233,7 +233,7 @@ def march(
 def _sources(scheme: Scheme, terms: Terms) -> tuple[str, ...]:
     own = [term.AT_INSTANT for term in terms]
     krylov = ["krylov.cl"] if scheme.implicit else []
-    grid = ["linear_algebra.cl", "march/grid_at_instant.cl"]
+    grid = ["linear_algebra.cl", "vectors.cl", "march/grid_at_instant.cl"]
     return (*grid, *own, "march/film_at_instant.cl", *krylov, "march/transient.cl")
 
 

@@ -54,15 +54,80 @@ static void set_gap(const Grid *g, Film *film)
         {
             const double4 gap = gap_at(g, film, row, t);
             const double4 relative = film->epsilon * g->sine[t] / gap;
-            film->gap_power[k][i] = half_power(gap, k);
-            film->potential[k][i] =
+            const double4 power = half_power(gap, k);
+            const double4 potential =
                 half_exponent * relative *
                 (film->laplacian[row] +
                  (half_exponent - 1.0) * film->gradient_squared[row] * relative);
+            film->gap_power[k][i] = power;
+            film->potential[k][i] = potential;
+            store4(power, i, film->power[k]);
+            store4(potential, i, film->bend[k]);
         }
     }
     SYNC;
 }
+
+/* A pair of modes in time has its coefficients (c, s) beside each other; the first pair are the mean
+ * and the last cosine, which both have no rate. A d/dT maps (c, s) to (g c + k s, g s − k c), with the
+ * pair's decay g and speed k; without inertia g = 0, and with the mean gap at rest k counts
+ * harmonics. */
+#ifndef PRECONDITIONER
+/* What solves (D Δ − σ A d/dT) u = (c, s) at this state: two unknowns by two, for each pair. */
+static void set_preconditioner(const Grid *g, const Film *film)
+{
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        const double2 decay = film->sigma * (double2)(g->decays[2 * t], g->decays[2 * t + 1]);
+        const double2 speed = film->sigma * (double2)(g->speeds[2 * t], g->speeds[2 * t + 1]);
+        const double diffusion = film->diffusivity * g->eigenvalues[row];
+        const double2 own = diffusion - decay;
+        const double2 scale = 1.0 / (own * own + speed * speed);
+        const double2 share = scale * own, other = scale * speed;
+        store4((double4)(diffusion), i, film->diffusion);
+        store4((double4)(share.xx, share.yy), i, film->own_share);
+        store4((double4)(other.x, -other.x, other.y, -other.y), i, film->other_share);
+    }
+    SYNC;
+}
+
+/* Solve (D Δ − σ A d/dT) u = modal in place. */
+static void precondition(const Grid *g, const Film *film, vector modal)
+{
+    __global lanes *m = (__global lanes *)modal;
+    __global const lanes *own = (__global const lanes *)film->own_share;
+    __global const lanes *other = (__global const lanes *)film->other_share;
+    FOR_EACH(i, g->count / LANES)
+    {
+        const lanes values = m[i];
+        lanes swapped;
+        swapped.even = values.odd;
+        swapped.odd = values.even;
+        m[i] = own[i] * values + other[i] * swapped;
+    }
+    SYNC;
+}
+
+/* Solve (D Δ − σ A d/dT) u = modal − σ A dw/dT in place, which is (D Δ − σ A d/dT) (u − w) =
+ * modal − D Δ w. */
+static void precondition_with_time_term(const Grid *g, const Film *film, constant_vector w, vector modal)
+{
+    __global lanes *m = (__global lanes *)modal;
+    __global const lanes *known = (__global const lanes *)w;
+    __global const lanes *diffusion = (__global const lanes *)film->diffusion;
+    __global const lanes *own = (__global const lanes *)film->own_share;
+    __global const lanes *other = (__global const lanes *)film->other_share;
+    FOR_EACH(i, g->count / LANES)
+    {
+        const lanes values = m[i] - diffusion[i] * known[i];
+        lanes swapped;
+        swapped.even = values.odd;
+        swapped.odd = values.even;
+        m[i] = known[i] + own[i] * values + other[i] * swapped;
+    }
+    SYNC;
+}
+#endif
 
 /* r = Σ_k H^(a/2) (Δv − q v), one term: v is given, `work` is overwritten. */
 static void add_flow(const Grid *g, const Film *film, int k, field v, field work, field r)
@@ -82,7 +147,7 @@ static void add_flow(const Grid *g, const Film *film, int k, field v, field work
 /* Residual of the equation at the state p, in modal coefficients; behind it, preconditioned, those of
  * the terms' own unknowns. Also sets the response of each flow term to a mass perturbation and the
  * mean diffusivity for the Jacobian at this state. */
-static void residual(const Grid *g, Film *film, field modal, __local double *scratch)
+static void residual(const Grid *g, Film *film, vector modal, __local double *scratch)
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
     field4 v4 = (field4)v, work4 = (field4)work, r4 = (field4)r;
@@ -96,7 +161,7 @@ static void residual(const Grid *g, Film *film, field modal, __local double *scr
             const double4 response = film->row->flow[k] * power * flow_slope(film, p, k) /
                                      (gap * density_slope(film, p));
             v4[i] = film->row->flow[k] * power * flow_potential(film, p, k);
-            film->response[k][i] = response;
+            store4(response, i, film->response[k]);
             diffusivity += response * power / mean_gap[t];
         }
         SYNC;
@@ -113,70 +178,37 @@ static void residual(const Grid *g, Film *film, field modal, __local double *scr
     subtract(r, film->sigma, v, g->count4);
     film->own_out = modal + g->count;
     TERMS_RESIDUAL(g, film, work, v, r)
-    to_modal(g, r, modal);
-}
-
-/* A pair of modes in time has its coefficients c in a row's first half and s in its second half; the
- * first pair are the mean and the last cosine, which both have no rate. A d/dT maps (c, s) to
- * (g c + k s, g s − k c), with the pair's decay g and speed k; without inertia g = 0, and with the
- * mean gap at rest k counts harmonics. Two pairs are treated at a time. */
-#ifndef PRECONDITIONER
-/* Solve (D Δ − σ A d/dT) u = (c, s) for two pairs of a row: two unknowns by two for each. */
-static void solve_pairs(double2 diffusion, double2 speed, double2 c, double2 s, pair cosine, pair sine)
-{
-    const double2 scale = 1.0 / (diffusion * diffusion + speed * speed);
-    *cosine = scale * (diffusion * c + speed * s);
-    *sine = scale * (diffusion * s - speed * c);
-}
-
-/* Solve (D Δ − σ A d/dT) u = modal in place. */
-static void precondition(const Grid *g, const Film *film, field modal)
-{
-    const int half_row = g->nt / 4;
-    FOR_EACH(row, g->rows)
-    {
-        const double diffusion = film->diffusivity * g->eigenvalues[row];
-        pair m = (pair)(modal + row * g->nt), n = m + half_row;
-        for (int j = 0; j < half_row; j++)
-            solve_pairs(diffusion - film->sigma * g->decays[j], film->sigma * g->speeds[j], m[j], n[j],
-                        m + j, n + j);
-    }
+    vector nodal = (vector)v;
+    FOR_EACH(i, g->count4) store4(r4[i], i, nodal);
     SYNC;
+    to_modal(g, nodal, modal);
+    set_preconditioner(g, film);
 }
-
-/* Solve (D Δ − σ A d/dT) u = modal − σ A dw/dT in place, in one pass. */
-static void precondition_with_time_term(const Grid *g, const Film *film, matrix w, field modal)
-{
-    const int half_row = g->nt / 4;
-    FOR_EACH(row, g->rows)
-    {
-        const double diffusion = film->diffusivity * g->eigenvalues[row];
-        pair m = (pair)(modal + row * g->nt), n = m + half_row;
-        pairs w_cosine = (pairs)(w + row * g->nt), w_sine = w_cosine + half_row;
-        for (int j = 0; j < half_row; j++) {
-            const double2 decay = film->sigma * g->decays[j], speed = film->sigma * g->speeds[j];
-            const double2 c = w_cosine[j], s = w_sine[j];
-            solve_pairs(diffusion - decay, speed, m[j] - decay * c - speed * s,
-                        n[j] - decay * s + speed * c, m + j, n + j);
-        }
-    }
-    SYNC;
-}
-#endif
 
 /* out = preconditioned Jacobian times w, both modal, and both with the terms' own unknowns behind. */
-static void apply_jacobian(const Grid *g, Film *film, field w, field out)
+static void apply_jacobian(const Grid *g, Film *film, vector w, vector out)
 {
-    field v = film->work_a, work = film->work_b, r = film->work_c;
-    field4 v4 = (field4)v;
+    vector v = (vector)film->work_a, work = (vector)film->work_b, r = (vector)film->work_c;
     /* `out` keeps the nodal values of w until the terms are added up. */
     from_modal(g, w, work, out);
-    matrix4 nodal = (matrix4)out;
+    __global const lanes *nodal = (__global const lanes *)out;
+    __global lanes *values = (__global lanes *)v, *sum = (__global lanes *)r;
+    __global const lanes *curvature = (__global const lanes *)work;
     for (int k = 0; k < FLOW_TERMS; k++) {
-        matrix4 response = film->response[k];
-        FOR_EACH(i, g->count4) v4[i] = response[i] * nodal[i];
+        __global const lanes *response = (__global const lanes *)film->response[k];
+        __global const lanes *power = (__global const lanes *)film->power[k];
+        __global const lanes *bend = (__global const lanes *)film->bend[k];
+        FOR_EACH(i, g->count / LANES) values[i] = response[i] * nodal[i];
         SYNC;
-        add_flow(g, film, k, v, work, r);
+        along_x(g, g->linear.laplace_x, v, work, 0);
+        along_y(g, g->linear.laplace_y, v, work, 1);
+        if (k == 0)
+            FOR_EACH(i, g->count / LANES)
+                sum[i] = power[i] * (curvature[i] - bend[i] * values[i]);
+        else
+            FOR_EACH(i, g->count / LANES)
+                sum[i] += power[i] * (curvature[i] - bend[i] * values[i]);
+        SYNC;
     }
     film->own_in = w + g->count;
     film->own_out = out + g->count;

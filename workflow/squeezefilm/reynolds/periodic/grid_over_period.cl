@@ -1,16 +1,19 @@
 /* The grid over one period and the products with its matrices. `Row` is what the host says of a scene
  * on a grid: its sizes, its numbers, and where its parts lie in the array `values` (layout.py). */
 
-typedef __global double2 *pair;
-typedef __global const double2 *pairs;
-
-/* Sizes and matrices; those of the modes in time (time_modes.py) are transposed. */
+/* The matrices of the linear system, in the type in which GMRES works; those of the modes in time
+ * (time_modes.py) are transposed. */
 typedef struct {
-    int nx, ny, nt, rows, count, nt4, row4, count4, length, length4;
-    matrix laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
-    matrix eigenvalues, eigenvalues_y, weights;
-    pairs speeds, decays;
-    matrix to_time_modes, time_modes, time_derivative, mean_gap;
+    constant_vector laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
+    constant_vector to_time_modes, time_modes;
+} Operators;
+
+/* Sizes and matrices. */
+typedef struct {
+    int nx, ny, nt, rows, count, nt4, count4, length, length4;
+    Operators linear;
+    matrix laplace_x, laplace_y, eigenvalues, eigenvalues_y, weights;
+    matrix time_derivative, mean_gap, speeds, decays;
     matrix4 sine, cosine;
 } Grid;
 
@@ -22,73 +25,101 @@ typedef struct {
     matrix values;
     double epsilon, sigma, diffusivity;
     matrix amplitude, gradient_squared, laplacian;
-    field4 gap_power[FLOW_TERMS], potential[FLOW_TERMS], response[FLOW_TERMS];
+    field4 gap_power[FLOW_TERMS], potential[FLOW_TERMS];
     field4 p;
     field work_a, work_b, work_c;
+    /* The linear system at the state: per flow term H^(a/2), q and the response to a mass, and what
+     * its preconditioner takes each coefficient and its pair's other one by. */
+    vector power[FLOW_TERMS], bend[FLOW_TERMS], response[FLOW_TERMS];
+    vector diffusion, own_share, other_share;
     /* Unknowns that terms have of their own, at the state, in a change of it and in what answers to
      * the change; and room for the terms' fields. */
-    field own, own_in, own_out, own_work;
+    field own;
+    vector own_in, own_out;
+    field own_work;
 } Film;
 
 #define ARRAY(film, name) ((film)->values + (film)->row->name)
 
-static Grid make_grid(__global const Row *row, matrix values)
+/* A matrix as GMRES takes it, at `room`, which is moved on; itself if that is no other type. */
+static constant_vector taken(matrix values, int count, vector *room)
+{
+#ifdef SINGLE
+    vector copy = *room;
+    FOR_EACH(i, count / 4) store4(((matrix4)values)[i], i, copy);
+    *room += count;
+    return copy;
+#else
+    return values;
+#endif
+}
+
+/* `room` is for the matrices of the linear system, if they are of another type. */
+static Grid make_grid(__global const Row *row, matrix values, vector *room)
 {
     Grid g;
     g.nx = row->nx; g.ny = row->ny; g.nt = row->nt;
     g.rows = g.nx * g.ny; g.count = g.rows * g.nt;
     g.length = UNKNOWN_FIELDS * g.count; g.length4 = g.length / 4;
-    g.nt4 = g.nt / 4; g.row4 = g.ny * g.nt / 4; g.count4 = g.count / 4;
+    g.nt4 = g.nt / 4; g.count4 = g.count / 4;
     g.laplace_x = values + row->laplace_x;
-    g.modes_x = values + row->modes_x;
-    g.to_modes_x = values + row->to_modes_x;
     g.laplace_y = values + row->laplace_y;
-    g.modes_y = values + row->modes_y;
-    g.to_modes_y = values + row->to_modes_y;
-    g.to_time_modes = values + row->to_time_modes;
-    g.time_modes = values + row->time_modes;
+    g.linear.laplace_x = taken(g.laplace_x, g.nx * g.nx, room);
+    g.linear.modes_x = taken(values + row->modes_x, g.nx * g.nx, room);
+    g.linear.to_modes_x = taken(values + row->to_modes_x, g.nx * g.nx, room);
+    g.linear.laplace_y = taken(g.laplace_y, g.ny * g.ny, room);
+    g.linear.modes_y = taken(values + row->modes_y, g.ny * g.ny, room);
+    g.linear.to_modes_y = taken(values + row->to_modes_y, g.ny * g.ny, room);
+    g.linear.to_time_modes = taken(values + row->to_time_modes, g.nt * g.nt, room);
+    g.linear.time_modes = taken(values + row->time_modes, g.nt * g.nt, room);
     g.mean_gap = values + row->mean_gap;
     g.time_derivative = values + row->time_derivative;
     g.eigenvalues = values + row->eigenvalues;
     g.eigenvalues_y = values + row->eigenvalues_y;
     g.weights = values + row->weights;
-    g.speeds = (pairs)(values + row->speeds);
-    g.decays = (pairs)(values + row->decays);
+    g.speeds = values + row->speeds;
+    g.decays = values + row->decays;
     g.sine = (matrix4)(values + row->sine);
     g.cosine = (matrix4)(values + row->cosine);
     return g;
 }
 
-static void along_x(const Grid *g, matrix a, field in, field out, int add)
-{
-    multiply(a, g->nx, g->nx, (matrix4)in, (field4)out, g->row4, 1, add);
-}
-
-static void along_y(const Grid *g, matrix a, field in, field out, int add)
-{
-    multiply(a, g->ny, g->ny, (matrix4)in, (field4)out, g->nt4, g->nx, add);
-}
-
-/* out[row][:] = in[row][:] times `transposed` (nt, nt). */
-static void along_t(const Grid *g, matrix transposed, field in, field out, int add)
-{
-    multiply(in, g->rows, g->nt, (matrix4)transposed, (field4)out, g->nt4, 1, add);
-}
+/* Products along the axes; in time out[row][:] = in[row][:] times `transposed` (nt, nt). */
+#define ALONG_AXES(type)                                                                          \
+    OF_BOTH_TYPES void along_x(const Grid *g, __global const type *a, __global const type *in,    \
+                               __global type *out, int add)                                       \
+    {                                                                                             \
+        multiply(a, g->nx, g->nx, in, out, g->ny * g->nt, 1, add);                                \
+    }                                                                                             \
+    OF_BOTH_TYPES void along_y(const Grid *g, __global const type *a, __global const type *in,    \
+                               __global type *out, int add)                                       \
+    {                                                                                             \
+        multiply(a, g->ny, g->ny, in, out, g->nt, g->nx, add);                                    \
+    }                                                                                             \
+    OF_BOTH_TYPES void along_t(const Grid *g, __global const type *transposed,                    \
+                               __global const type *in, __global type *out, int add)              \
+    {                                                                                             \
+        multiply(in, g->rows, g->nt, transposed, out, g->nt, 1, add);                             \
+    }
+ALONG_AXES(double)
+#ifdef SINGLE
+ALONG_AXES(float)
+#endif
 
 /* modal = (to_modes_x ⊗ to_modes_y ⊗ to_time_modes) values; `values` is overwritten. */
-static void to_modal(const Grid *g, field values, field modal)
+static void to_modal(const Grid *g, vector values, vector modal)
 {
-    along_t(g, g->to_time_modes, values, modal, 0);
-    along_x(g, g->to_modes_x, modal, values, 0);
-    along_y(g, g->to_modes_y, values, modal, 0);
+    along_t(g, g->linear.to_time_modes, values, modal, 0);
+    along_x(g, g->linear.to_modes_x, modal, values, 0);
+    along_y(g, g->linear.to_modes_y, values, modal, 0);
 }
 
 /* values = (modes_x ⊗ modes_y ⊗ time_modes) modal, by way of `work`. */
-static void from_modal(const Grid *g, field modal, field work, field values)
+static void from_modal(const Grid *g, constant_vector modal, vector work, vector values)
 {
-    along_x(g, g->modes_x, modal, values, 0);
-    along_y(g, g->modes_y, values, work, 0);
-    along_t(g, g->time_modes, work, values, 0);
+    along_x(g, g->linear.modes_x, modal, values, 0);
+    along_y(g, g->linear.modes_y, values, work, 0);
+    along_t(g, g->linear.time_modes, work, values, 0);
 }
 
 static double4 gap_at(const Grid *g, const Film *film, int row, int t)
@@ -101,7 +132,7 @@ static void carry_field(const Grid *g, const Film *film, __global const Row *coa
                         matrix in_x, matrix in_y, field coarse, field fine)
 {
     const int nx = coarser->nx, ny = coarser->ny, nt = coarser->nt;
-    multiply(coarse, nx * ny, nt, (matrix4)in_t, (field4)film->work_a, g->nt4, 1, 0);
-    multiply(in_x, g->nx, nx, (matrix4)film->work_a, (field4)film->work_b, ny * g->nt4, 1, 0);
-    multiply(in_y, g->ny, ny, (matrix4)film->work_b, (field4)fine, g->nt4, g->nx, 0);
+    multiply((matrix)coarse, nx * ny, nt, in_t, film->work_a, g->nt, 1, 0);
+    multiply(in_x, g->nx, nx, (matrix)film->work_a, film->work_b, ny * g->nt, 1, 0);
+    multiply(in_y, g->ny, ny, (matrix)film->work_b, fine, g->nt, g->nx, 0);
 }

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.device import ALIGNMENT_BYTES, Device, aligned, kernel
+from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, aligned, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
 from squeezefilm.reynolds.periodic.time_modes import time_modes
@@ -45,7 +46,7 @@ class Batch:
     problems: Sequence[Problems]
     guess: np.ndarray | None = None
 
-    @property
+    @cached_property
     def scenes(self) -> int:
         return len(self.problems[0])
 
@@ -53,28 +54,31 @@ class Batch:
     def terms(self) -> Terms:
         return self.problems[0].terms
 
-    @property
+    @cached_property
     def fields(self) -> int:
         """Fields of a state."""
         return unknown_fields(self.terms)
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of unknowns, of all scenes on all grids."""
         return self.scenes * self.fields * sum(grid.count for grid in self.grids)
 
-    @property
+    @cached_property
     def workspace_size(self) -> int:
         """Numbers that a work-group needs beside the states: fields, Krylov basis, Hessenberg."""
         flow_terms = self.problems[0].numbers["flow"].shape[1]
         sizes = []
         for grid in self.grids:
             most = most_krylov(grid, self.terms)
-            fields = 3 * flow_terms + 3 + own_fields(self.terms) + (most + 1) * self.fields
-            sizes.append(grid.count * fields + (most + 4) * (most + 1))
+            fields = 2 * flow_terms + 3 + own_fields(self.terms)
+            linear = 3 * flow_terms + 3 + (most + 1) * self.fields
+            matrices = 3 * (grid.nx**2 + grid.ny**2) + 2 * grid.nt**2
+            sizes.append(grid.count * (fields + linear) + matrices + (most + 4) * (most + 1))
         return max(sizes)
 
 
+@lru_cache(maxsize=256)
 def most_krylov(grid: Grid, terms: Terms) -> int:
     """Krylov iterations that a Newton step may take: as many as there is room for."""
     room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
@@ -185,8 +189,12 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
 
     inputs = _inputs(batches)
     terms = batches[0].problems[0].terms
+    single = in_single(terms)
     periodic_state = kernel(
-        device, "periodic_state", sources=_sources(terms), header=_header(terms, inputs.rows)
+        device,
+        "periodic_state",
+        sources=_sources(terms, single=single),
+        header=_header(terms, inputs.rows.dtype, single=single),
     )
     scenes = sum(batch.scenes for batch in batches)
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
@@ -227,7 +235,7 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
     stages = np.concatenate([np.full(batch.scenes, len(batch.grids)) for batch in batches])
     begins = np.concatenate([[0], np.cumsum(stages)])
     at_state = _said_numbers(int(begins[-1]))
-    results = aligned(at_state + sum(batch.count for batch in batches))
+    results = aligned(at_state + sum(batch.count for batch in batches) + SPARE)
     pile = Pile()
     rows = []
     for batch in batches:
@@ -261,49 +269,66 @@ def _offsets(
     pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None
 ) -> dict[str, int | np.ndarray]:
     """Where what a batch needs on one grid lies in the pile, which it is put on."""
-    matrices = grid_matrices(grid, aspect=problems.aspect, terms=problems.terms)
-    carrying = (*CARRYING, *(name for term in problems.terms for name in term.CARRYING))
-    offsets: dict[str, int | np.ndarray] = dict.fromkeys(carrying, NOTHING)
+    offsets: dict[str, int | np.ndarray] = {**_nothing_to_carry(problems.terms)}
     if coarser:
         offsets |= pile.add(carrying_matrices(coarser, grid, terms=problems.terms))
-    offsets |= pile.add(matrices)
+    offsets |= pile.add(grid_matrices(grid, aspect=problems.aspect, terms=problems.terms))
     offsets |= pile.add_each(profile_fields(problems, grid), problems.places)
-    offsets |= pile.add_each(*_time_modes(problems, grid))
+    offsets |= _time_modes(pile, problems, grid)
     for term in problems.terms:
         offsets |= pile.add_each(term.operators(problems.numbers, grid, aspect=problems.aspect))
     return offsets
 
 
-def _time_modes(problems: Problems, grid: Grid) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """The modes in time that scenes of a batch have, and which of them each scene has."""
+@lru_cache(maxsize=64)
+def _nothing_to_carry(terms: Terms) -> dict[str, int]:
+    carrying = (*CARRYING, *(name for term in terms for name in term.CARRYING))
+    return dict.fromkeys(carrying, NOTHING)
+
+
+def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
+    """Where each scene's modes in time lie in the pile, which they are put on once for all."""
     variations = problems.epsilon * mean_amplitude(problems, grid)
     each = [
-        time_modes(grid.nt, variation=float(variation), lag=float(lag), slow=float(slow))
+        time_modes(grid.nt, variation=variation, lag=lag, slow=slow).parts
         for variation, lag, slow in zip(
-            variations, problems.numbers["lag"], problems.numbers["slow"], strict=True
+            variations.tolist(),
+            problems.numbers["lag"].tolist(),
+            problems.numbers["slow"].tolist(),
+            strict=True,
         )
     ]
-    places = {modes: place for place, modes in enumerate(dict.fromkeys(each))}
-    parts = [modes.parts() for modes in places]
-    stacked = {name: np.stack([part[name] for part in parts]) for name in parts[0]}
-    return stacked, np.array([places[modes] for modes in each])
+    begins = {parts: pile.put(parts.values) for parts in dict.fromkeys(each)}
+    begin = np.array([begins[parts] for parts in each])
+    return {name: begin + start for name, start in each[0].starts.items()}
 
 
-def _sources(terms: Terms) -> tuple[str, ...]:
+def in_single(terms: Terms) -> bool:
+    """Whether GMRES works in single precision: residual and state are double, so that only its
+    steps are rounded. Terms' own lines in the linear system are written for doubles.
+    """
+    return not any("response" in term.HOOKS for term in terms)
+
+
+@lru_cache(maxsize=64)
+def _sources(terms: Terms, *, single: bool) -> tuple[str, ...]:
     own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
-    grid = ["linear_algebra.cl", "periodic/grid_over_period.cl"]
+    vectors = ["vectors.cl"] * (2 if single else 1)
+    grid = ["linear_algebra.cl", *vectors, "periodic/grid_over_period.cl"]
     return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
-def _header(terms: Terms, rows: np.ndarray) -> str:
+@lru_cache(maxsize=64)
+def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
     """What the sources take as known; terms that no scene of a launch has are not compiled."""
-    (flow_terms,) = rows.dtype["flow"].shape
+    (flow_terms,) = row["flow"].shape
     return "\n".join(
         [
             f"#define FLOW_TERMS {flow_terms}",
             f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",
-            c_struct("Row", rows.dtype),
+            "#define SINGLE" if single else "",
+            c_struct("Row", row),
             c_struct("Said", SAID),
             c_enum(ENDINGS),
             c_terms(terms),

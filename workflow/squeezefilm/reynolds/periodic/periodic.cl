@@ -20,17 +20,22 @@ static double mean_overpressure(const Grid *g, const Film *film, __local double 
 static double largest_overpressure(const Grid *g, const Film *film, __local double *scratch)
 {
     double4 size = (double4)(0.0);
-    FOR_EACH(i, g->count4) size = larger(size, fabs(film->p[i]));
+    /* No fabs, which PoCL calls. */
+    FOR_EACH(i, g->count4) size = larger(size, larger(film->p[i], -film->p[i]));
     return max_over_group(max_of(size), scratch);
 }
 
-/* Largest share of a pressure step that takes at most 9/10 of the pressure anywhere. */
-static double safe_share(const Grid *g, const Film *film, matrix4 step, __local double *scratch)
+/* Largest fall and rise of the pressure in a step, relative to what it is. */
+static double2 extremes(const Grid *g, const Film *film, matrix4 step, __local double *scratch)
 {
-    double4 most = (double4)(0.0);
-    FOR_EACH(i, g->count4) most = larger(most, -step[i] / (1.0 + film->p[i]));
-    const double steepest = max_over_group(max_of(most), scratch);
-    return steepest > 0.9 ? 0.9 / steepest : 1.0;
+    double4 fall = (double4)(0.0), rise = (double4)(0.0);
+    FOR_EACH(i, g->count4)
+    {
+        const double4 relative = step[i] / (1.0 + film->p[i]);
+        fall = larger(fall, -relative);
+        rise = larger(rise, relative);
+    }
+    return (double2)(max_over_group(max_of(fall), scratch), max_over_group(max_of(rise), scratch));
 }
 
 /* The state on the coarser grid of another row as the first guess on g. */
@@ -44,13 +49,23 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 
 /* The iteration's rounding error of the mass, relative to the largest overpressure. */
 #define ROUNDING 1e-14
+/* What a Newton step leaves beside what GMRES is asked for: the rounding of its linear system,
+ * relative to the residual before, and what the flow's curvature adds, relative to the step times its
+ * largest relative change of the pressure. With them no error of 156 films (ε 0.02–0.95, σ 0.1–3e4),
+ * at tolerances from 0.1 to 1e-9, was larger than what was said to be left. */
+#ifdef SINGLE
+#define LINEAR_ROUNDING 1e-4
+#else
+#define LINEAR_ROUNDING 1e-10
+#endif
+#define NONLINEARITY 2.0
 /* Newton steps that may fail, one after the other, to take a tenth off the least residual. */
 #define PATIENCE 8
 
 /* Newton's iteration from the guess film->p. `basis` has room for most_krylov + 1 vectors,
  * `small` for the numbers of gmres. */
 static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
-                  field basis, field small, __local double *scratch)
+                  vector basis, field small, __local double *scratch)
 {
     Said s = {.mean = mean_overpressure(g, film, scratch), .status = STALLED};
     double least = INFINITY;
@@ -75,20 +90,35 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         if (s.newton_steps == most_newton || patience == 0)
             break;
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
-        const double target = fmax(0.3 * goal, fmin(0.1 * s.residual, s.residual * s.residual));
+        const double target = fmax(fmax(0.3 * goal, LINEAR_ROUNDING / 10 * s.residual),
+                                   fmin(0.1 * s.residual, s.residual * s.residual));
+        double left;
         s.krylov_iterations +=
-            gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, scratch);
+            gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, &left, scratch);
         field4 step = (field4)film->work_b;
-        from_modal(g, basis, film->work_a, film->work_b);
+        vector nodal = (vector)film->work_a;
+        from_modal(g, basis, (vector)film->work_c, nodal);
         FOR_EACH_POINT(g, row, t, i)
-            step[i] /= -gap_at(g, film, row, t) * density_slope(film, film->p[i]);
+            step[i] = -in_double(((__global const JOIN(real, 4) *)nodal)[i]) /
+                      (gap_at(g, film, row, t) * density_slope(film, film->p[i]));
         SYNC;
-        const double share = safe_share(g, film, step, scratch);
+        /* No more than 9/10 of the pressure anywhere. */
+        const double2 change = extremes(g, film, step, scratch);
+        const double share = change.x > 0.9 ? 0.9 / change.x : 1.0;
         film->own_in = basis + g->count;
         TERMS_STEP(g, film, film->work_b, share)
         FOR_EACH(i, g->count4) film->p[i] += share * step[i];
         SYNC;
         s.mean = mean_overpressure(g, film, scratch);
+        /* A short step needs no residual behind it to be known as the last one. */
+        const double bent = fmax(change.x, change.y) * norm(basis, g->length4, g->nt, scratch);
+        left += LINEAR_ROUNDING * s.residual + NONLINEARITY * bent;
+        if (UNKNOWN_FIELDS == 1 && share == 1.0 && left <= tolerance * fabs(s.mean)) {
+            s.residual = left;
+            s.newton_steps++;
+            s.status = CONVERGED;
+            break;
+        }
     }
     return s;
 }
@@ -122,23 +152,36 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
         for (int k = begins[scene]; k < begins[scene + 1]; k++) {
             __global const Row *row = rows + k;
             const int most_krylov = row->most_krylov;
-            Grid g = make_grid(row, values);
+            field space = workspace + get_group_id(0) * workspace_size;
+            vector room = (vector)space;
+            Grid g = make_grid(row, values, &room);
+            space = (field)room;
             Film film;
             film.row = row;
             film.values = values;
-            field space = workspace + get_group_id(0) * workspace_size;
-            for (int term = 0; term < FLOW_TERMS; term++) {
-                film.gap_power[term] = (field4)space;
-                film.potential[term] = (field4)(space + g.count);
-                film.response[term] = (field4)(space + 2 * g.count);
-                space += 3 * g.count;
-            }
             film.work_a = space;
             film.work_b = space + g.count;
             film.work_c = space + 2 * g.count;
-            film.own_work = space + 3 * g.count;
-            field basis = film.own_work + OWN_FIELDS * g.count;
-            field small = basis + (most_krylov + 1) * g.length;
+            space += 3 * g.count;
+            film.own_work = space;
+            space += OWN_FIELDS * g.count;
+            for (int term = 0; term < FLOW_TERMS; term++) {
+                film.gap_power[term] = (field4)space;
+                film.potential[term] = (field4)(space + g.count);
+                space += 2 * g.count;
+            }
+            vector basis = (vector)space;
+            for (int term = 0; term < FLOW_TERMS; term++) {
+                film.power[term] = basis;
+                film.bend[term] = basis + g.count;
+                film.response[term] = basis + 2 * g.count;
+                basis += 3 * g.count;
+            }
+            film.diffusion = basis;
+            film.own_share = basis + g.count;
+            film.other_share = basis + 2 * g.count;
+            basis += 3 * g.count;
+            field small = (field)(basis + (most_krylov + 1) * g.length);
             film.epsilon = row->epsilon;
             film.sigma = row->sigma;
             film.amplitude = ARRAY(&film, amplitude);

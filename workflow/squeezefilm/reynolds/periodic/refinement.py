@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -365,6 +366,7 @@ def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: fl
     return True
 
 
+@lru_cache(maxsize=4096)
 def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
     nx, ny, nt = grid.shape

@@ -6,6 +6,7 @@ The guess only decides the cost. Whether it was right is judged afterwards, by t
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 
 from squeezefilm.film.scene import Finger
@@ -152,6 +153,7 @@ def _unknowns(nodes: float, *, fold: bool) -> int:
     return min(4 * ceil((nodes / 2 if fold else nodes) / 4), most)
 
 
+@lru_cache(maxsize=4096)
 def start_grid(grid: Grid) -> Grid | None:
     """A coarse grid whose state is a cheap first guess on ``grid``; None where it is small already.
 
@@ -217,6 +219,7 @@ def _coarser(grid: Grid) -> Grid:
     return replace(grid, nx=nx, ny=ny, nt=max(LEAST_TIME, nt))
 
 
+@lru_cache(maxsize=4096)
 def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS) -> Grid | None:
     """The next grid of a scene's sequence, finer in every direction; None past the limits.
 

@@ -13,11 +13,12 @@ of A d/dT, which are Fourier's for h = 1, this is one number for each mode of sp
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import log10
 
 import numpy as np
 
+from squeezefilm.reynolds.layout import Joined, joined
 from squeezefilm.reynolds.spectral import period
 
 # Steps in which variation and lag are told apart, which only decide the iterations' number, and the
@@ -63,17 +64,26 @@ class TimeModes:
     settling: np.ndarray
     settling_of_slow: np.ndarray
 
-    def parts(self) -> dict[str, np.ndarray]:
-        """The arrays as kernels know them: transposed, and all of whole vectors of four."""
-        return {
-            "to_time_modes": self.to_modes.T,
-            "time_modes": self.from_modes.T,
-            "speeds": np.tile(self.speeds, 2),
-            "decays": np.tile(self.decays, 2),
-            "mean_gap": self.mean_gap,
-            "settling": self.settling.T,
-            "settling_of_slow": self.settling_of_slow.T,
-        }
+    @cached_property
+    def parts(self) -> Joined:
+        """The arrays as kernels know them: transposed, the modes of a pair beside each other."""
+        instants = len(self.mean_gap)
+        return joined(
+            {
+                "to_time_modes": self.to_modes[_beside(instants)].T,
+                "time_modes": self.from_modes[:, _beside(instants)].T,
+                "speeds": self.speeds,
+                "decays": self.decays,
+                "mean_gap": self.mean_gap,
+                "settling": self.settling.T,
+                "settling_of_slow": self.settling_of_slow.T,
+            }
+        )
+
+
+def _beside(instants: int) -> np.ndarray:
+    """The order in which each first mode of a pair is followed by its second, shape (nt,)."""
+    return np.arange(instants).reshape(2, -1).T.ravel()
 
 
 def time_modes(instants: int, *, variation: float, lag: float, slow: float) -> TimeModes:

@@ -6,6 +6,7 @@ Here alone are they listed, in the order in which they are spoken of.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.bearing import Bearing
@@ -26,6 +27,7 @@ def terms_of(scene: Scene) -> Terms:
     return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
 
 
+@lru_cache(maxsize=256)
 def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
     """What is said of the terms that are not among some."""
     present = {type(term) for term in terms}

@@ -1,6 +1,7 @@
 /* Sliding along x: −Λ d(Hρ)/dX. Its operator along x joins the preconditioner, triangular there. */
 #define PRECONDITIONER
 
+
 /* out −= Λ d(mass)/dX. */
 static void response_bearing(const Grid *g, const Film *film, field mass, field work, field out)
 {
@@ -22,26 +23,26 @@ static void residual_bearing(const Grid *g, const Film *film, field excess, fiel
 /* modal −= σ dw/dT. */
 static void add_time_term(const Grid *g, const Film *film, matrix w, field modal)
 {
-    const int half_row = g->nt / 4;
-    FOR_EACH(row, g->rows)
+    field4 m = (field4)modal;
+    matrix4 from = (matrix4)w;
+    FOR_EACH_POINT(g, row, t, i)
     {
-        pair m = (pair)(modal + row * g->nt);
-        pairs from = (pairs)(w + row * g->nt);
-        for (int j = 0; j < half_row; j++) {
-            const double2 speed = film->sigma * g->speeds[j];
-            m[j] -= speed * from[half_row + j];
-            m[half_row + j] += speed * from[j];
-        }
+        const double2 speed = film->sigma * (double2)(g->speeds[2 * t], g->speeds[2 * t + 1]);
+        m[i].even -= speed * from[i].odd;
+        m[i].odd += speed * from[i].even;
     }
     SYNC;
 }
+
+/* Nothing is known of it before it is asked. */
+static void set_preconditioner(const Grid *g, const Film *film) {}
 
 /* Solve (D Δ − Λ d/dX − σ d/dT) w = modal in place, in the real Schur basis of the operator along
  * x: back-substitution through a quasi-triangular matrix, for every mode along y and every
  * harmonic, which is the complex number c − i s here and has the rate i k. */
 static void precondition(const Grid *g, const Film *film, field modal)
 {
-    const int nx = g->nx, stride = g->ny * g->nt, half_row = g->nt / 4;
+    const int nx = g->nx, stride = g->ny * g->nt;
     matrix triangle = ARRAY(film, triangle);
     FOR_EACH(column, g->ny)
     {
@@ -63,17 +64,17 @@ static void precondition(const Grid *g, const Film *film, field modal)
             const double b = film->diffusivity * triangle[top * nx + bottom];
             const double c = film->diffusivity * triangle[bottom * nx + top];
             const double d = film->diffusivity * triangle[bottom * nx + bottom] + shift;
-            pair u = (pair)(m + top * stride), v = (pair)(m + bottom * stride);
-            for (int j = 0; j < half_row; j++) {
-                const double2 speed = film->sigma * g->speeds[j];
-                const double2 u_re = u[j], u_im = -u[half_row + j];
+            field4 u = (field4)(m + top * stride), v = (field4)(m + bottom * stride);
+            for (int j = 0; j < g->nt4; j++) {
+                const double2 speed = film->sigma * (double2)(g->speeds[2 * j], g->speeds[2 * j + 1]);
+                const double2 u_re = u[j].even, u_im = -u[j].odd;
                 if (!coupled) {
                     const double2 scale = 1.0 / (a * a + speed * speed);
-                    u[j] = scale * (a * u_re - speed * u_im);
-                    u[half_row + j] = -scale * (a * u_im + speed * u_re);
+                    u[j].even = scale * (a * u_re - speed * u_im);
+                    u[j].odd = -scale * (a * u_im + speed * u_re);
                 } else {
                     /* (a − iS, b; c, d − iS) by Cramer's rule. */
-                    const double2 v_re = v[j], v_im = -v[half_row + j];
+                    const double2 v_re = v[j].even, v_im = -v[j].odd;
                     const double2 det_re = a * d - b * c - speed * speed;
                     const double2 det_im = -speed * (a + d);
                     const double2 scale = 1.0 / (det_re * det_re + det_im * det_im);
@@ -81,10 +82,10 @@ static void precondition(const Grid *g, const Film *film, field modal)
                     const double2 top_im = d * u_im - speed * u_re - b * v_im;
                     const double2 low_re = a * v_re + speed * v_im - c * u_re;
                     const double2 low_im = a * v_im - speed * v_re - c * u_im;
-                    u[j] = scale * (top_re * det_re + top_im * det_im);
-                    v[j] = scale * (low_re * det_re + low_im * det_im);
-                    u[half_row + j] = -scale * (top_im * det_re - top_re * det_im);
-                    v[half_row + j] = -scale * (low_im * det_re - low_re * det_im);
+                    u[j].even = scale * (top_re * det_re + top_im * det_im);
+                    v[j].even = scale * (low_re * det_re + low_im * det_im);
+                    u[j].odd = -scale * (top_im * det_re - top_re * det_im);
+                    v[j].odd = -scale * (low_im * det_re - low_re * det_im);
                 }
             }
         }

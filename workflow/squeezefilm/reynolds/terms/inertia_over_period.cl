@@ -46,8 +46,7 @@ static Direction direction_of(const Film *film, int axis)
 static void along_axis(const Grid *g, int axis, matrix a, field in, field out, int add)
 {
     const int n = axis == 0 ? g->nx : g->ny;
-    multiply(a, n, n, (matrix4)in, (field4)out, axis == 0 ? g->row4 : g->nt4, axis == 0 ? 1 : g->nx,
-             add);
+    multiply(a, n, n, (matrix)in, out, axis == 0 ? g->ny * g->nt : g->nt, axis == 0 ? 1 : g->nx, add);
 }
 
 static field state_field(const Grid *g, const Film *film, int axis, int which)

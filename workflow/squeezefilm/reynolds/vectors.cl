@@ -1,0 +1,249 @@
+/* Dense products and sums of one number type, by the work-items of one work-group. Compiled for
+ * doubles, and again for floats where GMRES works in single precision (SINGLE): what is compiled
+ * behind that takes `real` for them.
+ *
+ * A field is stored [x][y][t] with time innermost, so that every operator of the solver is a
+ * small matrix times panels of contiguous numbers. All sizes are multiples of four. The device says
+ * how many doubles or floats its registers hold (device.py).
+ */
+#ifndef real
+#define real double
+#define LANES DOUBLE_LANES
+#else
+#undef real
+#undef LANES
+#define real float
+#define LANES FLOAT_LANES
+#endif
+
+#ifndef VECTORS
+#define VECTORS
+#define JOINED(a, b) a##b
+#define JOIN(a, b) JOINED(a, b)
+/* Of the type that is `real` where they stand: vectors in memory, and as many as a register holds. */
+#define vector JOIN(real, _vector)
+#define constant_vector JOIN(constant_, vector)
+#define lanes JOIN(real, LANES)
+/* Processors with registers of 64 bytes have 32 of them. */
+#if DOUBLE_LANES == 8
+#define MANY_REGISTERS
+#endif
+#define OF_BOTH_TYPES static __attribute__((overloadable))
+
+/* c = a b (+ c) for 4 or 8 rows over 1 to 4 registers, of the last of which `last` numbers are stored.
+ * `a*b + c` is contracted to a fused multiply-add; an explicit fma() is slow on PoCL. */
+#define ROWS_4(STEP, w) STEP(0, w) STEP(1, w) STEP(2, w) STEP(3, w)
+#define ROWS_8(STEP, w) ROWS_4(STEP, w) STEP(4, w) STEP(5, w) STEP(6, w) STEP(7, w)
+#define ONE_ROW(STEP, w) STEP(0, w)
+#define WIDE_1(ROWS, STEP) ROWS(STEP, 0)
+#define WIDE_2(ROWS, STEP) WIDE_1(ROWS, STEP) ROWS(STEP, 1)
+#define WIDE_3(ROWS, STEP) WIDE_2(ROWS, STEP) ROWS(STEP, 2)
+#define WIDE_4(ROWS, STEP) WIDE_3(ROWS, STEP) ROWS(STEP, 3)
+#define LOAD(i, w) lanes c##i##w = add ? loaded(c + i * columns + w * LANES) : (lanes)(0);
+#define ENTRY(i, w) const real a##i = a[i * inner + k];
+#define READ(i, w) const lanes b##w = loaded(row + w * LANES);
+#define MULTIPLY(i, w) c##i##w += a##i * b##w;
+#define STORE(i, w) store(c##i##w, c + i * columns + w * LANES, w < wide - 1 ? LANES : last);
+#define BLOCK(name, rows, registers)                                                           \
+    OF_BOTH_TYPES inline void name(constant_vector a, int inner, constant_vector b, vector c,  \
+                                   int columns, int last, int add)                             \
+    {                                                                                          \
+        const int wide = registers;                                                            \
+        WIDE_##registers(ROWS_##rows, LOAD)                                                    \
+        for (int k = 0; k < inner; k++) {                                                      \
+            constant_vector row = b + k * columns;                                             \
+            WIDE_##registers(ONE_ROW, READ)                                                    \
+            ROWS_##rows(ENTRY, 0)                                                              \
+            WIDE_##registers(ROWS_##rows, MULTIPLY)                                            \
+        }                                                                                      \
+        WIDE_##registers(ROWS_##rows, STORE)                                                   \
+    }
+#endif
+
+typedef __global real *vector;
+typedef __global const real *constant_vector;
+/* A register of numbers, and the first `count` of one stored; places are those of four numbers each.
+ * PoCL's vload and vstore are calls that it does not expand; and a function that returns a register
+ * makes LLVM take them as wide, where it prefers half of them. */
+#if LANES > 4
+typedef struct __attribute__((packed)) { lanes numbers; } JOIN(unaligned_, real);
+#else
+typedef struct { lanes numbers; } JOIN(unaligned_, real);
+#endif
+
+OF_BOTH_TYPES inline lanes loaded(constant_vector place)
+{
+    return ((__global const JOIN(unaligned_, real) *)place)->numbers;
+}
+
+OF_BOTH_TYPES inline void store(lanes values, vector place, int count)
+{
+    if (count >= LANES) {
+        ((__global JOIN(unaligned_, real) *)place)->numbers = values;
+        return;
+    }
+    __global JOIN(real, 4) *fours = (__global JOIN(real, 4) *)place;
+#if LANES == 8
+    fours[0] = values.lo;
+#elif LANES == 16
+    fours[0] = values.lo.lo;
+    if (count > 4)
+        fours[1] = values.lo.hi;
+    if (count > 8)
+        fours[2] = values.hi.lo;
+#endif
+}
+
+BLOCK(block_4_1, 4, 1)
+BLOCK(block_4_2, 4, 2)
+BLOCK(block_4_3, 4, 3)
+BLOCK(block_4_4, 4, 4)
+#ifdef MANY_REGISTERS
+BLOCK(block_8_1, 8, 1)
+BLOCK(block_8_2, 8, 2)
+#endif
+
+/* Four rows of a panel from column `from` up to `to`. */
+OF_BOTH_TYPES inline void four_rows(constant_vector a, int inner, constant_vector b, vector c,
+                                    int columns, int from, int to, int add)
+{
+    for (int column = from; column < to;) {
+        const int left = (to - column + LANES - 1) / LANES;
+        /* Never one alone beside others, which is slow. */
+        const int width = left == 5 ? 3 : min(left, 4), last = to - column - (width - 1) * LANES;
+        constant_vector from_b = b + column;
+        vector to_c = c + column;
+        switch (width) {
+        case 4: block_4_4(a, inner, from_b, to_c, columns, last, add); break;
+        case 3: block_4_3(a, inner, from_b, to_c, columns, last, add); break;
+        case 2: block_4_2(a, inner, from_b, to_c, columns, last, add); break;
+        default: block_4_1(a, inner, from_b, to_c, columns, last, add);
+        }
+        column += width * LANES;
+    }
+}
+
+#ifdef MANY_REGISTERS
+/* Eight rows of a panel. */
+OF_BOTH_TYPES inline void eight_rows(constant_vector a, int inner, constant_vector b, vector c,
+                                     int columns, int add)
+{
+    int column = 0;
+    for (; columns - column > LANES; column += 2 * LANES)
+        block_8_2(a, inner, b + column, c + column, columns, columns - column - LANES, add);
+    if (column < columns)
+        block_8_1(a, inner, b + column, c + column, columns, columns - column, add);
+}
+#endif
+
+/* c = a b (+ c) for some panels of b and c, (inner, columns) and (rows, columns) numbers behind each
+ * other: a is (rows, inner). Of b up to a register more is read, and not used: behind every array there
+ * is room for that. */
+OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vector b, vector c,
+                            int columns, int panels, int add)
+{
+    const int panel_b = inner * columns, panel_c = rows * columns;
+#if WORK_ITEMS == 1
+    for (int p = 0; p < panels; p++, b += panel_b, c += panel_c) {
+        int row = 0;
+#ifdef MANY_REGISTERS
+        for (; rows - row >= 8; row += 8)
+            eight_rows(a + row * inner, inner, b, c + row * columns, columns, add);
+#endif
+        for (; row < rows; row += 4)
+            four_rows(a + row * inner, inner, b, c + row * columns, columns, 0, columns, add);
+    }
+#else
+    const int wide = 4 * LANES, row_blocks = rows / 4, column_blocks = (columns + wide - 1) / wide;
+    FOR_EACH(task, panels * row_blocks * column_blocks)
+    {
+        const int p = task / (row_blocks * column_blocks);
+        const int row = 4 * (task / column_blocks % row_blocks);
+        const int column = wide * (task % column_blocks);
+        four_rows(a + row * inner, inner, b + p * panel_b, c + p * panel_c + row * columns, columns,
+                  column, min(column + wide, columns), add);
+    }
+#endif
+    SYNC;
+}
+
+/* Four numbers as doubles, and doubles in a vector: PoCL's own conversions are calls, too. */
+OF_BOTH_TYPES double4 in_double(JOIN(real, 4) v) { return (double4)(v.x, v.y, v.z, v.w); }
+OF_BOTH_TYPES void store4(double4 v, int i, vector to)
+{
+    ((__global JOIN(real, 4) *)to)[i] = (JOIN(real, 4))(v.x, v.y, v.z, v.w);
+}
+
+OF_BOTH_TYPES double sum_of_lanes(lanes v)
+{
+#if LANES == 16
+    const float8 two = v.lo + v.hi;
+    return sum_of(in_double(two.lo + two.hi));
+#elif LANES == 8
+    return sum_of(in_double(v.lo + v.hi));
+#else
+    return sum_of(in_double(v));
+#endif
+}
+
+OF_BOTH_TYPES double dot_product(constant_vector a, constant_vector b, int count4,
+                                 __local double *scratch)
+{
+    __global const lanes *a_lanes = (__global const lanes *)a, *b_lanes = (__global const lanes *)b;
+    lanes even = (lanes)(0), odd = (lanes)(0);
+    FOR_EACH(i, count4 / (LANES / 2))
+    {
+        even += a_lanes[2 * i] * b_lanes[2 * i];
+        odd += a_lanes[2 * i + 1] * b_lanes[2 * i + 1];
+    }
+    return sum_over_group(sum_of_lanes(even + odd), scratch);
+}
+
+/* Root of the sum of squares over `weight`; the squares of small floats are none. */
+OF_BOTH_TYPES double norm(constant_vector a, int count4, double weight, __local double *scratch)
+{
+    __global const JOIN(real, 4) *a4 = (__global const JOIN(real, 4) *)a;
+    double4 even = (double4)(0.0), odd = (double4)(0.0);
+    FOR_EACH(i, count4 / 2)
+    {
+        const double4 first = in_double(a4[2 * i]), second = in_double(a4[2 * i + 1]);
+        even += first * first;
+        odd += second * second;
+    }
+    return sqrt(sum_over_group(sum_of(even + odd), scratch) / weight);
+}
+
+/* a −= scale b, and the dot product of the new a with c: one pass over a instead of two. */
+OF_BOTH_TYPES double subtract_and_project(vector a, real scale, constant_vector b, constant_vector c,
+                                          int count4, __local double *scratch)
+{
+    __global lanes *a_lanes = (__global lanes *)a;
+    __global const lanes *b_lanes = (__global const lanes *)b, *c_lanes = (__global const lanes *)c;
+    lanes even = (lanes)(0), odd = (lanes)(0);
+    FOR_EACH(i, count4 / (LANES / 2))
+    {
+        const lanes first = a_lanes[2 * i] - scale * b_lanes[2 * i];
+        const lanes second = a_lanes[2 * i + 1] - scale * b_lanes[2 * i + 1];
+        a_lanes[2 * i] = first;
+        a_lanes[2 * i + 1] = second;
+        even += first * c_lanes[2 * i];
+        odd += second * c_lanes[2 * i + 1];
+    }
+    return sum_over_group(sum_of_lanes(even + odd), scratch);
+}
+
+OF_BOTH_TYPES void scale_field(vector a, real factor, int count4)
+{
+    __global lanes *a_lanes = (__global lanes *)a;
+    FOR_EACH(i, count4 / (LANES / 4)) a_lanes[i] *= factor;
+    SYNC;
+}
+
+/* a −= scale b. */
+OF_BOTH_TYPES void subtract(vector a, real scale, constant_vector b, int count4)
+{
+    __global lanes *a_lanes = (__global lanes *)a;
+    __global const lanes *b_lanes = (__global const lanes *)b;
+    FOR_EACH(i, count4 / (LANES / 4)) a_lanes[i] -= scale * b_lanes[i];
+    SYNC;
+}
