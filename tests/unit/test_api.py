@@ -81,9 +81,9 @@ def test_a_range_makes_a_curve_by_either_door(study, tmp_path):
 
 def test_polar_and_cartesian_places_are_one(study):
     polar = study.scene("5 um", "1 um", phi_r="2 mm", phi="30 deg")
-    cartesian = study.scene("5 um", "1 um", x=polar.x_m, y=polar.y_m)
-    assert cartesian.phi_r_m == pytest.approx(2e-3)
-    assert cartesian.phi_deg == pytest.approx(30)
+    assert polar.x_m == pytest.approx(2e-3 * 3**0.5 / 2)
+    assert polar.y_m == pytest.approx(1e-3)
+    assert study.scene("5 um", "1 um", x=polar.x_m, y=polar.y_m) == polar
 
 
 def test_a_film_needs_no_file():

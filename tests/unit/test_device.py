@@ -77,3 +77,12 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
     assert "fails its self-test" in message
     assert "inertia: " in message
     assert "slip: " not in message.replace("inertia and slip", "")
+
+
+def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
+    chosen = choose_device()
+    if "Portable Computing Language" not in chosen.name:
+        pytest.skip("of PoCL alone")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(InputError, match="apt install gcc"):
+        device.kernel(chosen, "none", sources=(), header="// not built")

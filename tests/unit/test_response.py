@@ -41,7 +41,7 @@ def test_a_table_keeps_every_scene_and_frequency(tmp_path, repository):
         (["response"], "--h0 and --hv"),
         ([*ONE, "--frequencies", "10kHz"], "tenth"),
         ([*ONE, "--frequencies", "10"], "unit of Hz"),
-        (["response", "--h0", "5um,6um", "--hv", "2um"], "one scene at a time"),
+        (["response", "--h0", "5um,6um", "--hv", "2um"], "one scene by --h0 and --hv"),
     ],
 )
 def test_mistakes_are_told(words, said, capsys):

@@ -352,7 +352,7 @@ def test_a_study_is_checked_and_planned_without_smoothing_its_scan(measured, mon
         measured.write_text(text)
         config = studies.check_study(load_config(measured))
         assert chunk_counts(config)["screen"] >= 1
-        assert studies.directions_of(config).width_deg == (45 if axisymmetric == "true" else 360)
+        assert studies.symmetry_of(config).width_deg == (45 if axisymmetric == "true" else 360)
     scan = measured.with_suffix(".csv")
     scan.write_text(scan.read_text().replace("-1.50,-9.75", "-1.50,-10.75"))
     with pytest.raises(InputError, match="line 2: the point lies"):

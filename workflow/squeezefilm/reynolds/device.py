@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import warnings
 from dataclasses import dataclass, field
 from functools import cache
@@ -227,6 +228,10 @@ def kernel(
     return _kernel(device.context, name, header, sources, defines)
 
 
+def _of_pocl(device: Any) -> bool:
+    return bool(device.platform.name.strip() == "Portable Computing Language")
+
+
 @cache
 def _kernel(
     context: Any, name: str, header: str, sources: tuple[str, ...], defines: tuple[str, ...]
@@ -244,6 +249,11 @@ def _program(context: Any, header: str, sources: tuple[str, ...], defines: tuple
     import pyopencl as cl
 
     texts = [header, *((Path(__file__).parent / name).read_text() for name in sources)]
+    if _of_pocl(context.devices[0]) and shutil.which("ld") is None:
+        raise InputError(
+            "PoCL links kernels by the linker ld, which is not on the PATH: install a C compiler "
+            "(Debian and Ubuntu: apt install gcc)"
+        )
     processor = unknown_processor.named(context.devices[0])
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
