@@ -192,7 +192,7 @@ def test_a_force_of_a_scan_says_what_the_scan_leaves_open(repository, capsys):
     first = capsys.readouterr().out.splitlines()[0]
     force, error = (float(first.split()[index]) for index in (1, 4))
     assert "scan's noise" in first
-    assert re.search(r"solver \de-05 N", first)
+    assert re.search(r"solver \de-06 N", first)
     assert abs(force - 0.79988) < error < 0.02
     assert len(first.split()[1]) <= 5  # no digit beyond the error
 

@@ -73,7 +73,8 @@ def test_a_force_needs_no_checkout_and_no_workflow(installed):
     code = (
         "film = sf.Film.of(actuator={'frequency_hz': 43270, 'surface_radius_m': 0.01,\n"
         "    'profile': {'kind': 'sinc', 'wave_number_per_m': 109.8}},\n"
-        "    finger={'length_x_m': 0.01, 'length_y_m': 0.01}, gas={'inertia': 'none'})\n"
+        "    finger={'length_x_m': 0.01, 'length_y_m': 0.01},\n"
+        "    gas={'inertia': 'none', 'heat': 'none'})\n"
         "print(float(film.force('5 um', '2.2 um', tolerance=1e-4)))"
     )
     done = alone(installed, code)

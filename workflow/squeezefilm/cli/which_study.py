@@ -10,11 +10,11 @@ PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 HELP = "the study; a checkout's paper.yaml if left out"
 
 
-def film_of(path: str | None) -> Config:
-    """The sections of a study that a film is made of.
+def study_at(path: str | None) -> Config:
+    """The study.
 
     Raises InputError where none is named and there is none, and as ``load_config`` does.
     """
     if path is None and not PAPER_CONFIG.exists():
         raise InputError("give a study by --config CONFIG.yaml")
-    return load_config(path or PAPER_CONFIG).only(("gas", "actuator", "finger", "solver"))
+    return load_config(path or PAPER_CONFIG)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import ctypes
 import platform
 import struct
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +50,6 @@ def level(flags: frozenset[str]) -> str:
     return highest
 
 
-@cache
 def rename(address: int, name: str) -> bool:
     """Make the record's pointer to ``generic`` one to ``name``; whether there was such a pointer.
 

@@ -35,6 +35,7 @@ from squeezefilm.runs import node_cache
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of
 
+SECTIONS = ("gas", "actuator", "finger", "solver")
 LOADS, AMPLITUDES = 8, 3
 
 
@@ -52,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.film_of(options.config)
+    config = which_study.study_at(options.config).only(SECTIONS)
     settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:

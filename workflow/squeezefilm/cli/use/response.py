@@ -36,6 +36,7 @@ from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.study import scene_of
 
+SECTIONS = ("gas", "actuator", "finger", "solver")
 FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
@@ -60,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.film_of(options.config)
+    config = which_study.study_at(options.config).only(SECTIONS)
     points = points_in(options)
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
     with node_cache.one_build_at_a_time():

@@ -56,6 +56,7 @@ from squeezefilm.studies.solver_settings import (
 )
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
+SECTIONS = ("gas", "actuator", "finger", "solver")
 # Scenes whose results are held before they are written.
 PIECE = 4096
 
@@ -80,7 +81,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.film_of(options.config)
+    config = which_study.study_at(options.config).only(SECTIONS)
     settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
     points = points_in(options)
     if len(points.columns):

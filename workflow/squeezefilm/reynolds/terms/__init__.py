@@ -27,11 +27,14 @@ def terms_of(scene: Scene) -> Terms:
     return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
 
 
-@lru_cache(maxsize=256)
 def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
     """What is said of the terms that are not among some."""
-    present = {type(term) for term in terms}
-    return tuple(kind.ABSENT for kind in TERMS if kind not in present)
+    return _absent(TERMS, frozenset(map(type, terms)))
+
+
+@lru_cache(maxsize=256)
+def _absent(kinds: tuple[type[Term], ...], present: frozenset[type[Term]]) -> tuple[LeftOut, ...]:
+    return tuple(kind.ABSENT for kind in kinds if kind not in present)
 
 
 def numbers_of(scene: Scene, terms: Terms) -> Numbers:
