@@ -35,6 +35,18 @@ def test_a_table_keeps_every_scene_and_frequency(tmp_path, repository):
     ]
 
 
+def test_scenes_whose_response_is_not_known_keep_their_rows_with_the_reason(tmp_path, repository):
+    scenes, output, gains = (tmp_path / name for name in ("scenes.csv", "out.csv", "gains.csv"))
+    scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\n")
+    config = str(repository / "config" / "paper-inertia.yaml")
+    words = ["response", str(scenes), "--config", config, "--output", str(output)]
+    assert main([*words, "--gains", str(gains), "--frequencies", "10Hz,300Hz"]) == 0
+    assert list(pd.read_csv(output)["status"]) == ["the response is not derived with inertia"]
+    rows = pd.read_csv(gains)
+    assert list(rows["status"]) == ["the response is not derived with inertia"] * 2
+    assert rows["gain"].isna().all()
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

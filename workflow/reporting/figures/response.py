@@ -35,6 +35,7 @@ LINES = {
 }
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
 MOST_ERROR = 0.03
+MEASURED = ("corner_hz", "prompt_share", "error")
 COLUMNS = (
     "layer",
     "h0_um",
@@ -51,14 +52,17 @@ COLUMNS = (
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Layers plane (a row per scene) and lines (per scene and frequency)."""
-    maps = _read(inputs["response"], "corner_hz", "prompt_share", "error")
+    maps = _read(inputs["response"], "status")
+    maps = maps.assign(**{name: np.nan for name in MEASURED if name not in maps})
     lines = _read(inputs["gains"], "frequency_hz", "gain", "phase_deg", "error")
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
-    worst = float(np.nanmax([maps["error"].where(maps["corner_hz"].notna()).max(), 0.0]))
-    note = (
-        "By the slow film equation with the rim's boundary layer, without inertia and heat. "
-        f"Error of the maps up to {100 * worst:.2g} %."
-    )
+    known = maps[maps["corner_hz"].notna()]
+    note = "By the slow film equation with the rim's boundary layer, without inertia and heat. "
+    if len(known):
+        note += f"Error of the maps up to {100 * float(known['error'].max()):.2g} %."
+    else:
+        why = maps["status"].iloc[0]
+        note += "Not known: " + ("the films are not slow" if why == "ok" else str(why)) + "."
     return pd.concat(
         [
             maps.assign(layer="plane", prompt_percent=100 * maps["prompt_share"]),

@@ -26,7 +26,7 @@ from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError, RunError, naming
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
@@ -129,15 +129,17 @@ def _all_gains(
     device: Device,
     method: str,
 ) -> pd.DataFrame:
-    parts, failures = [], []
+    parts = []
     for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
         try:
-            found = gains(scene, frequency_hz, device=device, method=method)
+            found = asdict(gains(scene, frequency_hz, device=device, method=method))
+            status = "ok"
         except InputError as error:
-            failures.append(str(error))
-            continue
-        parts.append(pd.DataFrame(asdict(found)).assign(**{str(k): v for k, v in row.items()}))
-    if failures:
-        raise RunError("no gain for " + "; ".join(failures))
+            unknown = dict.fromkeys(("gain", "phase_deg", "error"), np.nan)
+            found = {"frequency_hz": frequency_hz, **unknown, "method": ""}
+            status = str(error).removeprefix(f"point {scene.point_id}: ")
+        known = pd.DataFrame({**found, "status": status})
+        parts.append(known.assign(**{str(name): value for name, value in row.items()}))
     rows = pd.concat(parts, ignore_index=True)
-    return rows[[*table.columns, "frequency_hz", "gain", "phase_deg", "error", "method"]]
+    names = ("frequency_hz", "gain", "phase_deg", "error", "method", "status")
+    return rows[[*table.columns, *names]]
