@@ -28,6 +28,7 @@ from squeezefilm.models.force_model import ExpressionModel, Factors, get_model
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
 
+DIGITS = 6
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
 TWO_FACTOR_LEVELS, FOUR_FACTOR_LEVELS = 181, 7
 """Levels per factor of the grid on which the optimum to compare with is sought."""
@@ -43,7 +44,7 @@ class PaperDesigns:
 
 
 def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
-    model, theta = get_model(fit.model), np.array(fit.theta)
+    model, theta = get_model(fit.model), _parameters(fit)
     settings, box = config["design"], box_of(config, centred=True)
     determinant = Criterion(_gradient(model, theta, box), box)
     best = exchange_design(determinant, 3, levels=TWO_FACTOR_LEVELS)
@@ -77,7 +78,7 @@ def two_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> P
 
 
 def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> PaperDesigns:
-    model, theta = get_model(fit.model), np.array(fit.theta)
+    model, theta = get_model(fit.model), _parameters(fit)
     settings, box = config["four_factor_design"], box_of(config)
     gradient = _gradient(model, theta, box)
     forms = {
@@ -97,6 +98,14 @@ def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> 
         tables.append(_design_table(patterns[0].design.points, [form] * points, box, box.names[2:]))
     about = {"searches": settings["searches"], "forms": summary}
     return PaperDesigns(tables, pd.DataFrame(rows), about)
+
+
+def _parameters(fit: FittedModel) -> np.ndarray:
+    """A fit's parameters to the digits that it has, shape (p,).
+
+    A search ends at any of equally good points; of digits that are round-off, round-off chooses.
+    """
+    return np.array([float(f"{value:.{DIGITS}g}") for value in fit.theta])
 
 
 def _gradient(model: ExpressionModel, theta: np.ndarray, box: Box) -> Gradient:
