@@ -44,7 +44,7 @@ help:
 	@echo "make clean    remove results, logs and the environment"
 
 paper: $(VENV)/.run
-	@echo "Every simulation, fit, design, table and figure of the paper: 85 s on two idle cores."
+	@echo "Every simulation, fit, design, table and figure of the paper: a minute on two idle cores."
 	@echo "What is made already stays; a run that was stopped goes on by make resume."
 	@$(SNAKEMAKE)
 
