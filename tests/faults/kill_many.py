@@ -272,7 +272,7 @@ def digests(folder: Path) -> dict[str, str]:
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.glob("results/**/*"))
         if path.is_file()
-        and not {"run_cards", "basis"} & set(path.parts)
+        and not {"run_cards", "basis", "study.yaml"} & set(path.parts)  # the run's own
         and "timings" not in path.name
     }
 
