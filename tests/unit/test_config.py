@@ -101,11 +101,11 @@ WRONG = {
     ),
     "a key without its unit": (
         replaced("frequency_hz: 43270", "frequency: 43270"),
-        "unknown key 'frequency'; did you mean 'frequency_hz'?",
+        "is no number with a unit of Hz; or write 'frequency_hz', a number in Hz",
     ),
     "a key with its unit and without": (
         replaced("frequency_hz: 43270", "frequency_hz: 43270\n  frequency: 43.27 kHz"),
-        "unknown key 'frequency'; did you mean 'frequency_hz'?",
+        "'frequency' and 'frequency_hz' are one key; write one of them",
     ),
     "not a number": (replaced(TOLERANCE, "tolerance: .nan"), "solver.tolerance: nan"),
     "infinite": (replaced("101325", ".inf"), "ambient_pressure_pa: inf"),

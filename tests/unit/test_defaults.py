@@ -210,3 +210,24 @@ def test_what_results_rest_on_does_not_change_when_a_default_is_written_out(tmp_
     assert len(bases) == 1
     changed = study(solver={"tolerance": 1e-5})
     assert basis_file(tmp_path, "a", code=CODE, files=(), sections=changed) not in bases
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("frequency: 43.27 mm", "actuator.frequency: '43.27 mm' is no number with a unit of Hz"),
+        ("frequency: 43.27", "actuator.frequency: 43.27 is no number with a unit of Hz"),
+        ("frequency: 40 kHz, frequency_hz: 4e4", "'frequency' and 'frequency_hz' are one key"),
+    ],
+)
+def test_a_key_without_its_unit_is_told_what_its_value_lacks(tmp_path, written, said):
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        f"study: mine\nactuator: {{{written}, surface_radius: 10 mm, profile: {{kind: piston}}}}\n"
+        "finger: {length_x: 10 mm, length_y: 10 mm}\nextrapolation: {force: 1 N}\n"
+        "screen: {h0: {start: 5 µm, stop: 10 µm}, hv: {start: 0.2 µm, stop: 2 µm}}\n"
+    )
+    with pytest.raises(InputError) as error:
+        load_config(path)
+    assert said in str(error.value)
+    assert "unknown key" not in str(error.value)

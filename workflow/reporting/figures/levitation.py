@@ -45,7 +45,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     )
     left_out = within[["left_out_least_percent", "left_out_most_percent"]].abs().to_numpy().max()
     note = (
-        f"{len(known)} of {len(table)} loads are carried. Numerical error up to "
+        f"A gap was found for {len(known)} of {len(table)} loads. Numerical error up to "
         f"{100 * float(numerical):.1g} %; up to Re {MOST_REYNOLDS:g} the equation leaves out up "
         f"to {float(left_out):.2g} % of a force, at first order."
     )

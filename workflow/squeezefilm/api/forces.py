@@ -120,8 +120,8 @@ class Force:
         found = self.solution
         return (
             f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
-            f"{found.krylov_iterations} Krylov iterations; left out: {found.left_out}; "
-            f"{self.device}"
+            f"{found.krylov_iterations} Krylov iterations, on {self.device}; "
+            f"left out: {found.left_out}"
         )
 
     def _beyond(self) -> list[str]:

@@ -44,13 +44,15 @@ FUNCTIONS = {"abs": "fabs"} | {
 def source(fit: FittedModel, language: str) -> str:
     """The code of one of LANGUAGES for a fitted model.
 
-    Raises InputError for a model's name that cannot name a function.
+    Raises InputError for another language, or a model's name that cannot name a function.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_]{0,39}", fit.model):
         raise InputError(
             f"{fit.place}: the model's name {fit.model!r} cannot name a function; it must be "
             "small letters, digits and _"
         )
+    if language not in LANGUAGES:
+        raise InputError(f"language {language!r}: unknown; allowed are {', '.join(LANGUAGES)}")
     said = yaml.safe_load((FOLDER / f"{language}.yaml").read_text(encoding="utf-8"))
     return _Writer(fit, said).source()
 

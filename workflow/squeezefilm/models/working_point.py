@@ -69,6 +69,8 @@ def amplitude_for_force(
     """
     if not np.isfinite(force_n):
         raise InputError(f"force_n: {force_n} is not a finite number")
+    if force_n == 0:
+        raise InputError("force_n: a force of 0 N wants no amplitude")
     if model.column_names and complete is None:
         raise InputError(
             f"the model {model.name} needs {', '.join(model.column_names)} at each amplitude"

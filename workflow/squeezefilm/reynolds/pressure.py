@@ -14,13 +14,15 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import pressure_at, wants_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import STATUS, solve_batch
-from squeezefilm.reynolds.periodic.refinement import finer_grid, grid_for
+from squeezefilm.reynolds.periodic.refinement import finer_grid, grid_for, iteration_flops
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.solver import ways_of
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.reynolds.terms import state_refused
 
+# Operations of iterations beyond which no finer grid is tried: some ten to twenty seconds.
+MOST_WORK = 1e11
 NO_STATE = "no periodic state was found in which the pressure holds the tolerance at every place"
 
 
@@ -63,9 +65,11 @@ def pressure(
     grid: Grid | None = grid_for(scene, needs, tolerance=tolerance)
     before: np.ndarray | None = None
     ending = NO_STATE
-    while grid is not None:
+    work, most = 0.0, min((term.MOST_WORK for term in needs.terms), default=MOST_WORK)
+    while grid is not None and work <= most:
         problems = problems_of([scene], grid, tolerance=ITERATION_SHARE * tolerance)
         states = solve_batch(problems=problems, grid=grid, device=device)
+        work += float(states.krylov_iterations[0]) * iteration_flops(grid, needs.terms)
         if states.status[0] != 0:
             before, ending = None, STATUS[states.status[0]]
         else:

@@ -117,7 +117,12 @@ def _force(results: Path) -> Iterator[str]:
         if row.get("point_id") == "operating_point" and row.get("status") == "ok":
             force = with_error(float(row["force_n"]), float(row["force_error_n"]))
             h0, hv = (1e6 * float(row[name]) for name in ("h0_m", "hv_m"))
-            yield f"F(h0 = {h0:g} µm, hv = {hv:g} µm, finger centred) = {force}"
+            scan = remembered(results / "profile" / "summary.json")
+            noise = scan.get("largest_force_noise_share")
+            more = (
+                f", the solver's error; the scan's noise: up to {noise:.1%} more" if noise else ""
+            )
+            yield f"F(h0 = {h0:g} µm, hv = {hv:g} µm, finger centred) = {force}{more}"
 
 
 def _model(results: Path) -> Iterator[str]:

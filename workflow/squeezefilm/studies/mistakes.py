@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from squeezefilm.studies.schema import Part, allowed, part_at
+from squeezefilm.studies.schema import Part, allowed, part_at, short
 
 HAVE_TEXT = ("pattern", "minLength", "maxLength")
 
@@ -31,7 +31,8 @@ def mistakes(values: Mapping[str, Any], whole: Part) -> Iterator[str]:
         if error.validator == "additionalProperties":
             known = list(part.get("properties", {}))
             lines = [
-                f"{where}: unknown key {key!r}{_hint(key, known)}"
+                _of_short_key(where, key, error.instance, part)
+                or f"{where}: unknown key {key!r}{_hint(key, known)}"
                 for key in error.instance
                 if key not in known
             ]
@@ -50,6 +51,21 @@ def mistakes(values: Mapping[str, Any], whole: Part) -> Iterator[str]:
             if line not in told:
                 told.add(line)
                 yield line
+
+
+def _of_short_key(where: str, key: Any, values: Mapping[str, Any], part: Part) -> str:
+    """What is wrong with a key without its unit, whose value then has to have it; else empty."""
+    whole = next((name for name, its in part["properties"].items() if short(name, its) == key), "")
+    if not whole:
+        return ""
+    if whole in values:
+        return f"{where}: {key!r} and {whole!r} are one key; write one of them"
+    unit = part["properties"][whole]["unit"]
+    value = values[key]
+    told = f"{value!r} is no number with a unit of {unit}"
+    if isinstance(value, Mapping | list):
+        told = "each number there needs a unit that fits"
+    return f"{where}.{key}: {told}; or write {whole!r}, a number in {unit}"
 
 
 def _hint(key: Any, known: list[str]) -> str:

@@ -97,7 +97,7 @@ def in_si(values: Any, part: Part) -> Any:
         keys = part.get("properties", {})
         result = {}
         for name, value in values.items():
-            long = next((key for key in keys if _short(key, keys[key]) == name), name)
+            long = next((key for key in keys if short(key, keys[key]) == name), name)
             if name not in keys and long in keys and long not in values:
                 converted = in_si(value, keys[long])
                 if _has_units(value) and not _has_units(converted):
@@ -115,7 +115,7 @@ def in_si(values: Any, part: Part) -> Any:
     return values
 
 
-def _short(key: str, part: Any) -> str | None:
+def short(key: str, part: Any) -> str | None:
     """A key without its unit."""
     suffix = SUFFIXES.get(part.get("unit", ""), "") if isinstance(part, Mapping) else ""
     return key.removesuffix(suffix) if suffix and key.endswith(suffix) else None

@@ -37,6 +37,7 @@ from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
 LOADS, AMPLITUDES = 8, 3
+AMPLITUDES_M = (1e-9, 1e-4)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -112,6 +113,10 @@ def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
             raise InputError("give --load and --hv, or --like FORCES.csv")
         loads_n = quantities(options.load, option="--load", unit="N")
     points = points_in(options)
+    wrong = points.loc[~points["hv_m"].between(*AMPLITUDES_M), "hv_m"]
+    if len(wrong):
+        least, most = AMPLITUDES_M
+        raise InputError(f"--hv: {wrong.iloc[0]:g} m must lie within {least:g} … {most:g} m")
     return loads_n, scene_points_of(points.assign(h0_m=2 * points["hv_m"]))
 
 

@@ -33,6 +33,7 @@ from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import METHODS, Gains, gains, response
 from squeezefilm.reynolds.dynamics.scenes import refused
+from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.study import scene_of
 
@@ -71,6 +72,14 @@ def run(options: argparse.Namespace) -> None:
             raise InputError("give a table of scenes, or one scene by --h0 and --hv")
         scene = scene_of(scene_points_of(points)[0], config)
         _show(scene, gains(scene, frequency_hz, device=device, method=options.method))
+        (chosen,) = decided(
+            [scene], model_tolerance=config["solver"]["model_tolerance"], device=device
+        )
+        if lacking := [each for each in ("inertia", "heat") if _included(chosen, each)]:
+            print(
+                f"note: {' and '.join(lacking)} would be in this force (gas: auto); how much they "
+                "change the response is not known"
+            )
         return
     if len(points.columns):
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
@@ -84,6 +93,10 @@ def run(options: argparse.Namespace) -> None:
     if options.gains is not None:
         rows = _all_gains(table, scenes, frequency_hz, device=device, method=options.method)
         write_table(rows, options.gains)
+
+
+def _included(scene: Scene, term: str) -> bool:
+    return getattr(scene.gas, term) == "included"
 
 
 def _show(scene: Scene, found: Gains) -> None:
