@@ -11,7 +11,7 @@ ONE = ["response", "--h0", "5um", "--hv", "2.2um"]
 def test_one_scene_is_told_in_words_and_a_table(capsys):
     assert main([*ONE, "--frequencies", "100Hz,1kHz"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("gain 2.167 for slow modulation, 1.320 far above the corner at 439")
+    assert lines[0].startswith("gain 2.167 ± 0.15 % for slow modulation, about 1.32 far above")
     assert [line.split()[:2] for line in lines[4:6]] == [["100", "2.134"], ["1000", "1.644"]]
 
 

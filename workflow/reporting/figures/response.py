@@ -59,7 +59,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     known = maps[maps["corner_hz"].notna()]
     note = "By the slow film equation with the rim's boundary layer, without inertia and heat. "
     if len(known):
-        note += f"Error of the maps up to {100 * float(known['error'].max()):.2g} %."
+        note += f"Its settled forces are off by up to {100 * float(known['error'].max()):.2g} %."
     else:
         why = maps["status"].iloc[0]
         note += "Not known: " + ("the films are not slow" if why == "ok" else str(why)) + "."

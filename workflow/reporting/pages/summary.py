@@ -1,6 +1,6 @@
 """A study on one page: what was simulated, how accurate it is; the paper's, where it differs."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -68,17 +68,22 @@ def to_markdown(
     )
 
 
-def _terms(gas: Mapping[str, Any]) -> str:
-    """What the study's equation has beyond the paper's."""
+def _terms(gas: Mapping[str, Any], tables: Iterable[pd.DataFrame]) -> str:
+    """What the study's equation has beyond the paper's: as the simulations had it, if any did."""
     words = {"included": "", "auto": " where it matters"}
-    named = [f"{name}{words[gas[name]]}" for name in ("inertia", "heat") if gas[name] in words]
+    without = [row.split("; ") for table in tables for row in table["left_out"].dropna()]
+    named = [
+        f"{name}{words[gas[name]]}"
+        for name in ("inertia", "heat")
+        if gas[name] in words and not all(name in left_out for left_out in without)
+    ]
     return f", with {' and '.join(named)}" if named else ""
 
 
 def _simulated(settings: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     total = sum(len(table) for table in tables.values())
     frequency = settings["actuator"]["frequency_hz"] / 1e3
-    gas = _terms(settings["gas"])
+    gas = _terms(settings["gas"], tables.values())
     polar = form_of(next(iter(tables.values()))) == POLAR
     place = "radius φr and angle φφ" if polar else "x and y from the centre of the surface"
     yield "## What was simulated\n"
@@ -135,7 +140,7 @@ def _accuracy(
     yield (
         f"*Simulations.* Asked for a relative error of {settings['solver']['tolerance']:g}; the "
         f"largest estimated error of all forces is {rounded_up(largest)} of the force. A "
-        "periodic state is solved on two grids, and their difference is part of its estimate; a "
+        "periodic state is solved on several grids, whose differences are its estimate; a "
         "limit estimates what it leaves out. Method: "
         f"{', '.join(methods)}; double precision; device: {device.get('device', 'unknown')}. "
         "Where the numerics have been made, tables and pictures in this report compare the solver "

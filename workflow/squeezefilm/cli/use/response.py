@@ -7,7 +7,7 @@ The gain is the relative change of the force per relative change of the amplitud
 for slow modulation. Part of the force follows at once, the rest with the gas that comes and goes
 through the rim: `prompt_gain` is what is left of the gain above the corner, `corner_hz`; the film
 passes modulation at any frequency, with another size. `rise_s` is until the force stays within 5 %
-after the surface starts, `release_s` until 5 % is left after it stops, each to about a period.
+after the surface starts, `release_s` until 5 % is left after it stops, each to about two periods.
 
 By the slow film equation where its error is at most 3 %, else by marching through every period;
 without inertia and heat of the gas. `squeezefilm budget` says what those are for the force.
@@ -102,20 +102,20 @@ def _included(scene: Scene, term: str) -> bool:
 def _show(scene: Scene, found: Gains) -> None:
     one = response(scene)
     if isfinite(one.rise_s):
-        period_s = 1 / scene.actuator.frequency_hz
-        percent = f"± {100 * one.error:.2g} %"
+        # The phase in which a vibration starts moved the rise by up to 1.6 periods.
+        start_s = 2 / scene.actuator.frequency_hz
+        corner_hz = float(f"{one.corner_hz:.2g}")
         print(
-            f"gain {one.static_gain:.3f} for slow modulation, {one.prompt_gain:.3f} far above the "
-            f"corner at {one.corner_hz:.3g} Hz ({percent})"
+            f"gain {one.static_gain:.3f} ± {100 * one.error:.2g} % for slow modulation, about "
+            f"{one.prompt_gain:.2f} far above the corner at about {corner_hz:g} Hz"
         )
         for what, share, seconds in (
             ("start", one.prompt_share, one.rise_s),
             ("stop", one.lasting_share, one.release_s),
         ):
             print(
-                f"{what}: {share:.1%} of the force {'at once' if what == 'start' else 'is left'}, "
-                f"settled to 5 % after {1e3 * seconds:.3g} ms (± {100 * one.error:.2g} % and "
-                f"{1e3 * period_s:.2g} ms)"
+                f"{what}: {share:.0%} of the force {'at once' if what == 'start' else 'is left'}, "
+                f"settled to 5 % after {1e3 * seconds:.2g} ms ± {1e3 * start_s:.1g} ms"
             )
     else:
         print("rise, release and corner: not known, the film is not slow against its vibration")

@@ -63,7 +63,8 @@ class Response:
         rise_s: until the force stays within 5 % of the settled one.
         lasting_share: of the settled force, that is left when the surface stops.
         release_s: until 5 % of the settled force is left.
-        error: relative, of gains, shares and corner; of both times beside one period.
+        error: relative, of the static gain, which is that of the settled force. Corner, shares and
+            prompt gain are those of the slow equation; times are known to two periods at best.
     """
 
     static_gain: float

@@ -7,14 +7,6 @@
 /* An array of the points that velocities along an axis have (flux_points.py). */
 #define ON_AXIS(axis, name) ((axis) == 0 ? ARRAY(film, name##_x) : ARRAY(film, name##_y))
 
-static void heat_along(const Grid *g, int axis, matrix a, field in, field out, int add)
-{
-    if (axis == 0)
-        along_x(g, a, in, out, add);
-    else
-        along_y(g, a, in, out, add);
-}
-
 /* out += factor · S in over one row, with the skew S = root d/dT root. */
 static void add_skew(const Grid *g, matrix root, matrix in, double factor, field4 out)
 {
@@ -96,8 +88,8 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
     for (int axis = 0; axis < 2; axis++, u += g->count, nodal += g->count) {
         matrix amplitude = ON_AXIS(axis, flux_amplitude);
         field4 u4 = (field4)u;
-        heat_along(g, axis, ON_AXIS(axis, flux_values), (field)film->p, pressure, 0);
-        heat_along(g, axis, ON_AXIS(axis, flux_slope), (field)film->p, u, 0);
+        along_axis(g, axis, ON_AXIS(axis, flux_values), (field)film->p, pressure, 0);
+        along_axis(g, axis, ON_AXIS(axis, flux_slope), (field)film->p, u, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = 1.0 + film->epsilon * amplitude[row] * g->sine[t];
@@ -108,7 +100,7 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
 #endif
         }
         SYNC;
-        heat_along(g, axis, ON_AXIS(axis, flux_nodes), u, nodal, 0);
+        along_axis(g, axis, ON_AXIS(axis, flux_nodes), u, nodal, 0);
     }
 }
 
@@ -139,9 +131,9 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
         field u = velocity + axis * g->count;
         matrix amplitude = ON_AXIS(axis, flux_amplitude), values = ON_AXIS(axis, flux_values);
         field4 pressure = (field4)first, warmer = (field4)second, cooler = (field4)third;
-        heat_along(g, axis, values, (field)film->p, first, 0);
-        heat_along(g, axis, values, warmth, second, 0);
-        heat_along(g, axis, values, nodal + (1 - axis) * g->count, third, 0);
+        along_axis(g, axis, values, (field)film->p, first, 0);
+        along_axis(g, axis, values, warmth, second, 0);
+        along_axis(g, axis, values, nodal + (1 - axis) * g->count, third, 0);
         FOR_EACH(i, g->count4)
         {
             const double4 own = ((matrix4)u)[i];
@@ -166,7 +158,7 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
             pressure[i] = -sigma * gap * density * beside;
         }
         SYNC;
-        heat_along(g, axis, ON_AXIS(axis, flux_divergence), first, out, 1);
+        along_axis(g, axis, ON_AXIS(axis, flux_divergence), first, out, 1);
     }
 }
 

@@ -42,13 +42,6 @@ static Direction direction_of(const Film *film, int axis)
     return d;
 }
 
-/* along_x or along_y, in one call: compilers that inline it have half as much to do. */
-static void along_axis(const Grid *g, int axis, matrix a, field in, field out, int add)
-{
-    const int n = axis == 0 ? g->nx : g->ny;
-    multiply(a, n, n, (matrix)in, out, axis == 0 ? g->ny * g->nt : g->nt, axis == 0 ? 1 : g->nx, add);
-}
-
 static field state_field(const Grid *g, const Film *film, int axis, int which)
 {
     return film->own_work + (axis * STATE_FIELDS + which) * g->count;
