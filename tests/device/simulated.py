@@ -15,7 +15,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.march.transient import march
 from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.problems import problems_of, problems_on
-from squeezefilm.reynolds.self_test import films
+from squeezefilm.reynolds.self_test import ITERATION_TOLERANCE, films
 
 # Films that are marched over a period: which, the scheme, and the steps.
 MARCHES = {
@@ -23,8 +23,8 @@ MARCHES = {
     "marched implicitly": ("sliding", "esdirk4", 8),
 }
 KERNELS = (*films(), *MARCHES)
-# What is made wrong in linear_algebra.cl on demand, to see that it is found.
-SCALED = "FOR_EACH(i, count4) a4[i] *= factor;\n    "
+# What is made wrong in vectors.cl on demand, to see that it is found.
+SCALED = "FOR_EACH(i, count4 / (LANES / 4)) a_lanes[i] *= factor;\n    "
 SOUND = f"{SCALED}SYNC;"
 FAULTS = {
     "no barrier": SCALED,
@@ -43,7 +43,7 @@ def means(device: Device, kernel: str) -> list[float]:
         return march(problems=problems, grid=across, **numbers).mean_by_period[:, -1].tolist()
     scene, grid = films()[kernel]
     grids = [Grid(points, 4, 8, grid.fold_x, grid.fold_y) for points in (4, 8)]
-    problems = problems_on(_two(scene), dict.fromkeys(grids, 1e-2))
+    problems = problems_on(_two(scene), dict.fromkeys(grids, ITERATION_TOLERANCE))
     (states,) = launch([Batch(grids, problems)], device=device).states()
     return np.concatenate([state.mean for state in states]).tolist()
 
@@ -57,7 +57,7 @@ def _make_wrong(fault: str) -> None:
 
     def read_text(path, *arguments, **options):
         text = sound(path, *arguments, **options)
-        assert path.name != "linear_algebra.cl" or SOUND in text
+        assert path.name != "vectors.cl" or SOUND in text
         return text.replace(SOUND, wrong)
 
     Path.read_text = read_text

@@ -174,6 +174,18 @@ OF_BOTH_TYPES void store4(double4 v, int i, vector to)
     ((__global JOIN(real, 4) *)to)[i] = (JOIN(real, 4))(v.x, v.y, v.z, v.w);
 }
 
+/* Each pair's two numbers the other way round. */
+OF_BOTH_TYPES inline lanes pairs_swapped(lanes v)
+{
+#if LANES == 16
+    return v.s1032547698badcfe;
+#elif LANES == 8
+    return v.s10325476;
+#else
+    return v.s1032;
+#endif
+}
+
 OF_BOTH_TYPES double sum_of_lanes(lanes v)
 {
 #if LANES == 16

@@ -85,7 +85,8 @@ static void set_preconditioner(const Grid *g, const Film *film)
         const double2 scale = 1.0 / (own * own + speed * speed);
         const double2 share = scale * own, other = scale * speed;
         store4((double4)(diffusion), i, film->diffusion);
-        store4((double4)(share.xx, share.yy), i, film->own_share);
+        /* Numbers one by one: Oclgrind does not follow vectors put together of shorter ones. */
+        store4((double4)(share.x, share.x, share.y, share.y), i, film->own_share);
         store4((double4)(other.x, -other.x, other.y, -other.y), i, film->other_share);
     }
     SYNC;
@@ -100,10 +101,7 @@ static void precondition(const Grid *g, const Film *film, vector modal)
     FOR_EACH(i, g->count / LANES)
     {
         const lanes values = m[i];
-        lanes swapped;
-        swapped.even = values.odd;
-        swapped.odd = values.even;
-        m[i] = own[i] * values + other[i] * swapped;
+        m[i] = own[i] * values + other[i] * pairs_swapped(values);
     }
     SYNC;
 }
@@ -120,10 +118,7 @@ static void precondition_with_time_term(const Grid *g, const Film *film, constan
     FOR_EACH(i, g->count / LANES)
     {
         const lanes values = m[i] - diffusion[i] * known[i];
-        lanes swapped;
-        swapped.even = values.odd;
-        swapped.odd = values.even;
-        m[i] = known[i] + own[i] * values + other[i] * swapped;
+        m[i] = known[i] + own[i] * values + other[i] * pairs_swapped(values);
     }
     SYNC;
 }
