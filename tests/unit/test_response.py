@@ -47,6 +47,23 @@ def test_scenes_whose_response_is_not_known_keep_their_rows_with_the_reason(tmp_
     assert rows["gain"].isna().all()
 
 
+def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
+    scenes, output, steps = (tmp_path / name for name in ("scenes.csv", "out.csv", "steps.csv"))
+    scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\nthick,5e-5,2e-6,0,0\n")
+    config = str(repository / "config" / "paper.yaml")
+    words = ["response", str(scenes), "--config", config, "--output", str(output)]
+    assert main([*words, "--steps", str(steps)]) == 0
+    summary = pd.read_csv(output, index_col="point_id").loc["a"]
+    rows = pd.read_csv(steps, index_col="point_id")
+    assert rows.loc["thick", "status"].startswith("the film is not slow")
+    film = rows.loc["a"]
+    settled = film["rising_n"].iloc[-1]
+    assert film["rising_n"].iloc[0] / settled == pytest.approx(summary["prompt_share"], rel=1e-3)
+    assert film["falling_n"].iloc[0] / settled == pytest.approx(summary["lasting_share"], rel=1e-3)
+    late = film["time_s"] > summary["rise_s"]
+    assert (abs(film["rising_n"][late] / settled - 1) < 0.05).all()
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -2,6 +2,7 @@
 
   squeezefilm response --h0 5um --hv 2.2um [--frequencies 10Hz,100Hz,300Hz]
   squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]
+  squeezefilm response SCENES.csv --config CONFIG.yaml --steps STEPS.csv
 
 The gain is the relative change of the force per relative change of the amplitude: twice a little
 for slow modulation. Part of the force follows at once, the rest with the gas that comes and goes
@@ -31,7 +32,7 @@ from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.dynamics.response import METHODS, Gains, gains, response
+from squeezefilm.reynolds.dynamics.response import METHODS, Gains, gains, response, steps_of
 from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.runs import node_cache
@@ -47,6 +48,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--output", metavar="RESPONSE.csv", help="table to write, a row per scene")
     parser.add_argument(
         "--gains", metavar="GAINS.csv", help="table to write, a row per scene and frequency"
+    )
+    parser.add_argument(
+        "--steps",
+        metavar="STEPS.csv",
+        help="table to write of the mean force after start and stop, a row per scene and time",
     )
     parser.add_argument(
         "--frequencies",
@@ -83,8 +89,8 @@ def run(options: argparse.Namespace) -> None:
         return
     if len(points.columns):
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
-    if options.output is None and options.gains is None:
-        raise InputError("a table of scenes needs --output, --gains or both")
+    if options.output is options.gains is options.steps is None:
+        raise InputError("a table of scenes needs --output, --gains or --steps")
     table = read_scenes(options.scenes)
     with naming(options.scenes):
         scenes = [scene_of(point, config) for point in scene_points(table)]
@@ -93,6 +99,8 @@ def run(options: argparse.Namespace) -> None:
     if options.gains is not None:
         rows = _all_gains(table, scenes, frequency_hz, device=device, method=options.method)
         write_table(rows, options.gains)
+    if options.steps is not None:
+        write_table(_all_steps(table, scenes), options.steps)
 
 
 def _included(scene: Scene, term: str) -> bool:
@@ -150,9 +158,23 @@ def _all_gains(
         except InputError as error:
             unknown = dict.fromkeys(("gain", "phase_deg", "error"), np.nan)
             found = {"frequency_hz": frequency_hz, **unknown, "method": ""}
-            status = str(error).removeprefix(f"point {scene.point_id}: ")
-        known = pd.DataFrame({**found, "status": status})
-        parts.append(known.assign(**{str(name): value for name, value in row.items()}))
-    rows = pd.concat(parts, ignore_index=True)
-    names = ("frequency_hz", "gain", "phase_deg", "error", "method", "status")
-    return rows[[*table.columns, *names]]
+            status = _reason(error, scene)
+        parts.append(pd.DataFrame(row | found | {"status": status}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _all_steps(table: pd.DataFrame, scenes: list[Scene]) -> pd.DataFrame:
+    """A scene whose steps are not known keeps a row, with the reason."""
+    parts = []
+    for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
+        try:
+            found = {**asdict(steps_of(scene)), "status": "ok"}
+        except InputError as error:
+            unknown = {name: [np.nan] for name in ("time_s", "rising_n", "falling_n")}
+            found = {**unknown, "status": _reason(error, scene)}
+        parts.append(pd.DataFrame(row | found))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _reason(error: InputError, scene: Scene) -> str:
+    return str(error).removeprefix(f"point {scene.point_id}: ")

@@ -79,7 +79,10 @@ class Response:
 
 @dataclass(frozen=True)
 class Steps:
-    """Mean force after the surface starts from rest, and after it stops; shapes (n,)."""
+    """Mean force after the surface starts from rest, and after it stops; shapes (n,).
+
+    By the slow film: what lies within two periods of the vibration is no more than a direction.
+    """
 
     time_s: np.ndarray
     rising_n: np.ndarray
@@ -137,9 +140,14 @@ def response(scene: Scene) -> Response:
 def steps_of(scene: Scene) -> Steps:
     """The mean force after start and stop of a scene's vibration, by the slow film.
 
-    Raises InputError for a scene whose response is not known.
+    Raises InputError for a scene whose response is not known, or where the slow film does not hold.
     """
-    film, _ = _slow(scene, "slow")
+    film, error = _slow(scene, "slow")
+    if error > SLOW_ERROR:
+        raise InputError(
+            f"point {scene.point_id}: the film is not slow against its vibration: the slow film's "
+            f"settled force is good to {error:.1%}, and {SLOW_ERROR:.0%} is allowed"
+        )
     steps, scale = _steps(film), scene.force_scale_n
     time_s = steps.time / scene.actuator.angular_frequency_rad_per_s
     return Steps(time_s, steps.rising * scale, steps.falling * scale)

@@ -72,42 +72,6 @@ class March:
     krylov_iterations: np.ndarray
     status: np.ndarray
 
-    def rise_periods(self, final: np.ndarray | None = None, *, within: float = 0.01) -> np.ndarray:
-        """Periods after which the period mean stays within a share of its final value.
-
-        Args:
-            final: settled mean force, shape (scenes,); extrapolated from the march if left out.
-            within: the share, 1/e for the rise's time constant.
-
-        Returns:
-            Periods, shape (scenes,), interpolated within the period in which the share is reached
-            (the decay is exponential); NaN where the march is too short to tell.
-        """
-        if final is None:
-            final, uncertainty = extrapolate(self.mean_by_period)
-            final = np.where(uncertainty < 0.1 * within * np.abs(final), final, np.nan)
-        away = np.abs(self.mean_by_period / np.asarray(final)[:, None] - 1)
-        # A mean belongs to the middle of its period; at the start the force is all away.
-        away = np.column_stack([np.ones(len(away)), np.maximum(away, 1e-300)])
-        times = np.concatenate([[0.0], np.arange(away.shape[1] - 1) + 0.5])
-        periods = np.full(len(away), np.nan)
-        for scene, distance in enumerate(away):
-            last = np.flatnonzero(~(distance <= within))[-1]
-            if last + 1 < distance.size:
-                before, after = distance[last], distance[last + 1]
-                share = np.log(before / within) / np.log(before / after)
-                periods[scene] = times[last] + share * (times[last + 1] - times[last])
-        return periods
-
-    def settling_radians(self) -> np.ndarray:
-        """Time T in which the distance from the settled state falls by e, shape (scenes,).
-
-        From the last three period means, which should be late enough for the slowest mode to be
-        left alone; in theory σ / (π² (1 + 1/aspect²)) for a small amplitude.
-        """
-        change = np.diff(self.mean_by_period[:, -3:], axis=1)
-        return 2 * pi / np.log(change[:, 0] / change[:, 1])
-
 
 def march(
     *,
