@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from math import nan
+
+from squeezefilm.io.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +43,12 @@ class Solution:
     work: float = field(default=0.0, metadata={"column": False})
     derivatives: Derivatives | None = field(default=None, metadata={"column": False})
     outputs: Outputs | None = field(default=None, metadata={"column": False})
+
+    @property
+    def asked_columns(self) -> dict[str, float | str]:
+        """A row of what was asked for beside the force."""
+        asked = (self.derivatives, self.outputs)
+        return {name: value for each in asked if each for name, value in each.columns().items()}
 
 
 SOLUTION_COLUMNS = tuple(
@@ -114,6 +122,17 @@ OUTPUTS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "static_stiffness": {"static_stiffness": ("n_per_m", "N/m")},
 }
+
+
+def checked_outputs(names: Iterable[str]) -> tuple[str, ...]:
+    """The names of outputs in the order of OUTPUTS; ``all`` of them.
+
+    Raises InputError for another name, with those that there are.
+    """
+    asked = set(names)
+    if unknown := asked - {*OUTPUTS, "all"}:
+        raise InputError(f"outputs: {min(unknown)!r} is none of {', '.join(OUTPUTS)}")
+    return tuple(name for name in OUTPUTS if name in asked or "all" in asked)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from squeezefilm.io.solution import Outputs
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.solution import OUTPUTS, Outputs
+from squeezefilm.reynolds.answers.refused import formula_refusals
 from squeezefilm.reynolds.answers.samples import Sample
 from squeezefilm.reynolds.answers.weights import FORCE, GUARD, varies, weights_of
 from squeezefilm.reynolds.error_estimate import ROUND_OFF
@@ -14,10 +14,6 @@ from squeezefilm.reynolds.error_estimate import ROUND_OFF
 # No answer changes less than this share of the largest change among those alike, each over its
 # size: it may agree by chance, or be small because its parts cancel.
 SHARE_OF_OTHERS = 0.3
-AT_REST = "the surface is at rest"
-TWO_PHASES = "stiffness and damping are of a surface that moves in one phase"
-INERTIA = "the shear at a wall is not derived with inertia"
-RAREFIED = "the shear of a sliding wall is not derived with fukui-kaneko"
 
 
 @dataclass(frozen=True)
@@ -40,13 +36,16 @@ def answered(
     """
     left += ROUND_OFF * max(film.largest, -film.least)
     value, error, holds = _means(before, film, factor=factor, left=left, tolerance=tolerance)
-    refused: dict[str, str] = {}
+    refused = formula_refusals(film.scene)
     _add_extremes(before, film, value, error, factor=factor, left=left)
     _add_centre(value, error)
-    _add_stiffness(film, value, error, refused)
-    _add_sliding(before, film, value, error, refused, factor=factor)
-    if film.scene.gas.inertia == "included":
-        refused["thrust"] = INERTIA
+    if "harmonics" not in refused:
+        _add_stiffness(film.scene, value, error)
+    if "thrust" not in refused:
+        _add_sliding(before, film, value, error, factor=factor)
+    else:
+        for name in OUTPUTS["thrust"]:
+            value.pop(name, None), error.pop(name, None)
     return Answered(Outputs(value=value, error=error, refused=refused), holds)
 
 
@@ -97,48 +96,25 @@ def _add_centre(value: dict[str, float], error: dict[str, float]) -> None:
             error[name] = (error[moment] + abs(value[name]) * doubt) / (abs(force) - doubt)
 
 
-def _add_stiffness(
-    film: Sample, value: dict[str, float], error: dict[str, float], refused: dict[str, str]
-) -> None:
+def _add_stiffness(scene: Scene, value: dict[str, float], error: dict[str, float]) -> None:
     """Force in phase with the motion of the gap and with its speed, over them."""
-    scene = film.scene
-    _, _, cosine = film.gap
-    if scene.hv_m == 0:
-        refused["harmonics"] = AT_REST
-    elif np.abs(cosine).max() > ROUND_OFF * scene.epsilon:
-        refused["harmonics"] = TWO_PHASES
-    else:
-        speed = scene.hv_m * scene.actuator.angular_frequency_rad_per_s
-        for name, part, per in (
-            ("film_stiffness", "force_sin", scene.hv_m),
-            ("film_damping", "force_cos", speed),
-        ):
-            value[name], error[name] = -value[part] / per, error[part] / per
+    speed = scene.hv_m * scene.actuator.angular_frequency_rad_per_s
+    for name, part, per in (
+        ("film_stiffness", "force_sin", scene.hv_m),
+        ("film_damping", "force_cos", speed),
+    ):
+        value[name], error[name] = -value[part] / per, error[part] / per
 
 
 def _add_sliding(
-    before: Sample,
-    film: Sample,
-    value: dict[str, float],
-    error: dict[str, float],
-    refused: dict[str, str],
-    *,
-    factor: float,
+    before: Sample, film: Sample, value: dict[str, float], error: dict[str, float], *, factor: float
 ) -> None:
     """The shear that a sliding surface makes by itself, which the whole thrust has too."""
-    scene = film.scene
-    value["sliding_friction"] = error["sliding_friction"] = 0.0
-    if scene.bearing_number == 0:
-        return
-    if scene.gas.rarefaction == "fukui-kaneko":
-        refused["thrust"] = RAREFIED
-        for name in ("sliding_friction", "thrust_x", "thrust_y"):
-            value.pop(name), error.pop(name)
-        return
     coarse, fine = _couette(before), _couette(film)
     doubt = factor * abs(fine - coarse) + ROUND_OFF * abs(fine)
     value["sliding_friction"], error["sliding_friction"] = fine, doubt
-    for name, share in zip(("thrust_x", "thrust_y"), scene.finger.turned(1.0, 0.0), strict=True):
+    turned = film.scene.finger.turned(1.0, 0.0)
+    for name, share in zip(("thrust_x", "thrust_y"), turned, strict=True):
         value[name] += share * fine
         error[name] += abs(share) * doubt
 
@@ -146,6 +122,8 @@ def _add_sliding(
 def _couette(film: Sample) -> float:
     """μ U ⟨1/(h + 2λ)⟩ times the area: of a wall that drags the gas, with slip at both walls."""
     scene = film.scene
+    if scene.bearing_number == 0:
+        return 0.0
     gap = scene.gap(film.x, film.y, film.phases)
     if scene.gas.rarefaction == "slip":
         density = (1 + film.overpressure) ** (1 / scene.gas.polytropic_exponent)

@@ -7,16 +7,16 @@ two leaves, as a force's is; no answer is taken to be better than a share of wha
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.solution import OUTPUTS, Outputs, Solution
+from squeezefilm.io.solution import OUTPUTS, Outputs, Solution, checked_outputs
 from squeezefilm.reynolds.answers.numbers import answered
+from squeezefilm.reynolds.answers.refused import formula_refusals
 from squeezefilm.reynolds.answers.samples import in_modes, on_grid
 from squeezefilm.reynolds.answers.stiffness import static_stiffness
 from squeezefilm.reynolds.device import Device, choose_device
@@ -67,18 +67,6 @@ class _Progress:
     work: float = 0.0
 
 
-def check_outputs(names: Iterable[str], *, place: str) -> tuple[str, ...]:
-    """The names of outputs, in the order of OUTPUTS.
-
-    Raises InputError naming the place and what is allowed.
-    """
-    names = list(names)
-    for name in names:
-        if name not in OUTPUTS:
-            raise InputError(f"{place}: {name!r} is none of {', '.join(OUTPUTS)}")
-    return tuple(name for name in OUTPUTS if name in names)
-
-
 def with_outputs(
     scenes: Sequence[Scene],
     solutions: Sequence[Solution],
@@ -91,9 +79,12 @@ def with_outputs(
 ) -> list[Solution]:
     """The scenes' forces, as ``solve`` gave them with the same arguments, with answers beside them.
 
-    They are those of the periodic state, by whichever method its force was found.
+    They are those of the periodic state, by whichever method its force was found. Nothing is
+    solved where no output is asked for.
     """
-    asked = check_outputs(outputs, place="outputs")
+    if not outputs:
+        return list(solutions)
+    asked = checked_outputs(outputs)
     chosen = device or choose_device()
     scenes = decided(scenes, model_tolerance=model_tolerance, method=method, device=chosen)
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
@@ -112,6 +103,15 @@ def with_outputs(
         replace(solution, outputs=each.only(asked))
         for solution, each in zip(solutions, found, strict=True)
     ]
+
+
+def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
+    """Why outputs will be missing, or parts of them, as far as that is known before solving.
+
+    By their names in OUTPUTS. Inertia must be decided.
+    """
+    (way,) = ways_of([scene], [needs_of(scene)], tolerance=_tolerated(tolerance), method="periodic")
+    return dict.fromkeys(OUTPUTS, way.refused) if way.refused else formula_refusals(scene)
 
 
 def _tolerated(tolerance: float) -> float:

@@ -65,8 +65,8 @@ class Sample:
 
     @cached_property
     def gap(self) -> np.ndarray:
-        """The gap over h0 likewise: at rest, its motion with sin T and with cos T."""
-        return _gap(self.scene, self.x, self.y)
+        """The gap over h0 likewise."""
+        return motion(self.scene, self.x, self.y)
 
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -79,7 +79,7 @@ class Sample:
             for sign in (1, -1)
         ]
         (x, y), (other_x, other_y) = ends
-        there, before = (_gap(self.scene, *end) for end in ends)
+        there, before = (motion(self.scene, *end) for end in ends)
         return np.asarray((there - before) / ((x - other_x) + (y - other_y)))
 
     def symmetric(self, field: np.ndarray) -> np.ndarray:
@@ -106,7 +106,8 @@ def _first(phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 2 * np.sin(phases), 2 * np.cos(phases)
 
 
-def _gap(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The gap over h0 at rest, its motion with sin T and with cos T, shape (3, ...)."""
     at_0, at_90, at_180, at_270 = np.moveaxis(scene.gap(x, y, QUARTERS), -1, 0)
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
 
