@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> None:
     table = pd.DataFrame([_row(*each) for each in zip(scenes, explanations, left_out, strict=True)])
     if settings.outputs:
         missing = [asked_in_vain(scene, settings) for scene in scenes]
-        table.insert(table.columns.get_loc("notes"), "outputs_refused", missing)
+        table["outputs_refused"] = missing
     if options.output is not None:
         write_table(table, options.output)
     print(_summary(table, tolerance=settings.tolerance))
