@@ -277,12 +277,14 @@ def test_without_outputs_no_state_is_fetched(monkeypatch) -> None:
 
 
 def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
-    tmp_path: Path, edited, refused
+    tmp_path: Path, repository, refused
 ) -> None:
     plan, output, whole = (tmp_path / name for name in ("plan.csv", "forces.csv", "all.csv"))
     rows = {"h0_m": 5e-6, "hv_m": [2e-6, 1e-6], "phi_r_m": [0.0, 2e-3], "phi_deg": 0.0}
     write_table(pd.DataFrame({"point_id": ["1", "2"], **rows}), plan)
-    study = edited("quick", outputs=["thrust", "power"])
+    study = tmp_path / "study.yaml"
+    quick = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
+    study.write_text(f"{quick}\noutputs: [thrust, power]\n", encoding="utf-8")
     command = ["simulate", str(plan), "--output", str(output), "--config", str(study)]
     assert main(command) == 0
     table = pd.read_csv(output)
