@@ -129,8 +129,8 @@ def on_grid(scene: Scene, grid: Grid, overpressure: np.ndarray) -> Sample:
 
     def at(x: np.ndarray, y: np.ndarray, phases: np.ndarray) -> np.ndarray:
         to_x, to_y = (line.to_points(each) for line, each in zip(along, (x, y), strict=True))
-        in_time = grid.t.at(phases)
-        return np.einsum("xa,yb,ti,abi->xyt", to_x, to_y, in_time, field, optimize=True)
+        in_x = (to_x @ field.reshape(len(field), -1)).reshape(-1, *field.shape[1:])
+        return np.asarray(to_y @ in_x @ grid.t.at(phases).T)
 
     nodes = (*(each.all_nodes for each in along), grid.t.nodes)
     x, y = grid.positions
