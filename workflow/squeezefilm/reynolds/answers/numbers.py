@@ -10,6 +10,7 @@ from squeezefilm.reynolds.answers.refused import formula_refusals
 from squeezefilm.reynolds.answers.samples import Sample
 from squeezefilm.reynolds.answers.weights import FORCE, GUARD, varies, weights_of
 from squeezefilm.reynolds.error_estimate import ROUND_OFF
+from squeezefilm.reynolds.terms.heat import Heat
 
 # No answer changes less than this share of the largest change among those alike, each over its
 # size: it may agree by chance, or be small because its parts cancel.
@@ -42,6 +43,7 @@ def answered(
     if "harmonics" not in refused:
         _add_stiffness(film.scene, value, error)
     if "thrust" not in refused:
+        _add_momentum(before, film, value, error, factor=factor)
         _add_sliding(before, film, value, error, factor=factor)
     else:
         for name in OUTPUTS["thrust"]:
@@ -104,6 +106,29 @@ def _add_stiffness(scene: Scene, value: dict[str, float], error: dict[str, float
         ("film_damping", "force_cos", speed),
     ):
         value[name], error[name] = -value[part] / per, error[part] / per
+
+
+def _add_momentum(
+    before: Sample, film: Sample, value: dict[str, float], error: dict[str, float], *, factor: float
+) -> None:
+    """Half of what gas with inertia carries over the rim is taken from the finger."""
+    if film.scene.gas.inertia != "included":
+        return
+    warm = _left_out_by_heat(film.scene)
+    along_x, along_y = film.scene.finger.turned(1.0, 0.0)
+    for which, (x, y) in enumerate(((along_x, along_y), (-along_y, along_x))):
+        coarse, fine = before.momentum_n[which], film.momentum_n[which]
+        doubt = factor * abs(fine - coarse) + warm * abs(fine)
+        for name, share in (("thrust_x", x), ("thrust_y", y)):
+            value[name] -= share * fine / 2
+            error[name] += abs(share) * doubt / 2
+
+
+def _left_out_by_heat(scene: Scene) -> float:
+    """Share of that momentum that warm gas would change: twice its warming where it streams."""
+    if scene.gas.heat != "included":
+        return 0.0
+    return 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20  # type: ignore[arg-type]
 
 
 def _add_sliding(

@@ -217,8 +217,7 @@ def _one(
     if reason := state_refused(scene, terms, thinnest=float(states[-1].thinnest[k])):
         return _refused(reason)
     before, film = (
-        on_grid(scene, grid, state.overpressure[k])
-        for grid, state in zip(grids, states, strict=True)
+        on_grid(scene, grid, state.unknowns[k]) for grid, state in zip(grids, states, strict=True)
     )
     fall = max(UNKNOWN_FALL, profile_fall(progress.needs, coarse, fine, tolerance=tolerance))
     # A mass error w moves the pressure by about n w/H.

@@ -9,7 +9,6 @@ from squeezefilm.reynolds.answers.samples import motion
 
 AT_REST = "stiffness and damping are not known of a surface at rest"
 TWO_PHASES = "stiffness and damping are of a surface that moves in one phase"
-INERTIA = "the shear at a wall is not derived with inertia"
 RAREFIED = "the shear of a sliding wall is not derived with fukui-kaneko"
 # Motion with cos ωt over ε that counts as none.
 NEGLIGIBLE = 1e-14
@@ -22,8 +21,6 @@ def formula_refusals(scene: Scene) -> dict[str, str]:
         found["harmonics"] = AT_REST
     elif np.abs(motion(scene, *scene.inside())[2]).max() > NEGLIGIBLE * scene.epsilon:
         found["harmonics"] = TWO_PHASES
-    if scene.gas.inertia == "included":
-        found["thrust"] = INERTIA
-    elif scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
+    if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
         found["thrust"] = RAREFIED
     return found

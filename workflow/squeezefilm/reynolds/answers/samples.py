@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.answers.rim_momentum import momentum_out
 from squeezefilm.reynolds.answers.rules import pad_rule
 from squeezefilm.reynolds.effects.fields import lines_of
 from squeezefilm.reynolds.grid import Grid
@@ -42,6 +43,7 @@ class Sample:
         overpressure: P − 1 at the points and equidistant instants from phase 0, (Q, instants).
         largest, least: of P − 1 over pad and period.
         images: the places of each point's mirror images among the points, itself included.
+        momentum_n: what leaves over the rim along the finger's x and y, of a gas with inertia.
     """
 
     scene: Scene
@@ -52,6 +54,7 @@ class Sample:
     largest: float
     least: float
     images: tuple[np.ndarray, ...]
+    momentum_n: tuple[float, float] = (0.0, 0.0)
 
     @cached_property
     def phases(self) -> np.ndarray:
@@ -112,9 +115,12 @@ def motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
 
 
-def on_grid(scene: Scene, grid: Grid, overpressure: np.ndarray) -> Sample:
-    """A film from its state on a grid, shape (nx, ny, nt): all nodes, rim and images included."""
-    field = overpressure
+def on_grid(scene: Scene, grid: Grid, unknowns: np.ndarray) -> Sample:
+    """A film from its state on a grid, shape (fields, nx, ny, nt), at all nodes.
+
+    Those of the rim and of mirror images are among them.
+    """
+    field = unknowns[0]
     for which, folded in enumerate((grid.x.folded, grid.y.folded)):
         if folded:  # the other half is its image
             field = np.concatenate([field, np.flip(field, axis=which)], axis=which)
@@ -143,6 +149,9 @@ def on_grid(scene: Scene, grid: Grid, overpressure: np.ndarray) -> Sample:
         largest=_extreme(field, nodes, at),
         least=-_extreme(-field, nodes, lambda *where: -at(*where)),
         images=tuple(image.ravel() for image in images),
+        momentum_n=momentum_out(scene, grid, unknowns)
+        if scene.gas.inertia == "included"
+        else (0.0, 0.0),
     )
 
 
