@@ -431,3 +431,34 @@ def test_the_page_shows_what_comes_out(repository: Path, capsys) -> None:
         documented, *_, documented_unit = printed[name].split(maxsplit=3)
         assert abs(float(value) - float(documented)) <= float(error), name
         assert unit == documented_unit
+
+
+def test_the_page_s_pictures_are_made(repository: Path, tmp_path: Path, monkeypatch) -> None:
+    page = (repository / "docs" / "outputs.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^    squeezefilm (.*)$", page.partition("## Pictures")[2], re.MULTILINE)
+    (tmp_path / "config").symlink_to(repository / "config")
+    monkeypatch.chdir(tmp_path)
+    for command in commands:
+        assert main(command.split()) == 0
+    assert {"field.nc", "sheet.png", "film.gif"} <= {path.name for path in tmp_path.iterdir()}
+
+
+def test_a_scene_that_ends_in_an_unexpected_error_leaves_the_others_theirs(monkeypatch) -> None:
+    """A film that the state cannot be read of."""
+    scenes = [FILMS["thick"], replace(FILMS["thick"], point_id="bad")]
+    read = module.on_grid
+
+    def fail(scene: Scene, *state: object) -> object:
+        if scene.point_id == "bad":
+            raise ArithmeticError("no film")
+        return read(scene, *state)
+
+    monkeypatch.setattr(module, "on_grid", fail)
+    solutions = solve(scenes, tolerance=1e-2)
+    good, bad = (
+        each.outputs for each in with_outputs(scenes, solutions, outputs=("power",), tolerance=1e-2)
+    )
+    assert good is not None
+    assert bad is not None
+    assert good.status == "ok"
+    assert bad.status == "power: unexpected error: ArithmeticError: no film"

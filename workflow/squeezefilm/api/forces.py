@@ -134,6 +134,9 @@ class Force:
             lines.append(derivatives_text(self.solution.derivatives))
         if self.solution.outputs:
             lines += outputs_text(self.solution.outputs)
+            lines += ["note: errors of these are without the scan's noise"] * (
+                self.scan is not None
+            )
         lines += [f"note: {note}" for note in notes_of(self.scene)]
         return lines + [f"note: {self.status}"] * (self.status != "ok")
 

@@ -9,7 +9,7 @@ from squeezefilm.io.solution import OUTPUTS, Outputs
 from squeezefilm.reynolds.answers.refused import formula_refusals
 from squeezefilm.reynolds.answers.samples import Sample
 from squeezefilm.reynolds.answers.weights import FORCE, GUARD, varies, weights_of
-from squeezefilm.reynolds.error_estimate import ROUND_OFF
+from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
 from squeezefilm.reynolds.terms.heat import Heat
 
 # No answer changes less than this share of the largest change among those alike, each over its
@@ -59,13 +59,16 @@ def _means(
     value = {name: film.mean(weight) for name, weight in fine.items()}
     size = {name: film.size(weight) for name, weight in fine.items()}
     error, holds = {}, True
+    # What rounding and the iteration leave is no reason for a finer grid.
+    largest, narrowest = max(film.largest, -film.least), 1 - film.scene.closure()
+    rounded = ROUNDED * ROUND_OFF * largest / narrowest
     for first_harmonics in (False, True):
         # Those that ask for harmonics are of first order in the amplitude, the others of second.
         alike = [n for n, weight in fine.items() if varies(weight) == first_harmonics and size[n]]
         change = {n: abs(value[n] - before.mean(coarse[n])) / size[n] for n in alike}
         most = max(change.values(), default=0.0)
         scale = max((abs(value[n]) / size[n] for n in alike), default=0.0)
-        holds &= factor * most + left <= tolerance * scale or most == 0
+        holds &= factor * most <= tolerance * scale + rounded + left
         for n in alike:
             error[n] = size[n] * (factor * max(change[n], SHARE_OF_OTHERS * most) + left)
     shown = [name for name in value if not name.startswith(GUARD)]

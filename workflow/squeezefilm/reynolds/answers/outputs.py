@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
 
 import numpy as np
@@ -31,16 +32,17 @@ from squeezefilm.reynolds.periodic.refinement import grid_for, iteration_flops
 from squeezefilm.reynolds.periodic.resolution import finer_grid, profile_fall
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import ways_of
+from squeezefilm.reynolds.solver import each_on_its_own, unexpected, ways_of
 from squeezefilm.reynolds.terms import state_refused, stiffness_of
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
 # Share of the tolerance that the iteration may leave.
 LEFT_SHARE = 0.02
-# Operations of a scene's iterations beyond which no finer grid is tried, and unknowns of a state
-# that the host has room for.
+# Operations of a scene's iterations beyond which no finer grid is tried, unknowns of a state that
+# the host has room for, and pairs of grids.
 MOST_WORK, MOST_UNKNOWNS = 1e11, 2_000_000
+MOST_PAIRS = 8
 # States fetched at a time.
 MOST_TOGETHER = 2**21
 FROM_STATE = frozenset(OUTPUTS) - {"static_stiffness"}
@@ -65,6 +67,7 @@ class _Progress:
     guess: np.ndarray | None = None
     best: Outputs | None = None
     work: float = 0.0
+    pairs: int = 0
 
 
 def with_outputs(
@@ -92,7 +95,11 @@ def with_outputs(
     found = [Outputs(refused=dict.fromkeys(OUTPUTS, "no force"))] * len(scenes)
     parts = [Outputs()] * len(some)
     if FROM_STATE & set(asked):
-        parts = _from_states(some, tolerance=_tolerated(tolerance), device=chosen)
+        parts = each_on_its_own(
+            partial(_from_states, tolerance=_tolerated(tolerance), device=chosen),
+            some,
+            failed=lambda error: _refused(unexpected(error)),
+        )
     if "static_stiffness" in asked:
         forces = [solutions[k] for k in known]
         more = static_stiffness(some, forces, tolerance=tolerance, device=chosen)
@@ -207,7 +214,8 @@ def _one(
     for grid, state in zip(grids, states, strict=True):
         progress.work += float(state.krylov_iterations[k]) * iteration_flops(grid, terms)
     ending = [STATUS[state.status[k]] for state in states]
-    tried_enough = progress.work > MOST_WORK
+    progress.pairs += 1
+    tried_enough = progress.work > MOST_WORK or progress.pairs == MOST_PAIRS
     if ending[-1] != "ok" or not states[-1].lowest[k] > 0:
         progress.guess = None
         return (progress.best or _refused(NO_STATE)) if tried_enough else None
