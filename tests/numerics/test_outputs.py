@@ -386,7 +386,8 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
     write_table(pd.DataFrame({"point_id": ["1", "2"], **rows}), plan)
     study = tmp_path / "study.yaml"
     quick = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
-    study.write_text(f"{quick}\noutputs: [thrust, power]\n", encoding="utf-8")
+    asks = quick.replace("outputs: []", "outputs: [thrust, power]")
+    study.write_text(asks, encoding="utf-8")
     command = ["simulate", str(plan), "--output", str(output), "--config", str(study)]
     assert main(command) == 0
     table = pd.read_csv(output)
