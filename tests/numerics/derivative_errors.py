@@ -14,7 +14,7 @@ import pandas as pd
 from films import PISTON, SINC, film
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.tables import ScenePoint
+from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.studies.config import load_config
@@ -75,6 +75,13 @@ def cost(scenes: Sequence[Scene], *, tolerance: float) -> tuple[float, float]:
     return median(forces), median(derivatives)
 
 
+def planned(name: str) -> list[Scene]:
+    """The scenes of one of the paper's plans."""
+    config = load_config(ROOT / "config" / "paper.yaml")
+    table = pd.read_csv(ROOT / "tests" / "reference" / f"{name}.csv", dtype={"point_id": str})
+    return [scene_of(point, config) for point in scene_points(table)]
+
+
 def main(count: str = "40", seed: str = "1") -> None:
     scenes = drawn(int(count), seed=int(seed))
     for tolerance in (1e-2, 1e-3, 1e-4):
@@ -82,11 +89,8 @@ def main(count: str = "40", seed: str = "1") -> None:
         print(
             f"{tolerance:g}: {len(each)} derivatives, off by {max(each):.2f} of the error at most"
         )
-    config = load_config(ROOT / "config" / "paper.yaml")
     for name in PLANS:
-        table = pd.read_csv(ROOT / "tests" / "reference" / f"{name}.csv", dtype={"point_id": str})
-        points = table.drop(columns="force_n").itertuples(index=False)
-        plan = [scene_of(ScenePoint(*point), config) for point in points]
+        plan = planned(name)
         for tolerance in (1e-4, 1e-6):
             forces, derivatives = cost(plan, tolerance=tolerance)
             print(

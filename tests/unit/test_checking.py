@@ -27,7 +27,7 @@ FORCES = pd.DataFrame(
 )
 CLOSE = Close(relative=1e-6)
 NOT_DECIDING = {
-    *("study", "simulation", "numerics"),
+    *("study", "simulation", "numerics", "outputs"),
     *("sweep", "models", "model_control", "comparison", "optimal", "refine"),  # not the paper's
 }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -110,17 +110,20 @@ class Film:
         phi: str | float | None = None,
         tolerance: float | None = None,
         method: str | None = None,
+        outputs: Sequence[str] | None = None,
     ) -> Force:
         """The mean force at one operating point, with its error and what its equation leaves out.
 
         Args:
             tolerance: wanted relative error, instead of the film's own.
             method: of the solver, instead of the film's own (docs/solver.md).
+            outputs: answers beside the force, ``solution.outputs`` of it (docs/outputs.md), instead
+                of the study's; ``["all"]`` for all.
 
         Raises InputError as ``scene`` does, RunError saying why there is no force.
         """
         scene = self.scene(h0, hv, x=x, y=y, phi_r=phi_r, phi=phi)
-        settings = self._settings(tolerance, method)
+        settings = self._settings(tolerance, method, outputs)
         return force_of(scene, settings=settings, device=self.device, smoothed=self.scan)
 
     def curve(
@@ -134,25 +137,32 @@ class Film:
         phi: Values | None = None,
         tolerance: float | None = None,
         method: str | None = None,
+        outputs: Sequence[str] | None = None,
     ) -> pd.DataFrame:
         """The forces at every combination of some gaps, amplitudes and places, a row for each.
 
         Several values are a sequence, or a text such as ``"0.5, 1, 2 um"`` or ``"0.5:2.5:9 um"``
         (first:last:count). ``force_error_n`` is all that is known of the numbers' error,
         ``left_out_least_percent`` and ``left_out_most_percent`` what the equation leaves out at
-        first order; ``status`` is ``ok``, or why there is no force.
+        first order; ``status`` is ``ok``, or why there is no force. ``outputs`` are as for a force,
+        each a column with its unit and one with its error.
         Raises InputError as ``scene`` does.
         """
         points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
-        return self.forces(points, tolerance=tolerance, method=method)
+        return self.forces(points, tolerance=tolerance, method=method, outputs=outputs)
 
     def forces(
-        self, points: pd.DataFrame, *, tolerance: float | None = None, method: str | None = None
+        self,
+        points: pd.DataFrame,
+        *,
+        tolerance: float | None = None,
+        method: str | None = None,
+        outputs: Sequence[str] | None = None,
     ) -> pd.DataFrame:
         """The same for a table of points: h0_m, hv_m and a position, if any."""
         found = forces_of(
             self.scenes(points),
-            settings=self._settings(tolerance, method),
+            settings=self._settings(tolerance, method, outputs),
             device=self.device,
             smoothed=self.scan,
         )
@@ -201,5 +211,10 @@ class Film:
             f"({finger['shape']})"
         )
 
-    def _settings(self, tolerance: float | None, method: str | None) -> SolverSettings:
-        return solver_settings(self.config, tolerance=tolerance, method=method)
+    def _settings(
+        self,
+        tolerance: float | None,
+        method: str | None,
+        outputs: Sequence[str] | None = None,
+    ) -> SolverSettings:
+        return solver_settings(self.config, tolerance=tolerance, method=method, outputs=outputs)

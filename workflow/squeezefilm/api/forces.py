@@ -15,6 +15,8 @@ from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.typed_units import with_error
 from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds.answers.outputs import with_outputs
+from squeezefilm.reynolds.answers.words import outputs_text
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import Budget, budgets
@@ -55,6 +57,8 @@ class Force:
         budget: what the film equation leaves out of the force, effect by effect.
         scan: what the scan of a measured profile leaves open; None without one.
         device: the name of the OpenCL device.
+
+    Answers beside the force that were asked for are ``solution.outputs``.
     """
 
     scene: Scene
@@ -128,6 +132,11 @@ class Force:
         lines = [f"beyond the equation: {budget_text(self.budget)}"]
         if self.solution.derivatives:
             lines.append(derivatives_text(self.solution.derivatives))
+        if self.solution.outputs:
+            lines += outputs_text(self.solution.outputs)
+            lines += ["note: errors of these are without the scan's noise"] * (
+                self.scan is not None
+            )
         lines += [f"note: {note}" for note in notes_of(self.scene)]
         return lines + [f"note: {self.status}"] * (self.status != "ok")
 
@@ -176,6 +185,14 @@ def forces_of(
             method=settings.method,
             device=device,
         )
+    solutions = with_outputs(
+        scenes,
+        solutions,
+        outputs=settings.outputs,
+        tolerance=settings.tolerance,
+        method=settings.method,
+        device=device,
+    )
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
     with_force = [scenes[k] for k in known]
     beyond = dict(zip(known, budgets(with_force, device=device), strict=True))
@@ -204,13 +221,11 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
 
     ``force_error_n`` is all that is known of the numbers' error, a scan's part too;
     ``left_out_least_percent`` and ``…_most_percent`` are what the film equation leaves out, at
-    first order; ``status`` is ``ok``, or why there is no force.
+    first order; ``status`` is ``ok``, or why there is no force. Derivatives and outputs that were
+    asked for stand behind.
     """
     left_out = np.array([force.left_out_percent for force in forces]).reshape(-1, 2)
-    found = [each.derivatives for force in forces if (each := force.solution).derivatives]
-    derivatives = pd.DataFrame(
-        [each.columns() for each in found if each], index=points.index[: len(found)]
-    )
+    more = pd.DataFrame([force.solution.asked_columns for force in forces], index=points.index)
     return points.assign(
         force_n=[force.force_n for force in forces],
         force_error_n=[force.error_n for force in forces],
@@ -218,7 +233,7 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
         left_out_most_percent=left_out[:, 1],
         method=[force.solution.method for force in forces],
         status=[force.status for force in forces],
-        **{name: derivatives[name] for name in map(str, derivatives)},
+        **{name: more[name] for name in map(str, more)},
     )
 
 

@@ -224,6 +224,14 @@ class Scene:
         """Gap over h0 without vibration at positions in [0, 1] across the finger."""
         return 1 + self.finger.gap.rise_m(x, y) / self.h0_m
 
+    def gap(self, x: np.ndarray, y: np.ndarray, phase: np.ndarray) -> np.ndarray:
+        """Gap over h0 at positions in [0, 1], any common shape, at phases ωt, one more dimension.
+
+        It widens while sin ωt > 0: the surface goes down.
+        """
+        excursion = self.epsilon * self.amplitude(x, y)[..., None] * np.sin(phase)
+        return np.asarray(self.rest_gap(x, y)[..., None] + excursion)
+
     def closure(self) -> float:
         """Largest excursion over gap, |ε s|/(gap at rest): 1 where surface and finger touch.
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from math import nan
+
+from squeezefilm.io.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +26,7 @@ class Solution:
         residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
         work: floating-point operations of the iterations, for sharing out run time; no column.
         derivatives: of the force, where they were asked for (effects/derivatives.py).
+        outputs: answers beside the force, where they were asked for (answers/outputs.py).
     """
 
     force_n: float = nan
@@ -39,6 +42,13 @@ class Solution:
     residual: float = 0.0
     work: float = field(default=0.0, metadata={"column": False})
     derivatives: Derivatives | None = field(default=None, metadata={"column": False})
+    outputs: Outputs | None = field(default=None, metadata={"column": False})
+
+    @property
+    def asked_columns(self) -> dict[str, float | str]:
+        """A row of what was asked for beside the force."""
+        asked = (self.derivatives, self.outputs)
+        return {name: value for each in asked if each for name, value in each.columns().items()}
 
 
 SOLUTION_COLUMNS = tuple(
@@ -87,3 +97,88 @@ class Derivatives:
             row[f"dforce_d{name}_{unit}"] = self.value[number]
             row[f"dforce_d{name}_error_{unit}"] = self.error[number]
         return row | {"derivatives_status": self.status}
+
+
+# What may be asked for beside the mean force: each output's numbers with their units, in columns
+# and in words. docs/outputs.md has their signs and formulas.
+OUTPUTS: dict[str, dict[str, tuple[str, str]]] = {
+    "harmonics": {
+        "force_sin": ("n", "N"),
+        "force_cos": ("n", "N"),
+        "film_stiffness": ("n_per_m", "N/m"),
+        "film_damping": ("n_s_per_m", "N s/m"),
+    },
+    "power": {"power": ("w", "W")},
+    "centre": {"centre_x": ("m", "m"), "centre_y": ("m", "m")},
+    "moments": {"moment_x": ("n_m", "N m"), "moment_y": ("n_m", "N m")},
+    "thrust": {
+        "thrust_x": ("n", "N"),
+        "thrust_y": ("n", "N"),
+        "sliding_friction": ("n", "N"),
+    },
+    "extremes": {
+        "largest_overpressure": ("pa", "Pa"),
+        "least_overpressure": ("pa", "Pa"),
+    },
+    "static_stiffness": {"static_stiffness": ("n_per_m", "N/m")},
+}
+
+
+def checked_outputs(names: Iterable[str]) -> tuple[str, ...]:
+    """The names of outputs in the order of OUTPUTS; ``all`` of them.
+
+    Raises InputError for another name, with those that there are.
+    """
+    asked = set(names)
+    if unknown := asked - {*OUTPUTS, "all"}:
+        raise InputError(f"outputs: {min(unknown)!r} is none of {', '.join(OUTPUTS)}")
+    return tuple(name for name in OUTPUTS if name in asked or "all" in asked)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outputs:
+    """A scene's answers beside the mean force.
+
+    Attributes:
+        asked: the outputs that were asked for, of OUTPUTS.
+        value: by the names in OUTPUTS, in the units there; one that is not there is not known.
+        error: estimate of its absolute error, for each value.
+        refused: why an output is not there, or a part of it; by output.
+    """
+
+    asked: tuple[str, ...] = ()
+    value: Mapping[str, float] = field(default_factory=dict)
+    error: Mapping[str, float] = field(default_factory=dict)
+    refused: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def status(self) -> str:
+        """``ok``, or what is missing and why."""
+        return "; ".join(f"{name}: {reason}" for name, reason in self.refused.items()) or "ok"
+
+    def only(self, asked: tuple[str, ...]) -> Outputs:
+        """What was asked for of it."""
+        names = {name for output in asked for name in OUTPUTS[output]}
+        return Outputs(
+            asked=asked,
+            value={name: each for name, each in self.value.items() if name in names},
+            error={name: each for name, each in self.error.items() if name in names},
+            refused={name: why for name, why in self.refused.items() if name in asked},
+        )
+
+    def beside(self, other: Outputs) -> Outputs:
+        """Both together."""
+        return Outputs(
+            value={**self.value, **other.value},
+            error={**self.error, **other.error},
+            refused={**self.refused, **other.refused},
+        )
+
+    def columns(self) -> dict[str, float | str]:
+        """A row of a table of forces: ``NAME_UNIT``, ``NAME_error_UNIT``, ``outputs_status``."""
+        row: dict[str, float | str] = {}
+        for output in self.asked:
+            for name, (unit, _) in OUTPUTS[output].items():
+                row[f"{name}_{unit}"] = self.value.get(name, nan)
+                row[f"{name}_error_{unit}"] = self.error.get(name, nan)
+        return row | {"outputs_status": self.status}

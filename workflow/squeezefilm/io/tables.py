@@ -18,7 +18,7 @@ from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError, needing
 from squeezefilm.io.positions import POLAR, as_in, cartesian
-from squeezefilm.io.solution import SOLUTION_COLUMNS, Derivatives
+from squeezefilm.io.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
 """Here and below, positions are named in polar form; as_in names them as a table has them."""
@@ -29,13 +29,17 @@ LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_erro
 ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
 """What a reader of a refinement's rounds may count on; the table has more."""
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
-TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out", "derivatives_status"}
+TEXT_COLUMNS = {
+    *("point_id", "origin", "status", "method", "left_out"),
+    *("derivatives_status", "outputs_status"),
+}
 PARQUET = ".parquet"
 # What a budget is of, where it is of the scene itself.
 THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 # A table of forces may have these too; stages that need none of them leave them out.
 DERIVATIVE_COLUMNS = tuple(Derivatives(status="").columns())
+OUTPUT_COLUMNS = tuple(Outputs(asked=tuple(OUTPUTS)).columns())
 
 
 Rows = Callable[[int], slice]
@@ -97,12 +101,19 @@ def read_timings(path: Path | str) -> pd.DataFrame:
     return _read(path, columns=TIMING_COLUMNS, numbers=("solve_seconds",))
 
 
-def read_forces(path: Path | str) -> pd.DataFrame:
+def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
     """Read simulated forces; a row whose status is not ``ok`` may lack its force.
+
+    Args:
+        whole: with the derivatives and the outputs that the table has.
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, more=DERIVATIVE_COLUMNS)
+    more = (*DERIVATIVE_COLUMNS, *OUTPUT_COLUMNS)
+    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, more=more, whole=whole)
+    for name in map(str, table):
+        if name in more and name not in TEXT_COLUMNS:
+            table[name] = pd.to_numeric(table[name], errors="coerce").astype(float)
     for name in ("force_n", "force_error_n"):
         values = pd.to_numeric(table[name], errors="coerce")
         bad = table[(table["status"] == "ok") & ~np.isfinite(values)]
@@ -142,15 +153,19 @@ def _read(
     columns: Sequence[str],
     numbers: Sequence[str],
     more: Sequence[str] = (),
+    whole: bool = False,
     rows: Rows = all_rows,
 ) -> pd.DataFrame:
-    """The columns of a table, which may have ``more`` that are left out."""
+    """The columns of a table, which may have ``more`` that are left out, unless it is ``whole``."""
     path = Path(path)
     if path.suffix == PARQUET:
-        return _read_parquet(path, columns=columns, numbers=numbers, more=more, rows=rows)
+        return _read_parquet(
+            path, columns=columns, numbers=numbers, more=more, whole=whole, rows=rows
+        )
     header, found = read_cells(path, what="table", needs=", ".join(columns))
     columns, numbers = as_in(columns, header), as_in(numbers, header)
     _check_header(header, columns=columns, more=more, path=path)
+    columns = [*columns, *(name for name in header if whole and name in more)]
     if not found:
         raise InputError(f"{path}: the table has a header and no rows")
     lines = [line for line, _ in found]
@@ -167,6 +182,7 @@ def _read_parquet(
     columns: Sequence[str],
     numbers: Sequence[str],
     more: Sequence[str],
+    whole: bool,
     rows: Rows,
 ) -> pd.DataFrame:
     with needing("workflow", what="a table in Parquet"):
@@ -178,6 +194,7 @@ def _read_parquet(
             names = file.schema_arrow.names
             columns, numbers = as_in(columns, names), as_in(numbers, names)
             _check_header(names, columns=columns, more=more, path=path)
+            columns = [*columns, *(name for name in names if whole and name in more)]
             metadata = file.metadata
             sizes = [metadata.row_group(group).num_rows for group in range(metadata.num_row_groups)]
             start, stop, _ = rows(metadata.num_rows).indices(metadata.num_rows)

@@ -81,6 +81,10 @@ class FluxPoints:
         """The velocity along the axis on another one's points, shape (finer n, n)."""
         return self._folded(self._values_at(finer.all_points), odd=True, rows=finer.axis.points)
 
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """The velocity along an axis that is not folded at places of it, shape (places, n)."""
+        return self._values_at(places)
+
     @cached_property
     def _weights(self) -> np.ndarray:
         """Barycentric weights of the points (Berrut and Trefethen 2004)."""

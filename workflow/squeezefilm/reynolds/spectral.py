@@ -194,7 +194,11 @@ class Period:
     @lru_cache(maxsize=64)  # noqa: B019 - periods are few and live as long as the process
     def interpolation_to(self, finer: Period) -> np.ndarray:
         """Matrix that carries values to another period's nodes, shape (finer.points, points)."""
-        return self._basis(finer.nodes).T @ self.fourier
+        return self.at(finer.nodes)
+
+    def at(self, instants: np.ndarray) -> np.ndarray:
+        """Matrix from values on the nodes to any instants T (m,), shape (m, points)."""
+        return np.asarray(self._basis(instants).T @ self.fourier)
 
 
 @lru_cache(maxsize=64)

@@ -16,6 +16,8 @@ from squeezefilm.studies.study import planned_profile_of, scene_of
 # One thread of the processor that docs/cluster.md was measured on.
 MFLOP_PER_SECOND = 20_000.0
 SECONDS_PER_SCENE = 1.5e-4  # besides the operations: preparing and collecting
+# Outputs ask for states on two grids more, closely solved, and for Python's time.
+TIMES_FOR_OUTPUTS, SECONDS_OF_OUTPUTS = 4, 1e-2
 SAMPLE = 32
 MOST_CHUNKS = 20_000
 CENTRED = ("screen", "error_map")
@@ -50,4 +52,5 @@ def expected_seconds(config: Config, *, centred: bool) -> float:
     solver = config["solver"]
     explained = explain(scenes, tolerance=solver["tolerance"], method=solver["method"])
     mflop = sum(each.expected_mflop for each in explained) / SAMPLE
-    return SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
+    seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
+    return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config["outputs"] else seconds

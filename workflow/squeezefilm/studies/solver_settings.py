@@ -1,10 +1,12 @@
-"""How a command solves: the study's solver section, unless the command line says otherwise."""
+"""How a command solves, and for what: as the study says, unless the command line says otherwise."""
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from squeezefilm.io import job
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.solution import checked_outputs
 from squeezefilm.reynolds.device import Device, choose_device, describe
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import Config
@@ -14,9 +16,12 @@ TOLERANCES = (1e-10, 0.1)
 
 @dataclass(frozen=True)
 class SolverSettings:
+    """``outputs`` are the answers beside the mean force (answers/outputs.py)."""
+
     tolerance: float
     model_tolerance: float
     method: str
+    outputs: tuple[str, ...] = ()
 
 
 def device_of(config: Config, *, option: str | None = None) -> Device:
@@ -36,11 +41,15 @@ def add_solver_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def solver_settings(
-    config: Config, *, tolerance: float | None = None, method: str | None = None
+    config: Config,
+    *,
+    tolerance: float | None = None,
+    method: str | None = None,
+    outputs: Sequence[str] | None = None,
 ) -> SolverSettings:
-    """The tolerance and the method: those given, or else the configuration's.
+    """The tolerance, the method and the outputs: those given, or else the configuration's.
 
-    Raises InputError for a tolerance that no method is made for, or an unknown method.
+    Raises InputError for a tolerance that no method is made for, an unknown method or output.
     """
     tolerance = config["solver"]["tolerance"] if tolerance is None else tolerance
     method = method or config["solver"]["method"]
@@ -51,5 +60,8 @@ def solver_settings(
     if method not in METHODS:
         raise InputError(f"method {method!r} is none of {', '.join(METHODS)}")
     return SolverSettings(
-        tolerance=tolerance, model_tolerance=config["solver"]["model_tolerance"], method=method
+        tolerance=tolerance,
+        model_tolerance=config["solver"]["model_tolerance"],
+        method=method,
+        outputs=checked_outputs(config.get("outputs", ()) if outputs is None else outputs),
     )

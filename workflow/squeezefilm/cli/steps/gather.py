@@ -8,6 +8,7 @@ nothing when a point has no force.
 
 import argparse
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,6 @@ from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import (
     FACTOR_COLUMNS,
-    FORCE_COLUMNS,
     TIMING_COLUMNS,
     read_forces,
     read_scenes,
@@ -25,6 +25,8 @@ from squeezefilm.io.tables import (
     table_writer,
 )
 
+# With what was asked for beside the forces.
+read_whole = partial(read_forces, whole=True)
 NAMED = 100  # failed points, at most, in a message
 
 
@@ -54,7 +56,7 @@ def _gather_forces(scenes: pd.DataFrame, options: argparse.Namespace) -> None:
     failures: list[str] = []
     first = 0
     with table_writer(options.output) as write:
-        for part in in_order(scenes, options.chunks, read=read_forces, of=options.scenes):
+        for part in in_order(scenes, options.chunks, read=read_whole, of=options.scenes):
             factors = as_in(FACTOR_COLUMNS, scenes)
             if as_in(FACTOR_COLUMNS, part) != factors:
                 raise InputError(
@@ -71,7 +73,7 @@ def _gather_forces(scenes: pd.DataFrame, options: argparse.Namespace) -> None:
             first += len(part)
             failed = part[part["status"] != "ok"]
             failures += [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
-            write(part[as_in(FORCE_COLUMNS, part)])
+            write(part)
         if failures:
             named = "; ".join(failures[:NAMED])
             more = f" and {len(failures) - NAMED} more" if len(failures) > NAMED else ""

@@ -6,6 +6,7 @@
 No force is solved for. The expected error is relative, the expected cost in millions of
 floating-point operations. What the Reynolds equation itself leaves out is found on a coarse grid,
 in per cent of the force (`squeezefilm budget` has its columns alone); notes name what is large.
+Where the study has `outputs`, `outputs_refused` says which of them a scene will lack and why.
 """
 
 import argparse
@@ -15,16 +16,22 @@ import pandas as pd
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.reynolds.answers.outputs import refusals
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import NAMES, Budget, budgets
 from squeezefilm.reynolds.effects.words import budget_row, notes_of_budget
 from squeezefilm.reynolds.explain import Explanation, explain
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
+from squeezefilm.studies.solver_settings import (
+    SolverSettings,
+    add_solver_arguments,
+    device_of,
+    solver_settings,
+)
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
+SECTIONS = ("gas", "actuator", "finger", "solver", "outputs")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,9 +60,18 @@ def run(options: argparse.Namespace) -> None:
     explanations = explain(scenes, tolerance=settings.tolerance, method=settings.method)
     left_out = budgets(scenes, device=device)
     table = pd.DataFrame([_row(*each) for each in zip(scenes, explanations, left_out, strict=True)])
+    if settings.outputs:
+        missing = [asked_in_vain(scene, settings) for scene in scenes]
+        table["outputs_refused"] = missing
     if options.output is not None:
         write_table(table, options.output)
     print(_summary(table, tolerance=settings.tolerance))
+
+
+def asked_in_vain(scene: Scene, settings: SolverSettings) -> str:
+    """The study's outputs that the scene will not have, or not whole, and why."""
+    found = refusals(scene, tolerance=settings.tolerance)
+    return "; ".join(f"{name}: {found[name]}" for name in settings.outputs if name in found)
 
 
 def _row(scene: Scene, explanation: Explanation, budget: Budget) -> dict[str, object]:
@@ -110,6 +126,11 @@ def _summary(table: pd.DataFrame, *, tolerance: float) -> str:
         lines += [
             f"  {len(alike)} scenes, such as point {alike['point_id'].iloc[0]}: {status}"
             for status, alike in doubtful.groupby("status", sort=False)
+        ]
+    if "outputs_refused" in table:
+        lines += [
+            f"{len(alike)} scenes, such as point {alike['point_id'].iloc[0]}, lack {refused}"
+            for refused, alike in table[table["outputs_refused"] != ""].groupby("outputs_refused")
         ]
     if beyond:
         what = "beyond the equation, in per cent of the force (the rim for C = 1)"

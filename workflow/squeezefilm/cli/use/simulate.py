@@ -15,7 +15,9 @@ rows are written nevertheless, each with its status. Of a table of scenes `force
 solver's error alone; what the noise of a measured profile adds, `squeezefilm profile` says.
 `--derivatives` adds those of the force to h0, hv, the finger's place (x, y) and each number of the
 gas, the others kept, with their errors, by one adjoint problem per scene; `derivatives_status` says
-why there are none.
+why there are none. `--outputs thrust,power` adds answers beside the force, of harmonics, power,
+centre, moments, thrust, extremes and static_stiffness, or `all`, instead of the study's `outputs`:
+each with its error, by the periodic state; `outputs_status` says what is not known and why.
 """
 
 import argparse
@@ -36,6 +38,7 @@ from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.progress import progress_bar
+from squeezefilm.io.solution import OUTPUTS
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
     all_rows,
@@ -44,6 +47,7 @@ from squeezefilm.io.tables import (
     table_writer,
 )
 from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds.answers.outputs import with_outputs
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.runs import node_cache
@@ -56,7 +60,7 @@ from squeezefilm.studies.solver_settings import (
 )
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
+SECTIONS = ("gas", "actuator", "finger", "solver", "outputs")
 # Scenes whose results are held before they are written.
 PIECE = 4096
 
@@ -77,12 +81,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--derivatives", action="store_true", help="of the force too, to each number of a scene"
     )
+    parser.add_argument(
+        "--outputs",
+        type=lambda text: [name for name in text.split(",") if name],
+        metavar="NAME,…",
+        help=f"answers beside the force, of {', '.join(OUTPUTS)}, or all",
+    )
     add_point_options(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     config = which_study.study_at(options.config).only(SECTIONS)
-    settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
+    settings = solver_settings(
+        config, tolerance=options.tolerance, method=options.method, outputs=options.outputs
+    )
     points = points_in(options)
     if len(points.columns):
         _simulate_points(points, options, config, settings)
@@ -174,6 +186,15 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
                     device=device,
                 )
                 derivative_seconds += time.perf_counter() - start - wall
+            solutions = with_outputs(
+                scenes,
+                solutions,
+                outputs=settings.outputs,
+                tolerance=settings.tolerance,
+                model_tolerance=settings.model_tolerance,
+                method=settings.method,
+                device=device,
+            )
             write(_forces(piece, solutions))
             shares = [wall * share for share in _work_shares(solutions)]
             write_timings(piece[["point_id"]].assign(solve_seconds=shares))
@@ -199,13 +220,14 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
         print("\n".join(failures), file=sys.stderr)
     elif failures:
         what = "no force or no derivatives" if options.derivatives else "no force"
+        what += ", or not all outputs," * bool(settings.outputs)
         raise RunError(f"{what} for " + "; ".join(failures))
 
 
 def _missing(solution: Solution) -> str:
-    """Why there is no force, or none of the derivatives asked for; empty if all is there."""
-    asked = (solution.status, solution.derivatives.status if solution.derivatives else "ok")
-    return next((status for status in asked if status != "ok"), "")
+    """Why there is no force, or not what was asked for beside it; empty if all is there."""
+    asked = (solution, solution.derivatives, solution.outputs)
+    return next((each.status for each in asked if each and each.status != "ok"), "")
 
 
 def _scenes(rows: pd.DataFrame, config: Config, *, path: str) -> list[Scene]:
@@ -220,9 +242,9 @@ def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
         for name in as_in(FORCE_COLUMNS, rows)
         if name not in rows.columns
     }
-    derivatives = [each.derivatives.columns() for each in solutions if each.derivatives]
+    more = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
     table = rows.assign(**columns)[as_in(FORCE_COLUMNS, rows)]
-    return table.assign(**pd.DataFrame(derivatives, index=rows.index)) if derivatives else table
+    return table.assign(**{name: more[name] for name in map(str, more)})
 
 
 def _work_shares(solutions: Sequence[Solution]) -> list[float]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from squeezefilm.film.scene import GAPS_M, Scene
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.reynolds.answers.stiffness import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.solver import solve
@@ -24,9 +25,6 @@ from squeezefilm.reynolds.solver import solve
 CLOSEST, FARTHEST, LOOKED_AT = 0.97, 1e-3, 48
 LOOK_TOLERANCE = 1e-2
 MOST_STEPS = 40
-# Half the distance of gaps in the stiffness' difference quotient, relative; taken once more twice
-# as wide, whose difference bounds what the quotient misses.
-STEP = 0.01
 
 
 @dataclass(frozen=True)
@@ -101,19 +99,15 @@ def levitate(
         return np.array([(each.force_n, each.force_error_n) for each in found]).T
 
     h0_m = _root(lambda gap: float(force(gap)[0, 0]) - load_n, *brackets[-1], load_n * tolerance)
-    steps = h0_m * STEP * np.array([-2, -1, 0, 1, 2])
-    forces, errors = force(*(h0_m + steps))
-    narrow, wide = ((forces[2 - k] - forces[2 + k]) / (2 * k * STEP * h0_m) for k in (1, 2))
-    # The wide quotient misses four times what the narrow one does.
-    stiffness = narrow + (narrow - wide) / 3
-    noise = (errors[1] + errors[3]) / (2 * STEP * h0_m)
+    forces, errors = force(*(h0_m * (1 + STEP * np.array([0, *AROUND]))))
+    stiffness, stiffness_error = quotient(forces[1:], errors[1:], h0_m)
     return Levitation(
         scene=replace(chosen, h0_m=h0_m),
-        force_n=float(forces[2]),
-        force_error_n=float(errors[2]),
-        h0_error_m=float((errors[2] + abs(forces[2] - load_n)) / abs(stiffness)),
+        force_n=float(forces[0]),
+        force_error_n=float(errors[0]),
+        h0_error_m=float((errors[0] + abs(forces[0] - load_n)) / abs(stiffness)),
         stiffness_n_per_m=float(stiffness),
-        stiffness_error_n_per_m=float(abs(narrow - wide) / 3 + 4 / 3 * noise),
+        stiffness_error_n_per_m=float(stiffness_error),
         others_m=tuple(rough[:-1]),
     )
 

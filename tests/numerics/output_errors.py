@@ -1,0 +1,82 @@
+"""How far answers beside the force are off beside their errors, and what they cost beside forces.
+
+PYTHONPATH=tests/numerics python tests/numerics/output_errors.py [FILMS [SEED]]
+"""
+
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+from statistics import median
+
+import numpy as np
+from derivative_errors import PLANS, drawn, planned
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.solution import OUTPUTS
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.answers.outputs import FROM_STATE, with_outputs
+
+ASKED = tuple(name for name in OUTPUTS if name in FROM_STATE)
+
+
+def with_inertia(scenes: Sequence[Scene]) -> list[Scene]:
+    """Every third, of those that may have it."""
+    return [
+        replace(scene, gas=replace(scene.gas, inertia="included"))
+        if k % 3 == 0
+        and scene.gas.rarefaction != "fukui-kaneko"
+        and scene.bearing_number == 0
+        and scene.modified_reynolds * scene.epsilon < 1
+        else scene
+        for k, scene in enumerate(scenes)
+    ]
+
+
+def shares(scenes: Sequence[Scene], *, tolerance: float, judge: float) -> dict[str, list[float]]:
+    """Each answer's difference from that of a tighter tolerance over the errors of both."""
+    solutions = solve(scenes, tolerance=1e-2)
+    mine, true = (
+        with_outputs(scenes, solutions, outputs=ASKED, tolerance=t) for t in (tolerance, judge)
+    )
+    found = defaultdict(list)
+    for each, other in zip(mine, true, strict=True):
+        a, b = each.outputs, other.outputs
+        assert a is not None
+        assert b is not None
+        if a.status != b.status:
+            print(f"{tolerance:g}: {a.status}; judge: {b.status}")
+        for name in a.value.keys() & b.value.keys():
+            if allowed := a.error[name] + b.error[name]:
+                found[name].append(abs(a.value[name] - b.value[name]) / allowed)
+    return found
+
+
+def cost(scenes: Sequence[Scene], *, tolerance: float) -> tuple[float, float]:
+    """Processor seconds of the forces and of all answers from the state, medians of three."""
+    pairs = []
+    for _ in range(4):
+        start = time.process_time()
+        solutions = solve(scenes, tolerance=tolerance)
+        between = time.process_time()
+        with_outputs(scenes, solutions, outputs=ASKED, tolerance=tolerance)
+        pairs.append((between - start, time.process_time() - between))
+    forces, outputs = zip(*pairs[1:], strict=True)
+    return median(forces), median(outputs)
+
+
+if __name__ == "__main__":
+    films = int(sys.argv[1]) if len(sys.argv) > 1 else 40
+    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    scenes = with_inertia(drawn(films, seed=seed))
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        for name, found in shares(scenes, tolerance=tolerance, judge=1e-6).items():
+            print(f"{tolerance:g} {name}: {len(found)}, {np.max(found):.2g} of the errors at most")
+    for plan in PLANS:
+        for tolerance in (1e-4, 1e-6):
+            some = planned(plan)
+            forces, outputs = (
+                1e3 * each / len(scenes) for each in cost(scenes, tolerance=tolerance)
+            )
+            print(f"{plan} {tolerance:g}: force {forces:.2g} ms, answers {outputs:.2g} ms a scene")

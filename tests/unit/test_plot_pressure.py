@@ -1,0 +1,64 @@
+"""Pictures of a pressure field: a sheet and an animation, the same each time; or what is wrong."""
+
+import numpy as np
+import pytest
+import xarray
+from PIL import Image
+
+from reporting.figures.parts import style
+from reporting.pressure_pictures import draw_sheet
+from squeezefilm.cli.main import main
+
+INSTANTS, PLACES = 8, 9
+
+
+@pytest.fixture
+def field():
+    """As `squeezefilm pressure` writes it, of an elliptical pad."""
+    phase = np.linspace(0, 360, INSTANTS, endpoint=False)
+    line = np.linspace(-5e-3, 5e-3, PLACES)
+    x, y = np.meshgrid(line, line)
+    inside = np.where(np.hypot(x, y) <= 5e-3, 1.0, np.nan)
+    gap = 5e-6 * inside * (1 + 0.4 * np.sin(np.radians(phase)))[:, None, None]
+    axes = ("phase", "y", "x")
+    return xarray.Dataset(
+        {"overpressure": (axes, 1e5 * (5e-6 / gap - 1)), "gap": (axes, gap)},
+        coords={"phase": phase, "y": line, "x": line},
+        attrs={"h0_m": 5e-6, "hv_m": 2e-6, "frequency_hz": 43270.0},
+    )
+
+
+def test_a_sheet_and_an_animation_are_the_same_each_time(field, tmp_path):
+    field.to_netcdf(tmp_path / "field.nc", engine="scipy")
+    made = []
+    for run in "ab":
+        paths = [tmp_path / f"{run}{kind}" for kind in (".png", ".svg", ".gif")]
+        words = ["plot-pressure", str(tmp_path / "field.nc"), "--output", *map(str, paths)]
+        assert main(words) == 0
+        made.append([path.read_bytes() for path in paths])
+    assert made[0] == made[1]
+    with Image.open(tmp_path / "a.gif") as film:
+        assert film.n_frames == INSTANTS
+
+
+def test_a_sheet_shows_the_period_and_its_mean(field):
+    with style.settings():
+        figure = draw_sheet(field)
+    pictures = [axes.images[0].get_array() for axes in figure.axes if axes.images]
+    assert len(pictures) == 9
+    shown = np.ma.filled(pictures[0], np.nan)
+    assert shown == pytest.approx(1e-3 * field["overpressure"][0].to_numpy(), nan_ok=True)
+    line = next(a for a in figure.axes if a.get_ylabel() == "mean overpressure (kPa)").lines[0]
+    highest = 1e2 * (1 / 0.6 - 1)
+    assert max(line.get_ydata()) == pytest.approx(highest)
+
+
+def test_what_is_no_field_is_told(field, tmp_path, refused):
+    path, text = tmp_path / "field.nc", tmp_path / "text.nc"
+    field.drop_vars("gap").to_netcdf(path, engine="scipy")
+    text.write_text("no field", encoding="utf-8")
+    command = "plot-pressure"
+    assert "no gap over phase, y, x" in refused(command, path, "--output", tmp_path / "a.png")
+    assert "not readable as NetCDF" in refused(command, text, "--output", tmp_path / "a.png")
+    assert "no such file" in refused(command, tmp_path / "x.nc", "--output", tmp_path / "a.png")
+    assert "ends in" in refused(command, path, "--output", tmp_path / "a.mp4")

@@ -1,0 +1,1 @@
+"""Answers beside the mean force, from the same periodic state: see docs/outputs.md."""
