@@ -19,7 +19,7 @@ from squeezefilm.film.scene import GapShape, Scene
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects import heat, inertia, rim, sliding, slip
 from squeezefilm.reynolds.effects.fields import Fields
-from squeezefilm.reynolds.effects.sensitivity import answer, flow_of, sensitivity
+from squeezefilm.reynolds.effects.sensitivity import Answers, sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import needs_of
@@ -29,7 +29,7 @@ from squeezefilm.reynolds.periodic.resolution import unseen_profile
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.heat import temperature_jump
-from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
+from squeezefilm.reynolds.terms.rarefaction import fukui_kaneko
 
 # Relative error of the force on the grids taken, and of the iterations on them.
 GRID_TOLERANCE = 1e-3
@@ -212,40 +212,33 @@ def _shares(scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray) -> di
     """Change of the mean force by each effect that needs no more than the films, relative to it."""
     gases = [scene.gas for scene in scenes]
     reynolds = np.array([scene.modified_reynolds for scene in scenes])
-    slips = np.array([scene.gas.rarefaction != "none" for scene in scenes])
+    slips = np.array([gas.rarefaction != "none" for gas in gases])
+    knudsen = np.array([scene.knudsen for scene in scenes])
     heating = reynolds * [(1 - 1 / gas.heat_capacity_ratio) * gas.prandtl for gas in gases]
-    entrance = rim.pressure_rise(films, reynolds=reynolds)
-    kinetic = np.array([flow_coefficients(_kinetic(each)) for each in scenes])
-    having = [
-        each if slips_ else _kinetic(each) for each, slips_ in zip(scenes, slips, strict=True)
-    ]
-    rarefied = np.array([flow_coefficients(each) for each in having])
-    sources = {
-        "inertia": inertia.source(
-            films,
-            reynolds=reynolds,
-            knudsen=np.where(slips, [scene.knudsen for scene in scenes], 0.0),
+    kinetic = np.array([fukui_kaneko(scene) for scene in scenes])
+    having = films.problems.numbers["flow"]
+    having = np.pad(having, [(0, 0), (0, kinetic.shape[1] - having.shape[1])])
+    # Of a scene without slip the flow factor's effect is slip's, and nothing is lacking.
+    slipping = np.where(slips[:, None], having, kinetic)
+    answers = Answers(films, sensitive)
+    by_flow = slip.changes(films, answers, terms=kinetic.shape[1] - 1)
+    change = {
+        "inertia": inertia.change(
+            films, answers, reynolds=reynolds, knudsen=np.where(slips, knudsen, 0.0)
         ),
-        "heat": heat.source(
+        "heat": heat.change(
             films,
+            answers,
             heating=heating,
             viscosity_exponent=np.array([gas.viscosity_exponent for gas in gases]),
             jump=np.array([temperature_jump(scene) for scene in scenes]),
         ),
-        "slip": slip.source(films, coefficients=rarefied),
-        "kinetic": slip.source(films, coefficients=kinetic),
-        "rim": -flow_of(films, entrance),
+        "slip": np.sum(by_flow * slipping[:, 1:], axis=1),
+        "kinetic": np.sum(by_flow * (kinetic - slipping)[:, 1:], axis=1),
+        "rim": rim.change(films, answers, reynolds=reynolds),
     }
-    change = {name: answer(films, sensitive, source) for name, source in sources.items()}
-    change["kinetic"] = change["kinetic"] - change["slip"]
-    change["rim"] = change["rim"] + films.mean(entrance)
     force = films.mean(films.pressure - 1)
     return {name: each / force for name, each in change.items()}
-
-
-def _kinetic(scene: Scene) -> Scene:
-    """The scene with rarefaction as it is known best."""
-    return replace(scene, gas=replace(scene.gas, rarefaction="fukui-kaneko"))
 
 
 def _shares_of_sliding(

@@ -9,10 +9,11 @@ inverse of D Δ − σ ∂/∂T.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.effects.fields import Fields, Vector, along_x, along_y
+from squeezefilm.reynolds.effects.fields import Fields, Vector, along_t, along_x, along_y
 from squeezefilm.reynolds.spectral import Axis
 
 Operator = Callable[[np.ndarray], np.ndarray]
@@ -38,6 +39,36 @@ def answer(films: Fields, sensitive: np.ndarray, source: np.ndarray) -> np.ndarr
     if source.shape != sensitive.shape:
         source = source[films.inner]
     return films.mean(films.with_rim(sensitive * source))
+
+
+class Answers:
+    """What sources do to the mean pressure, by λ. None is formed: slopes of λ, by the adjoint of the
+    grid's own divergence, are multiplied with its flux.
+    """
+
+    def __init__(self, films: Fields, sensitive: np.ndarray) -> None:
+        """Args: sensitive: λ at the unknowns."""
+        weighted = films.with_rim(sensitive) * films.weights.reshape(films.gap.shape[1:])
+        x, y = films.along_x.of_odd, films.along_y.of_odd / films.problems.aspect
+        self._slope = Vector(along_x(x.T, weighted), along_y(y.T, weighted))
+        self._rate = films.t_derivative(weighted)
+
+    def along(self, flux: Vector) -> np.ndarray:
+        """The slopes of λ times a flux, on all nodes: of a source ∇·(factor · flux) the answer is
+        ``total`` of that and the factor.
+        """
+        return self._slope.dot(flux)
+
+    def to_stored(self, stored: np.ndarray) -> np.ndarray:
+        """Change of the mean pressure by a source −∂stored/∂T, shape (scenes,)."""
+        return total(self._rate, stored)
+
+
+def total(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Sum of the product of two fields over all nodes, shape (scenes,)."""
+    scenes = len(first)
+    product = np.einsum("si,si->s", first.reshape(scenes, -1), second.reshape(scenes, -1))
+    return np.asarray(product)
 
 
 def flow_of(films: Fields, rise: np.ndarray) -> np.ndarray:
@@ -137,12 +168,24 @@ def _preconditioner(films: Fields, *, adjoint: bool) -> Operator:
     rate = films.sigma * np.arange(grid.nt // 2 + 1)
     rate[..., -1] = 0  # as the sawtooth has no derivative on the nodes
     inverse = 1 / (symbol + (1j if adjoint else -1j) * rate)
+    to_t, from_t = _harmonics(grid.nt)
 
     def apply(values: np.ndarray) -> np.ndarray:
-        modal = along_y(to_y, along_x(to_x, np.fft.rfft(values))) * inverse
-        return np.fft.irfft(along_x(from_x, along_y(from_y, modal)), n=grid.nt)
+        modal = along_y(to_y, along_x(to_x, along_t(to_t, values)))
+        solved = (modal.view(complex) * inverse).view(float)
+        return along_t(from_t, along_x(from_x, along_y(from_y, solved)))
 
     return apply
+
+
+@lru_cache(maxsize=64)
+def _harmonics(instants: int) -> tuple[np.ndarray, np.ndarray]:
+    """The real FFT over a period and back as matrices, complex numbers as pairs: few instants ask
+    for no more, and what acts along the other axes need not know of complex numbers.
+    """
+    to_t = np.fft.rfft(np.eye(instants)).view(float).T
+    units = np.eye(instants + 2).view(complex)
+    return to_t, np.fft.irfft(units, n=instants).T
 
 
 def _modes(axis: Axis, *, adjoint: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -166,35 +209,53 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) 
     good enough for it, and NaN where none of MOST_ITERATIONS is.
     """
     scenes, shape = len(right), right.shape
-    unsolved = np.ones(scenes, dtype=bool)
     right, size = _finite(right.reshape(scenes, -1))
-    basis = np.empty((scenes, MOST_ITERATIONS + 1, right.shape[1]))
-    basis[:, 0] = right / np.where(size > 0, size, 1.0)[:, None]
-    hessenberg = np.zeros((scenes, MOST_ITERATIONS + 1, MOST_ITERATIONS))
-    goal = np.zeros((scenes, MOST_ITERATIONS + 1, 1))
-    goal[:, 0, 0] = np.nan_to_num(size)
-    shares = np.full((scenes, MOST_ITERATIONS), np.nan)
-    for step in range(MOST_ITERATIONS):
-        known = basis[:, : step + 1]
-        new, _ = _finite(apply(basis[:, step].reshape(shape)).reshape(scenes, -1))
+    basis = [right / np.where(size > 0, size, 1.0)[:, None]]
+    # The Hessenberg matrix, made triangular by a rotation for each iteration, and the goal with it.
+    columns: list[np.ndarray] = []
+    goal = [np.nan_to_num(size)]
+    rotations: list[tuple[np.ndarray, np.ndarray]] = []
+    steps = np.zeros(scenes, dtype=int)
+    for step in range(1, MOST_ITERATIONS + 1):
+        new, _ = _finite(apply(basis[-1].reshape(shape)).reshape(scenes, -1))
+        column = np.zeros((step + 1, scenes))
         for _ in range(2):  # twice is enough (Giraud et al. 2005)
-            share = known @ new[..., None]
-            hessenberg[:, : step + 1, step] += share[..., 0]
-            new = new - (share.mT @ known)[:, 0]
+            for k, known in enumerate(basis):
+                share = total(known, new)
+                column[k] += share
+                new = new - share[:, None] * known
         left = np.linalg.norm(new, axis=1)
-        hessenberg[:, step + 1, step] = left
-        square, wanted = hessenberg[:, : step + 2, : step + 1], goal[:, : step + 2]
-        found = np.linalg.pinv(square) @ wanted
-        missed = np.linalg.norm(square @ found - wanted, axis=(1, 2))
-        done = unsolved & (missed <= tolerance * size)
-        shares[done] = 0.0
-        shares[done, : step + 1] = found[done, :, 0]
-        unsolved &= ~done
-        if not unsolved.any():
+        column[step] = left
+        for k, (cosine, sine) in enumerate(rotations):
+            upper, lower = column[k].copy(), column[k + 1].copy()
+            column[k], column[k + 1] = cosine * upper + sine * lower, cosine * lower - sine * upper
+        length = np.hypot(column[-2], left)
+        cosine, sine = (np.divide(each, length, where=length > 0, out=np.zeros(scenes)) for each in (column[-2], left))
+        rotations.append((cosine, sine))
+        column[-2] = length
+        columns.append(column[:-1])
+        goal.append(-sine * goal[-1])
+        goal[-2] = cosine * goal[-2]
+        done = (steps == 0) & (np.abs(goal[-1]) <= tolerance * size)
+        steps[done] = step
+        if steps.all():
             break
-        basis[:, step + 1] = new / np.where(left > 0, left, 1.0)[:, None]
-    found = shares[:, None, : step + 1] @ basis[:, : step + 1]
-    return np.asarray(found).reshape(shape)
+        basis.append(new / np.where(left > 0, left, 1.0)[:, None])
+    return _combined(basis, columns, goal, steps).reshape(shape)
+
+
+def _combined(
+    basis: list[np.ndarray], columns: list[np.ndarray], goal: list[np.ndarray], steps: np.ndarray
+) -> np.ndarray:
+    """The sums of Krylov's vectors after so many steps of each scene; NaN after none."""
+    shares: dict[int, np.ndarray] = {}
+    for k in range(len(columns) - 1, -1, -1):
+        left = goal[k] - sum(columns[later][k] * share for later, share in shares.items())
+        pivot = columns[k][k]
+        share = np.divide(left, pivot, where=pivot != 0, out=np.zeros_like(left))
+        shares[k] = np.where(steps > k, share, 0.0)
+    found = sum(share[:, None] * basis[k] for k, share in shares.items())
+    return np.where(steps[:, None] > 0, found, np.nan)
 
 
 def _finite(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
