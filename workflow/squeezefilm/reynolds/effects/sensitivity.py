@@ -9,7 +9,7 @@ inverse of D Δ − σ ∂/∂T.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -20,15 +20,18 @@ Operator = Callable[[np.ndarray], np.ndarray]
 MOST_ITERATIONS = 200
 
 
-def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
+def sensitivity(
+    films: Fields, *, tolerance: float | np.ndarray, kind: type[np.floating] = np.float64
+) -> np.ndarray:
     """λ at the unknowns, shape (scenes, nx, ny, nt): the mean pressure's answer is ``answer``.
 
     Args:
         tolerance: preconditioned residual over its size at the start, one or one for each scene.
+        kind: of numbers that λ is found in.
     """
-    precondition = _preconditioner(films, adjoint=True)
-    adjoint = _adjoint_jacobian(films)
-    right = 1 / (films.gap * films.density_slope)[films.inner]
+    precondition = _preconditioner(films, adjoint=True, kind=kind)
+    adjoint = _adjoint_jacobian(films, kind=kind)
+    right = (1 / (films.gap * films.density_slope)[films.inner]).astype(kind)
     return gmres(
         lambda values: precondition(adjoint(values)), precondition(right), tolerance=tolerance
     )
@@ -117,33 +120,35 @@ def _jacobian(films: Fields) -> Operator:
     return apply
 
 
-def _adjoint_jacobian(films: Fields) -> Operator:
+def _adjoint_jacobian(films: Fields, *, kind: type[np.floating]) -> Operator:
     """J* of J w = ∇·Σ c_k H^(3−k) ∇(ρ^(1−k) w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X."""
     inner, grid = films.inner, films.grid
     x, y = films.along_x, films.along_y
+    cast = partial(np.asarray, dtype=kind)
     aspect = films.problems.aspect
     rows_x, rows_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
     # Adjoints of gradient and divergence, each between unknowns and all nodes.
-    to_x = _adjoint(x.of_odd[rows_x], x.weights[rows_x], x.weights)
-    to_y = _adjoint(y.of_odd[rows_y], y.weights[rows_y], y.weights) / aspect
-    from_x = _adjoint(x.of_even[:, rows_x], x.weights, x.weights[rows_x])
-    from_y = _adjoint(y.of_even[:, rows_y], y.weights, y.weights[rows_y]) / aspect
-    slide = _adjoint(x.of_even[rows_x, rows_x], x.weights[rows_x], x.weights[rows_x])
+    to_x = cast(_adjoint(x.of_odd[rows_x], x.weights[rows_x], x.weights))
+    to_y = cast(_adjoint(y.of_odd[rows_y], y.weights[rows_y], y.weights) / aspect)
+    from_x = cast(_adjoint(x.of_even[:, rows_x], x.weights, x.weights[rows_x]))
+    from_y = cast(_adjoint(y.of_even[:, rows_y], y.weights, y.weights[rows_y]) / aspect)
+    slide = cast(_adjoint(x.of_even[rows_x, rows_x], x.weights[rows_x], x.weights[rows_x]))
+    rate = cast(grid.t.derivative)
     flow = films.problems.numbers["flow"]
-    speed = films.numbers("bearing", absent=0.0)
-    factors = [films.number(flow[:, k]) * films.gap ** (3 - k) for k in range(flow.shape[1])]
+    sigma, speed = cast(films.sigma), cast(films.numbers("bearing", absent=0.0))
+    factors = [cast(films.number(c) * films.gap ** (3 - k)) for k, c in enumerate(flow.T)]
     factors_x, factors_y = (
         [factor[:, :, rows_y] for factor in factors],
         [factor[:, rows_x] for factor in factors],
     )
     responses = [
-        (films.density ** (1 - k) / (films.gap * films.density_slope))[inner]
+        cast((films.density ** (1 - k) / (films.gap * films.density_slope))[inner])
         for k in range(flow.shape[1])
     ]
 
     def apply(values: np.ndarray) -> np.ndarray:
         slope_x, slope_y = along_x(to_x, values), along_y(to_y, values)
-        result = films.sigma * films.t_derivative(values)
+        result = sigma * along_t(rate, values)
         for factor_x, factor_y, response in zip(factors_x, factors_y, responses, strict=True):
             result += response * (
                 along_x(from_x, factor_x * slope_x) + along_y(from_y, factor_y * slope_y)
@@ -155,24 +160,27 @@ def _adjoint_jacobian(films: Fields) -> Operator:
     return apply
 
 
-def _preconditioner(films: Fields, *, adjoint: bool) -> Operator:
+def _preconditioner(
+    films: Fields, *, adjoint: bool, kind: type[np.floating] = np.float64
+) -> Operator:
     """Inverse of D Δ − σ ∂/∂T by diagonalisation, or its adjoint; D is the mean diffusivity."""
     grid, aspect = films.grid, films.problems.aspect
     diffusivity = films.flux_factor(films.problems.numbers["flow"]) / (
         films.gap * films.density_slope
     )
     strength = diffusivity[films.inner].mean(axis=(1, 2, 3), keepdims=True)
-    values_x, to_x, from_x = _modes(grid.x, adjoint=adjoint)
-    values_y, to_y, from_y = _modes(grid.y, adjoint=adjoint)
+    values_x, to_x, from_x = _modes(grid.x, adjoint=adjoint, kind=kind)
+    values_y, to_y, from_y = _modes(grid.y, adjoint=adjoint, kind=kind)
+    to_t, from_t = (each.astype(kind) for each in _harmonics(grid.nt))
     symbol = strength * np.add.outer(values_x, values_y / aspect**2)[..., None]
     rate = films.sigma * np.arange(grid.nt // 2 + 1)
     rate[..., -1] = 0  # as the sawtooth has no derivative on the nodes
     inverse = 1 / (symbol + (1j if adjoint else -1j) * rate)
-    to_t, from_t = _harmonics(grid.nt)
+    inverse = inverse.astype(np.result_type(kind, np.complex64))
 
     def apply(values: np.ndarray) -> np.ndarray:
         modal = along_y(to_y, along_x(to_x, along_t(to_t, values)))
-        solved = (modal.view(complex) * inverse).view(float)
+        solved = (modal.view(inverse.dtype) * inverse).view(kind)
         return along_t(from_t, along_x(from_x, along_y(from_y, solved)))
 
     return apply
@@ -188,13 +196,18 @@ def _harmonics(instants: int) -> tuple[np.ndarray, np.ndarray]:
     return to_t, np.fft.irfft(units, n=instants).T
 
 
-def _modes(axis: Axis, *, adjoint: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _modes(
+    axis: Axis, *, adjoint: bool, kind: type[np.floating]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Eigenvalues, analysis and synthesis of the second derivative, or of its adjoint."""
     values, vectors, inverse = axis.modes
-    if not adjoint:
-        return values, inverse, vectors
-    ones = np.ones_like(values)
-    return values, _adjoint(vectors, axis.weights, ones), _adjoint(inverse, ones, axis.weights)
+    if adjoint:
+        ones = np.ones_like(values)
+        vectors, inverse = (
+            _adjoint(inverse, ones, axis.weights),
+            _adjoint(vectors, axis.weights, ones),
+        )
+    return values, inverse.astype(kind), vectors.astype(kind)
 
 
 def _adjoint(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
@@ -210,7 +223,7 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) 
     """
     scenes, shape = len(right), right.shape
     right, size = _finite(right.reshape(scenes, -1))
-    basis = [right / np.where(size > 0, size, 1.0)[:, None]]
+    basis = [_unit(right, size)]
     # The Hessenberg matrix, made triangular by a rotation for each iteration, and the goal with it.
     columns: list[np.ndarray] = []
     goal = [np.nan_to_num(size)]
@@ -219,18 +232,18 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) 
     for step in range(1, MOST_ITERATIONS + 1):
         new, _ = _finite(apply(basis[-1].reshape(shape)).reshape(scenes, -1))
         column = np.zeros((step + 1, scenes))
-        for _ in range(2):  # twice is enough (Giraud et al. 2005)
-            for k, known in enumerate(basis):
-                share = total(known, new)
-                column[k] += share
-                new = new - share[:, None] * known
+        for k, known in enumerate(basis):  # modified Gram–Schmidt (Paige et al. 2006)
+            share = total(known, new)
+            new = new - share[:, None] * known
+            column[k] = share
         left = np.linalg.norm(new, axis=1)
         column[step] = left
         for k, (cosine, sine) in enumerate(rotations):
             upper, lower = column[k].copy(), column[k + 1].copy()
             column[k], column[k + 1] = cosine * upper + sine * lower, cosine * lower - sine * upper
         length = np.hypot(column[-2], left)
-        cosine, sine = (np.divide(each, length, where=length > 0, out=np.zeros(scenes)) for each in (column[-2], left))
+        turn = np.where(length > 0, length, 1.0)
+        cosine, sine = column[-2] / turn, left / turn
         rotations.append((cosine, sine))
         column[-2] = length
         columns.append(column[:-1])
@@ -240,8 +253,13 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) 
         steps[done] = step
         if steps.all():
             break
-        basis.append(new / np.where(left > 0, left, 1.0)[:, None])
+        basis.append(_unit(new, left))
     return _combined(basis, columns, goal, steps).reshape(shape)
+
+
+def _unit(values: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Each scene's values over their size, in numbers of their own kind."""
+    return values / np.where(size > 0, size, 1.0)[:, None].astype(values.dtype)
 
 
 def _combined(
@@ -252,8 +270,8 @@ def _combined(
     for k in range(len(columns) - 1, -1, -1):
         left = goal[k] - sum(columns[later][k] * share for later, share in shares.items())
         pivot = columns[k][k]
-        share = np.divide(left, pivot, where=pivot != 0, out=np.zeros_like(left))
-        shares[k] = np.where(steps > k, share, 0.0)
+        wanted = (steps > k) & (pivot != 0)
+        shares[k] = np.where(wanted, left / np.where(wanted, pivot, 1.0), 0.0)
     found = sum(share[:, None] * basis[k] for k, share in shares.items())
     return np.where(steps[:, None] > 0, found, np.nan)
 
