@@ -133,7 +133,7 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
     )
     like = [_on_a_grid(scene) for scene in scenes]
     # Every effect is one about the film without inertia and heat, which are two of them.
-    without = [replace(each, gas=replace(each.gas, inertia="none", heat="none")) for each in like]
+    without = [_without(each) for each in like]
     for index, scene in enumerate(without):
         needs = needs_of(scene)
         if scene.epsilon == 0:
@@ -153,18 +153,30 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
             for (part, _), (its, _), solved in zip(parts, some, films, strict=True):
                 found |= dict(zip(part, _budgets(its, *solved, device=chosen), strict=True))
     return [
-        replace(
-            found[index],
-            inertia=replace(found[index].inertia, in_force=scene.gas.inertia == "included"),
-            heat=replace(found[index].heat, in_force=scene.gas.heat == "included"),
-            basis="" if like[index] is scene else BASIS,
-        )
+        _told(found[index], scene, basis="" if like[index] is scene else BASIS)
         for index, scene in enumerate(scenes)
     ]
 
 
 NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
 BASIS = "the flat rectangle inside, not of this pad and gap"
+
+
+def _without(scene: Scene) -> Scene:
+    gas = scene.gas
+    if gas.inertia == gas.heat == "none":
+        return scene
+    return replace(scene, gas=replace(gas, inertia="none", heat="none"))
+
+
+def _told(budget: Budget, scene: Scene, *, basis: str) -> Budget:
+    """The budget with what the scene's own force has of inertia and heat."""
+    having = {
+        name: replace(budget.effects[name], in_force=True)
+        for name in ("inertia", "heat")
+        if getattr(scene.gas, name) == "included"
+    }
+    return replace(budget, **having, basis=basis) if having or basis else budget
 
 
 def _on_a_grid(scene: Scene) -> Scene:
