@@ -69,6 +69,7 @@ def changes_of(
     means = [states.mean_in_time for states in stages[-telling:]]
     judged = judged_from_coarser(terms, tolerance=tolerance)
     share = JUDGED_SIZE_SHARE if judged else SIZE_SHARE
+    share = max([share, *(term.SIZE_SHARE for term in terms)])
     changes = [
         change_between(before, coarse, after, fine, share=share)
         for before, coarse, after, fine in zip(
