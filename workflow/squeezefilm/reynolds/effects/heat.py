@@ -13,6 +13,7 @@ import numpy as np
 
 from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import Answers, total
+from squeezefilm.reynolds.terms.heat import JUMP_WARMS
 
 
 def change(
@@ -31,7 +32,7 @@ def change(
         jump: of temperature at a wall over its slope there, times Hρ; 0 without slip.
     """
     velocity, exponent = films.velocity, films.number(viscosity_exponent)
-    compression = films.pressure_rate * (1 + 6 * films.number(jump) / films.mass)
+    compression = films.pressure_rate * (1 + JUMP_WARMS * films.number(jump) / films.mass)
     friction = films.sigma * velocity.dot(velocity) / films.gap**2
     lighter = 6 * (compression / 60 - 3 * friction / 280)
     thicker = 3 * exponent * (compression / 60 - friction / 140)
