@@ -127,9 +127,7 @@ def _reference_of(film: Film) -> Reference:
 
 def _reference_with_inertia(film: Film, *, device: Device) -> Reference:
     """The solver's own force to REFERENCE_TOLERANCE: nothing else here knows that equation."""
-    (solution,) = solve(
-        [film.scene], tolerance=REFERENCE_TOLERANCE, method=PERIODIC, device=device
-    )
+    (solution,) = solve([film.scene], tolerance=REFERENCE_TOLERANCE, method=PERIODIC, device=device)
     if solution.status != "ok":
         raise RunError(f"{film.name}: no reference: {solution.status}")
     found = _answer(film, solution)

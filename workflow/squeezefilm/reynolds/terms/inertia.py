@@ -39,6 +39,10 @@ MOST_CROSSING = 32.0
 # spacing: then 12 of 200 random scenes with Re up to 10 were refused at 1e-4, with 0.7 of them 10,
 # with half 6.
 LEAST_SLOW, MOST_SLOW, STEEP = 0.5, 2.0, 0.45
+# Where waves are steeper than this two grids may agree in all moments by chance, and so much of
+# their difference's size counts: without it one of 200 random forces (Re 2.2, ε 0.76, σ 2173,
+# steepness 0.51) was off by 1.8e-4 at 1e-4, twice its estimate.
+STEEPENING, SIZE_SHARE = 0.3, 0.15
 # A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
 # Beyond these one mode across the gap was more than 1 % off the resolved velocity, on a strip
@@ -61,9 +65,6 @@ class Inertia(Term):
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 10
     ESTIMATE_MARGIN = 2.0
-    # Where waves steepen two grids may agree in all moments by chance: without it one of 200 random
-    # forces (Re 2.2, ε 0.76, σ 2173) was off by 1.8e-4 at 1e-4, twice its estimate.
-    SIZE_SHARE = 0.15
     # Without it two grids agreed by chance at σ 1e5, ε 0.5, Re 0.5: four times the error estimate.
     LAYER_STIFFNESS = 2.5
     MOST_WORK = 1e11  # some ten to twenty seconds of one core
@@ -100,9 +101,7 @@ class Inertia(Term):
         reynolds = scene.modified_reynolds
         lag = LAG_PER_REYNOLDS * reynolds
         inflow = scene.epsilon * _largest_on_rim(scene) / max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
-        # In a thick layer a velocity is about this, over that of sound.
-        steepness = scene.epsilon * (reynolds / 5) ** 0.5
-        slow = LEAST_SLOW * max(1.0, STEEP / max(steepness, NEGLIGIBLE)) ** 3
+        slow = LEAST_SLOW * max(1.0, STEEP / max(steepness(scene), NEGLIGIBLE)) ** 3
         return {
             "reynolds": reynolds,
             "lag": lag,
@@ -144,6 +143,9 @@ class Inertia(Term):
             "flux_amplitude_y": s[:, inner_x] @ along_y.from_all_nodes.T,
         }
 
+    def size_share(self, scene: Scene) -> float:
+        return SIZE_SHARE if steepness(scene) > STEEPENING else 0.0
+
     def knows_limit(self, name: str) -> bool:
         return name != "closed-form"
 
@@ -160,6 +162,11 @@ class Inertia(Term):
     def carrying(self, coarse: Grid, fine: Grid) -> Arrays:
         pairs = zip("xy", _points(coarse), _points(fine), strict=True)
         return {f"carry_flux_{axis}": its.carried_to(finer) for axis, its, finer in pairs}
+
+
+def steepness(scene: Scene) -> float:
+    """A velocity in a thick layer, about, over that of sound."""
+    return float(scene.epsilon * (scene.modified_reynolds / 5) ** 0.5)
 
 
 def _largest_on_rim(scene: Scene) -> float:

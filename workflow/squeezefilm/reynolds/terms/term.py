@@ -59,7 +59,6 @@ class Term:
         UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
         ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
-        SIZE_SHARE: of the size of that difference, no less than which it counts as.
         LAYER_STIFFNESS: by which σ is increased where it chooses a first grid for thin layers.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
@@ -79,7 +78,6 @@ class Term:
     UNKNOWN_FIELDS: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
     ESTIMATE_MARGIN: ClassVar[float] = 1.0
-    SIZE_SHARE: ClassVar[float] = 0.0
     LAYER_STIFFNESS: ClassVar[float] = 1.0
     MOST_WORK: ClassVar[float] = inf
     SPACE_PRODUCTS: ClassVar[int] = 0
@@ -107,6 +105,10 @@ class Term:
     def numbers(self, scene: Scene) -> Numbers:
         """Its numbers of a scene, which kernels find under these names."""
         return {}
+
+    def size_share(self, scene: Scene) -> float:
+        """Share of the size of two grids' difference that counts, though its moments be smaller."""
+        return 0.0
 
     def stiffness(self, scene: Scene) -> float:
         """Factor of the relative change of pressure with that of density."""
