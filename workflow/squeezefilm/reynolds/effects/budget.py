@@ -171,12 +171,17 @@ def _without(scene: Scene) -> Scene:
 
 def _told(budget: Budget, scene: Scene, *, basis: str) -> Budget:
     """The budget with what the scene's own force has of inertia and heat."""
-    having = {
-        name: replace(budget.effects[name], in_force=True)
-        for name in ("inertia", "heat")
-        if getattr(scene.gas, name) == "included"
-    }
-    return replace(budget, **having, basis=basis) if having or basis else budget
+    with_inertia, with_heat = (
+        getattr(scene.gas, name) == "included" for name in ("inertia", "heat")
+    )
+    if not (with_inertia or with_heat or basis):
+        return budget
+    return replace(
+        budget,
+        inertia=replace(budget.inertia, in_force=with_inertia),
+        heat=replace(budget.heat, in_force=with_heat),
+        basis=basis,
+    )
 
 
 def _on_a_grid(scene: Scene) -> Scene:
@@ -217,7 +222,7 @@ def _launches(groups: Mapping[tuple[Grid, float], list[int]]) -> Iterator[Parts]
 def _budgets(
     scenes: Sequence[Scene], films: Fields, status: Sequence[str], *, device: Device
 ) -> list[Budget]:
-    """Budgets of scenes of like terms, by their films on one grid and how their iterations ended."""
+    """Budgets of scenes of like terms, by their films on one grid and how iterations ended."""
     slides = any(scene.bearing_number != 0 for scene in scenes)
     with np.errstate(all="ignore"):
         sensitive = sensitivity(films, tolerance=ADJOINT_TOLERANCE, kind=np.float32)
@@ -241,7 +246,7 @@ Solved = tuple[Fields, list[str]]
 def _solved(
     groups: Sequence[tuple[Sequence[Scene], Grid]], *, tolerance: float, device: Device
 ) -> list[Solved]:
-    """The films of each group of scenes, all of like terms, and how each scene's iteration ended."""
+    """The films of groups of scenes, all of like terms, and how each iteration ended."""
     problems = [problems_of(scenes, grid, tolerance=tolerance) for scenes, grid in groups]
     grids = [grid for _, grid in groups]
     batches = [Batch([grid], [each]) for grid, each in zip(grids, problems, strict=True)]

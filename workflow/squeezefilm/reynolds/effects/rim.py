@@ -16,7 +16,7 @@ LEAST, MOST = 1.0, 1.54
 
 
 def change(films: Fields, answers: Answers, *, reynolds: np.ndarray) -> np.ndarray:
-    """Change of the mean pressure for C = 1, shape (scenes,): on the rim and by the flow from it."""
+    """Change of the mean pressure for C = 1, shape (scenes,): on the rim and by its flow."""
     rise = pressure_rise(films, reynolds=reynolds)
     # On the rim, and elsewhere nothing rises, ρ is 1.
     flow = films.problems.numbers["flow"]

@@ -45,8 +45,9 @@ def answer(films: Fields, sensitive: np.ndarray, source: np.ndarray) -> np.ndarr
 
 
 class Answers:
-    """What sources do to the mean pressure, by λ. None is formed: slopes of λ, by the adjoint of the
-    grid's own divergence, are multiplied with its flux.
+    """What sources do to the mean pressure, by λ.
+
+    None is formed: slopes of λ, by the adjoint of the grid's own divergence, times its flux.
     """
 
     def __init__(self, films: Fields, sensitive: np.ndarray) -> None:
