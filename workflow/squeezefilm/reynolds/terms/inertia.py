@@ -39,10 +39,11 @@ MOST_CROSSING = 32.0
 # spacing: then 12 of 200 random scenes with Re up to 10 were refused at 1e-4, with 0.7 of them 10,
 # with half 6.
 LEAST_SLOW, MOST_SLOW, STEEP = 0.5, 2.0, 0.45
-# Where waves are steeper than this and layers at the rim thinner than in a film of this σ, two grids
-# may agree in all moments by chance, and so much of their difference's size counts: without it one
-# of 200 random forces (Re 2.2, ε 0.76, σ 2173, steepness 0.51) was off by 1.8e-4 at 1e-4, twice its
-# estimate. In thick layers the size says too much: there 11 of the 200 more were refused with it.
+# Where waves are steeper than this and layers at the rim thinner than in a film of this σ, two
+# grids may agree in all moments by chance, and so much of their difference's size counts: without
+# it one of 200 random forces (Re 2.2, ε 0.76, σ 2173, steepness 0.51) was off by 1.8e-4 at 1e-4,
+# twice its estimate. In thick layers the size says too much: with it 11 of the 200 more were
+# refused there.
 STEEPENING, LAYERED_SIGMA, SIZE_SHARE = 0.3, 300.0, 0.15
 # A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
