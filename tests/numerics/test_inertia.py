@@ -375,3 +375,19 @@ def test_what_a_budget_and_inertia_cost_is_measured(
     assert found["scenes"] == 2
     assert found["inertia_over_without"] == pytest.approx(found["inertia"] / found["without"])
     assert all(found[name] > 0 for name in ("budget", "without_alone", "inertia_alone"))
+
+
+def test_commands_hold_random_scenes_against_finer_grids_and_auto_to_its_word(
+    tmp_path: Path, repository: Path
+) -> None:
+    output = str(tmp_path / "table.csv")
+    options = ["--config", str(repository / "config" / "paper.yaml"), "--output", output]
+    assert main(["inertia", *options, "--scenes=4", "--seed=5", "--tolerance=1e-2"]) == 0
+    (found,) = pd.read_csv(output).to_dict("records")
+    assert found["scenes"] == 4
+    assert found["covered"] == 1
+    assert main(["auto-terms", *options, "--scenes=8"]) == 0
+    table = pd.read_csv(output)
+    assert (table["most_moved"] <= table["model_tolerance"]).all()
+    assert (table["known"] == table["left_out"]).all()
+    assert table["left_out"].max() > 0

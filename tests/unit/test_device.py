@@ -45,7 +45,7 @@ def test_groups_stay_within_the_scenes_and_half_the_memory():
 
 def test_pocl_is_not_asked_for_a_kernel_that_it_compiles_for_minutes():
     scene, _ = self_test.films()["inertia"]
-    with pytest.raises(InputError, match="inertia for work-groups of 4 items for many minutes"):
+    with pytest.raises(InputError, match="inertia for work-groups of 4 items for many"):
         solve([scene], tolerance=1e-2, method="periodic", device=choose_device(work_items=4))
 
 

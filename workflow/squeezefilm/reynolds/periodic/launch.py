@@ -192,9 +192,9 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     import pyopencl as cl
 
     terms = batches[0].problems[0].terms
-    if device.loops_over_items and unknown_fields(terms) > 1:
+    if device.loops_over_items and own_fields(terms):
         raise InputError(
-            f"PoCL compiles {' and '.join(term.label for term in terms)} for work-groups of "
+            f"PoCL may compile {' and '.join(term.label for term in terms)} for work-groups of "
             f"{device.work_items} items for many minutes: take one item, as a processor is given "
             "where none are asked for"
         )
