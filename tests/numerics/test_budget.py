@@ -309,6 +309,7 @@ def test_notes_name_what_is_large_and_what_is_above_its_range(scene: Scene) -> N
     said = notes_of_budget(slow)
     assert not any(note.startswith("slip") for note in said)
     assert any(note.startswith("what first-order slip lacks, left out, takes") for note in said)
+    assert "what first-order slip lacks -" in budget_text(slow)  # as `simulate` shows it
     assert "slip" in budget_row(slow)["in_force"]  # type: ignore[operator]
     assert budget_row(thick)["above_range"] == "inertia; heat"
 
