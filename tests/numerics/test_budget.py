@@ -22,7 +22,7 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects import budget as budget_module
 from squeezefilm.reynolds.effects import sensitivity as sensitivity_module
 from squeezefilm.reynolds.effects import sliding
-from squeezefilm.reynolds.effects.budget import BASIS, NAMES, budgets
+from squeezefilm.reynolds.effects.budget import BASIS, NAMES, Budget, budgets
 from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import answer, response, sensitivity
 from squeezefilm.reynolds.effects.words import budget_row, budget_text, notes_of_budget
@@ -34,6 +34,13 @@ from squeezefilm.reynolds.spectral import axis
 
 def slipping(scene: Scene, rarefaction: str = "slip") -> Scene:
     return replace(scene, gas=replace(scene.gas, rarefaction=rarefaction))
+
+
+def on_grid(scenes: list[Scene], grid: Grid) -> list[Budget]:
+    """Budgets by a grid that is not theirs."""
+    device = choose_device()
+    (solved,) = budget_module._solved([(scenes, grid)], tolerance=1e-4, device=device)
+    return budget_module._budgets(scenes, *solved, device=device)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +83,7 @@ def test_the_whole_finger_gives_what_a_quarter_gives() -> None:
     by_fold = []
     for fold, points in ((True, 12), (False, 24)):
         grid = Grid(nx=points, ny=points, nt=12, fold_x=fold, fold_y=fold)
-        (found,) = budget_module._budgets([scene], grid, device=choose_device())
+        (found,) = on_grid([scene], grid)
         by_fold.append([getattr(found, name).percent for name in NAMES])
     assert by_fold[0] == pytest.approx(by_fold[1], rel=2e-3)
 
@@ -278,7 +285,7 @@ def test_a_scene_that_fails_does_not_touch_the_others(
     monkeypatch.setattr(sensitivity_module, "MOST_ITERATIONS", 12)
     grid = Grid(nx=8, ny=8, nt=12, fold_x=True, fold_y=True)
     easy = film(epsilon=0.1, sigma=583.0)
-    first, second = budget_module._budgets([hard, easy], grid, device=choose_device())
+    first, second = on_grid([hard, easy], grid)
     assert "did not converge" in first.status
     assert second.status == "ok"
     assert second.inertia.percent == pytest.approx(alone.inertia.percent, rel=0.05)
@@ -302,6 +309,7 @@ def test_notes_name_what_is_large_and_what_is_above_its_range(scene: Scene) -> N
     said = notes_of_budget(slow)
     assert not any(note.startswith("slip") for note in said)
     assert any(note.startswith("what first-order slip lacks, left out, takes") for note in said)
+    assert "what first-order slip lacks -" in budget_text(slow)  # as `simulate` shows it
     assert "slip" in budget_row(slow)["in_force"]  # type: ignore[operator]
     assert budget_row(thick)["above_range"] == "inertia; heat"
 

@@ -19,6 +19,9 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_text
+from squeezefilm.reynolds.spectral import axis
+from squeezefilm.reynolds.terms.heat import Heat
+from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 
 STRIP = Formula("sinc(109.8*x)", surface=Disc(1.0))
 
@@ -114,6 +117,34 @@ def test_one_mode_of_heat_is_that_of_the_resolved_strip_to_first_order_in_re() -
         return (by_mode[1] - by_mode[0]) - (resolved[1] - resolved[0])
 
     assert left(0.4) / left(0.2) == pytest.approx(4, abs=0.2)
+
+
+def mean_warmth(rate: complex, jump: float) -> complex:
+    """Mean over the gap of θ″ − rate θ = −1, whose ends are jump times its slope inwards."""
+    line = axis(24, False)
+    square = (line.derivative @ line.derivative - rate * np.eye(26)).astype(complex)
+    right = np.full(26, -1.0, dtype=complex)
+    for end, inwards in ((0, 1), (-1, -1)):
+        square[end] = np.eye(26)[end] - inwards * jump * line.derivative[end]
+        right[end] = 0
+    rim = (1 - line.weights.sum()) / 2
+    return complex([rim, *line.weights, rim] @ np.linalg.solve(square, right))
+
+
+@pytest.mark.parametrize("knudsen", [0.0, 0.0134, 0.05])
+def test_the_jump_of_temperature_is_that_of_a_gas_that_conducts_across_the_gap(
+    knudsen: float,
+) -> None:
+    """Warming to round-off, its lag to first order in the jump, what is missed no more than 6j²."""
+    scene = film(epsilon=0.2, sigma=200.0, heat="included", knudsen=knudsen or 1e-12)
+    scene = with_gas(scene, rarefaction="slip")
+    numbers = {name: float(value) for name, value in Heat().numbers(scene).items()}  # type: ignore[arg-type]
+    jump = 2 * 1.4 / (2.4 * 0.71) * knudsen
+    at_rest, slow = (mean_warmth(rate, jump) for rate in (0.0, 1e-4j))
+    assert at_rest.real == pytest.approx((1 + numbers["jump_warms"]) / 12, rel=1e-9)
+    lag = -slow.imag / (1e-4 * at_rest.real)
+    missed = lag / (LAG_PER_REYNOLDS * (1 + numbers["jump_lags"])) - 1
+    assert 3 * jump**2 - 1e-6 < missed < 6 * jump**2 + 1e-6
 
 
 def test_grids_converge_to_the_force_with_heat() -> None:

@@ -169,6 +169,24 @@ def test_what_is_refused_must_be_documented():
     assert "bearing" in stability.beyond(Film("", 0.4, 583.0, bearing=1e4))
 
 
+def test_a_film_with_inertia_has_its_lines_beside_those_without():
+    film = next(film for film in FILMS if film.reynolds)
+    table = work_precision(
+        (film,),
+        repeats=1,
+        batch=2,
+        longest_seconds=0.1,
+        rungs=3,
+        model_error=0.01,
+        device=choose_device(),
+    )
+    forces = table.groupby("method")["force"].last()
+    assert set(forces.index) == {"periodic", "without_inertia"}
+    assert forces["periodic"] / forces["without_inertia"] == pytest.approx(1.019, abs=2e-3)
+    assert (table["relative_error"] <= table["estimated_error"]).all()
+    assert (table["reference_uncertainty"] < 1e-8).all()
+
+
 def test_every_method_comes_near_the_reference():
     table = work_precision(
         (FILMS[3],),

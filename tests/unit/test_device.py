@@ -8,7 +8,7 @@ import pytest
 from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
-from squeezefilm.reynolds import device, self_test
+from squeezefilm.reynolds import device, self_test, solve
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study
@@ -41,6 +41,12 @@ def test_groups_stay_within_the_scenes_and_half_the_memory():
     assert few.groups_for(3, workspace_bytes=7 * 2**20) == 3
     assert few.groups_for(10_000, workspace_bytes=256 * 2**20) == 160
     assert few.groups_for(10_000, workspace_bytes=2**40) == 1
+
+
+def test_pocl_is_not_asked_for_a_kernel_that_it_compiles_for_minutes():
+    scene, _ = self_test.films()["inertia"]
+    with pytest.raises(InputError, match="inertia for work-groups of 4 items for many"):
+        solve([scene], tolerance=1e-2, method="periodic", device=choose_device(work_items=4))
 
 
 def test_kernels_are_compiled_for_a_study_of_any_gap(edited, tmp_path):

@@ -1,8 +1,9 @@
 """Forces with inertia, and heat, on random scenes: held against finer grids, and what they cost.
 
-squeezefilm inertia --config CONFIG.yaml --output TABLE.csv [--scenes N] [--heat]
+squeezefilm inertia --config CONFIG.yaml --output TABLE.csv [--scenes N] [--seed S] [--heat]
 
-Gaps of 1 to 30 µm, 5 to 100 kHz, excursion ratios of 0.01 to 0.8, any position, Re up to 10.
+Gaps of 1 to 30 µm, 5 to 100 kHz, excursion ratios of 0.01 to 0.8, any position, Re up to 10 or
+between two others.
 """
 
 import argparse
@@ -16,7 +17,7 @@ from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
-MOST_REYNOLDS = 10.0
+REYNOLDS = (0.0, 10.0)
 SEED = 11
 
 
@@ -24,6 +25,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="TABLE.csv", help="table to write")
     parser.add_argument("--scenes", type=int, default=200, metavar="N", help="200 if left out")
+    parser.add_argument("--seed", type=int, default=SEED, help=f"{SEED} if left out")
+    parser.add_argument(
+        "--reynolds", type=float, nargs=2, default=REYNOLDS, metavar=("LEAST", "MOST"), help="Re"
+    )
     parser.add_argument("--tolerance", type=float, nargs="+", default=[1e-3, 1e-4], help="relative")
     parser.add_argument("--heat", action="store_true", help="with heat too")
 
@@ -34,8 +39,8 @@ def run(options: argparse.Namespace) -> None:
     scenes = random_scenes(
         like,
         count=options.scenes,
-        seed=SEED,
-        reynolds=(0.0, MOST_REYNOLDS),
+        seed=options.seed,
+        reynolds=tuple(options.reynolds),
         inertia="included",
         heat="included" if options.heat else "none",
     )

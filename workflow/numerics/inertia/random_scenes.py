@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -147,25 +146,6 @@ def moved_by_leaving_out(
     ]
     change = np.abs(forces[1] / forces[0] - 1)
     return len(without), change[np.isfinite(change)]
-
-
-def cost_ratio(scenes: Sequence[Scene], *, tolerance: float, repeats: int, device: Device) -> float:
-    """Processor time of scenes with inertia over that of the same scenes without, medians."""
-
-    def seconds(inertia: str) -> Callable[[], float]:
-        some = [replace(each, gas=replace(each.gas, inertia=inertia)) for each in scenes]
-
-        def once() -> float:
-            begin = time.process_time()
-            solve(some, tolerance=tolerance, method="periodic", device=device)
-            return time.process_time() - begin
-
-        once()  # compiles the kernels
-        return once
-
-    included, none = seconds("included"), seconds("none")
-    pairs = [(included(), none()) for _ in range(repeats)]
-    return median(pair[0] for pair in pairs) / median(pair[1] for pair in pairs)
 
 
 def _forces(solutions: Sequence[Solution]) -> tuple[np.ndarray, np.ndarray]:

@@ -2,7 +2,9 @@
 
 Relative error of the mean force over processor time, a panel for each film, a line for each method
 refined along its own path; to the lower left is better. The reference shares nothing with any
-method; no error can be seen below the grey band. Inside the orange band the error is larger than
+method, with inertia it is the solver's own force on a finer grid; no error can be seen below the
+grey band. Without inertia: the same film's force by the Reynolds equation, held against that
+equation. Inside the orange band the error is larger than
 that of the empirical model fitted to this study's screen. The films are those of the paper's
 actuator, whatever the study.
 """
@@ -28,6 +30,8 @@ STYLES: dict[Key, tuple[str, str, str, str]] = {
     ("auto", "tolerance", True): ("black", "o", ":", "… in a batch"),
     ("periodic", "tolerance", False): (style.BLUE, "d", "-", "periodic state, by tolerance"),
     ("periodic", "tolerance", True): (style.BLUE, "d", ":", "… in a batch"),
+    ("without_inertia", "tolerance", False): (style.GREY, "d", "-", "… without inertia"),
+    ("without_inertia", "tolerance", True): (style.GREY, "d", ":", "… in a batch"),
     ("periodic", "balanced", False): (SKY, "s", "-", "periodic state, given grid"),
     ("periodic", "balanced", True): (SKY, "s", ":", "… in a batch"),
     ("periodic", "space", False): (SKY, "^", "--", "… refined in space alone"),

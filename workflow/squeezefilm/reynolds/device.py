@@ -97,6 +97,11 @@ class Device:
         )
         mapped.base.release(self.transfers)
 
+    @property
+    def loops_over_items(self) -> bool:
+        """Whether kernels are compiled with a loop over the work-items between any two barriers."""
+        return self.work_items > 1 and self.processor and _of_pocl(self.context.devices[0])
+
     def room(self, numbers: int) -> Any:
         """A buffer of so many doubles, or more, for a kernel to work in, and some to spare.
 

@@ -132,13 +132,13 @@ def change_between(
     after: np.ndarray,
     fine: Grid,
     *,
-    share: float = SIZE_SHARE,
+    share: np.ndarray | float = SIZE_SHARE,
 ) -> Change:
     """Change of the mean pressure from grid to grid.
 
     Args:
         before, after: overpressure in the mean over the period, shapes (..., nx, ny).
-        share: of the change's size that counts as a moment.
+        share: of the change's size that counts as a moment, one or one for each film.
     """
     carried = coarse.x.interpolation_to(fine.x) @ before @ coarse.y.interpolation_to(fine.y).T
     change = after - carried

@@ -9,7 +9,7 @@ of itself as a first order; what that is good to is said beside it.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from math import isfinite, nan, sqrt
 
@@ -19,26 +19,26 @@ from squeezefilm.film.scene import GapShape, Scene
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects import heat, inertia, rim, sliding, slip
 from squeezefilm.reynolds.effects.fields import Fields
-from squeezefilm.reynolds.effects.sensitivity import answer, flow_of, sensitivity
+from squeezefilm.reynolds.effects.sensitivity import Answers, sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.launch import STATUS, solve_batch
+from squeezefilm.reynolds.periodic.launch import STATUS, Batch, launch
 from squeezefilm.reynolds.periodic.refinement import grid_for
 from squeezefilm.reynolds.periodic.resolution import unseen_profile
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.heat import temperature_jump
-from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
+from squeezefilm.reynolds.terms.rarefaction import fukui_kaneko
 
 # Relative error of the force on the grids taken, and of the iterations on them.
 GRID_TOLERANCE = 1e-3
 STATE_TOLERANCE = 1e-4
-ADJOINT_TOLERANCE = 1e-5
+ADJOINT_TOLERANCE = 3e-5
 # A derivative by two states' difference asks for more.
 SLIDING_TOLERANCE = 1e-8
-# Numbers of a field, all scenes together: more fall out of the caches.
-MOST_NUMBERS = 2**15
+# Numbers of a field, all scenes together: more fall out of the caches. And of a launch's states.
+MOST_NUMBERS, MOST_LAUNCHED = 2**15, 2**22
 # What the first order misses, as a share of it for each unit of the modified Reynolds number:
 # inertia by one mode at Re 0.45–7.2, heat by a resolved temperature at 0.2–1.8 (T10, T11).
 INERTIA_MISSED = 1 / 8
@@ -128,10 +128,12 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
     and says so.
     """
     found: dict[int, Budget] = {}
-    groups: dict[tuple[Terms, Grid, float], list[int]] = defaultdict(list)
+    groups: dict[Terms, dict[tuple[Grid, float], list[int]]] = defaultdict(
+        lambda: defaultdict(list)
+    )
     like = [_on_a_grid(scene) for scene in scenes]
     # Every effect is one about the film without inertia and heat, which are two of them.
-    without = [replace(each, gas=replace(each.gas, inertia="none", heat="none")) for each in like]
+    without = [_without(each) for each in like]
     for index, scene in enumerate(without):
         needs = needs_of(scene)
         if scene.epsilon == 0:
@@ -140,27 +142,46 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
             found[index] = Budget(status=reason)
         else:
             grid = grid_for(scene, needs, tolerance=GRID_TOLERANCE)
-            groups[needs.terms, grid, scene.aspect].append(index)
-    for (_, grid, _), group in groups.items():
-        step = max(1, MOST_NUMBERS // grid.count)
-        for start in range(0, len(group), step):
-            some = group[start : start + step]
+            groups[needs.terms][grid, scene.aspect].append(index)
+    for alike in groups.values():
+        for parts in _launches(alike):
             chosen = device or choose_device()
-            batch = _budgets([without[index] for index in some], grid, device=chosen)
-            found |= dict(zip(some, batch, strict=True))
+            some = [([without[index] for index in part], grid) for part, grid in parts]
+            slides = some[0][0][0].bearing_number != 0
+            tolerance = SLIDING_TOLERANCE if slides else STATE_TOLERANCE
+            films = _solved(some, tolerance=tolerance, device=chosen)
+            for (part, _), (its, _), solved in zip(parts, some, films, strict=True):
+                found |= dict(zip(part, _budgets(its, *solved, device=chosen), strict=True))
     return [
-        replace(
-            found[index],
-            inertia=replace(found[index].inertia, in_force=scene.gas.inertia == "included"),
-            heat=replace(found[index].heat, in_force=scene.gas.heat == "included"),
-            basis="" if like[index] is scene else BASIS,
-        )
+        _told(found[index], scene, basis="" if like[index] is scene else BASIS)
         for index, scene in enumerate(scenes)
     ]
 
 
 NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
 BASIS = "the flat rectangle inside, not of this pad and gap"
+
+
+def _without(scene: Scene) -> Scene:
+    gas = scene.gas
+    if gas.inertia == gas.heat == "none":
+        return scene
+    return replace(scene, gas=replace(gas, inertia="none", heat="none"))
+
+
+def _told(budget: Budget, scene: Scene, *, basis: str) -> Budget:
+    """The budget with what the scene's own force has of inertia and heat."""
+    with_inertia, with_heat = (
+        getattr(scene.gas, name) == "included" for name in ("inertia", "heat")
+    )
+    if not (with_inertia or with_heat or basis):
+        return budget
+    return replace(
+        budget,
+        inertia=replace(budget.inertia, in_force=with_inertia),
+        heat=replace(budget.heat, in_force=with_heat),
+        basis=basis,
+    )
 
 
 def _on_a_grid(scene: Scene) -> Scene:
@@ -178,13 +199,33 @@ def _on_a_grid(scene: Scene) -> Scene:
     return replace(scene, finger=flat)
 
 
-def _budgets(scenes: Sequence[Scene], grid: Grid, *, device: Device) -> list[Budget]:
-    """Budgets of scenes of like terms, on one grid."""
+Parts = list[tuple[list[int], Grid]]
+
+
+def _launches(groups: Mapping[tuple[Grid, float], list[int]]) -> Iterator[Parts]:
+    """Scenes of like terms in parts that stay in the caches, some parts for each launch."""
+    parts: Parts = []
+    launched = 0
+    for (grid, _), group in groups.items():
+        step = max(1, MOST_NUMBERS // grid.count)
+        for start in range(0, len(group), step):
+            part = group[start : start + step]
+            if parts and launched + len(part) * grid.count > MOST_LAUNCHED:
+                yield parts
+                parts, launched = [], 0
+            parts.append((part, grid))
+            launched += len(part) * grid.count
+    if parts:
+        yield parts
+
+
+def _budgets(
+    scenes: Sequence[Scene], films: Fields, status: Sequence[str], *, device: Device
+) -> list[Budget]:
+    """Budgets of scenes of like terms, by their films on one grid and how iterations ended."""
     slides = any(scene.bearing_number != 0 for scene in scenes)
-    tolerance = SLIDING_TOLERANCE if slides else STATE_TOLERANCE
-    films, status = _solved(scenes, grid, tolerance=tolerance, device=device)
     with np.errstate(all="ignore"):
-        sensitive = sensitivity(films, tolerance=ADJOINT_TOLERANCE)
+        sensitive = sensitivity(films, tolerance=ADJOINT_TOLERANCE, kind=np.float32)
         found = np.isfinite(sensitive).all(axis=(1, 2, 3))
         shares = _shares(scenes, films, sensitive)
         if slides:
@@ -199,53 +240,54 @@ def _budgets(scenes: Sequence[Scene], grid: Grid, *, device: Device) -> list[Bud
     ]
 
 
+Solved = tuple[Fields, list[str]]
+
+
 def _solved(
-    scenes: Sequence[Scene], grid: Grid, *, tolerance: float, device: Device
-) -> tuple[Fields, list[str]]:
-    """The films, and how each scene's iteration ended."""
-    problems = problems_of(scenes, grid, tolerance=tolerance)
-    states = solve_batch(problems=problems, grid=grid, device=device)
-    return Fields(problems, grid, states.overpressure), [STATUS[each] for each in states.status]
+    groups: Sequence[tuple[Sequence[Scene], Grid]], *, tolerance: float, device: Device
+) -> list[Solved]:
+    """The films of groups of scenes, all of like terms, and how each iteration ended."""
+    problems = [problems_of(scenes, grid, tolerance=tolerance) for scenes, grid in groups]
+    grids = [grid for _, grid in groups]
+    batches = [Batch([grid], [each]) for grid, each in zip(grids, problems, strict=True)]
+    found = launch(batches, device=device).states()
+    return [
+        (Fields(each, grid, states.overpressure), [STATUS[k] for k in states.status])
+        for each, grid, (states,) in zip(problems, grids, found, strict=True)
+    ]
 
 
 def _shares(scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray) -> dict[str, np.ndarray]:
     """Change of the mean force by each effect that needs no more than the films, relative to it."""
     gases = [scene.gas for scene in scenes]
     reynolds = np.array([scene.modified_reynolds for scene in scenes])
-    slips = np.array([scene.gas.rarefaction != "none" for scene in scenes])
+    slips = np.array([gas.rarefaction != "none" for gas in gases])
+    knudsen = np.array([scene.knudsen for scene in scenes])
     heating = reynolds * [(1 - 1 / gas.heat_capacity_ratio) * gas.prandtl for gas in gases]
-    entrance = rim.pressure_rise(films, reynolds=reynolds)
-    kinetic = np.array([flow_coefficients(_kinetic(each)) for each in scenes])
-    having = [
-        each if slips_ else _kinetic(each) for each, slips_ in zip(scenes, slips, strict=True)
-    ]
-    rarefied = np.array([flow_coefficients(each) for each in having])
-    sources = {
-        "inertia": inertia.source(
-            films,
-            reynolds=reynolds,
-            knudsen=np.where(slips, [scene.knudsen for scene in scenes], 0.0),
+    kinetic = np.array([fukui_kaneko(scene) for scene in scenes])
+    having = films.problems.numbers["flow"]
+    having = np.pad(having, [(0, 0), (0, kinetic.shape[1] - having.shape[1])])
+    # Of a scene without slip the flow factor's effect is slip's, and nothing is lacking.
+    slipping = np.where(slips[:, None], having, kinetic)
+    answers = Answers(films, sensitive)
+    by_flow = slip.changes(films, answers, terms=kinetic.shape[1] - 1)
+    change = {
+        "inertia": inertia.change(
+            films, answers, reynolds=reynolds, knudsen=np.where(slips, knudsen, 0.0)
         ),
-        "heat": heat.source(
+        "heat": heat.change(
             films,
+            answers,
             heating=heating,
             viscosity_exponent=np.array([gas.viscosity_exponent for gas in gases]),
             jump=np.array([temperature_jump(scene) for scene in scenes]),
         ),
-        "slip": slip.source(films, coefficients=rarefied),
-        "kinetic": slip.source(films, coefficients=kinetic),
-        "rim": -flow_of(films, entrance),
+        "slip": np.sum(by_flow * slipping[:, 1:], axis=1),
+        "kinetic": np.sum(by_flow * (kinetic - slipping)[:, 1:], axis=1),
+        "rim": rim.change(films, answers, reynolds=reynolds),
     }
-    change = {name: answer(films, sensitive, source) for name, source in sources.items()}
-    change["kinetic"] = change["kinetic"] - change["slip"]
-    change["rim"] = change["rim"] + films.mean(entrance)
     force = films.mean(films.pressure - 1)
     return {name: each / force for name, each in change.items()}
-
-
-def _kinetic(scene: Scene) -> Scene:
-    """The scene with rarefaction as it is known best."""
-    return replace(scene, gas=replace(scene.gas, rarefaction="fukui-kaneko"))
 
 
 def _shares_of_sliding(
@@ -254,15 +296,17 @@ def _shares_of_sliding(
     """Change of the mean force by sliding, relative to it; by the bearing term at every order."""
     force = films.mean(films.pressure - 1)
 
-    def solved(others: Sequence[Scene]) -> Fields:
-        found, status = _solved(others, films.grid, tolerance=SLIDING_TOLERANCE, device=device)
-        found.pressure[np.array([each != "ok" for each in status])] = nan
-        return found
+    def solved(groups: Iterable[Sequence[Scene]]) -> list[Fields]:
+        on_grid = [(group, films.grid) for group in groups]
+        states = _solved(on_grid, tolerance=SLIDING_TOLERANCE, device=device)
+        for found, status in states:
+            found.pressure[np.array([each != "ok" for each in status])] = nan
+        return [found for found, _ in states]
 
-    rest = solved([sliding.at_rest(scene) for scene in scenes])
+    (rest,) = solved([[sliding.at_rest(scene) for scene in scenes]])
     places = zip(*map(sliding.line, scenes), strict=True)
     first, second = sliding.change_by_passing(
-        [solved(place) for place in places],
+        solved(places),
         bearing=np.array([scene.bearing_number for scene in scenes]),
     )
     return {

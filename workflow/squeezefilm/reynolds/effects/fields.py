@@ -73,12 +73,13 @@ class Fields:
         """Args: overpressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
         self.problems, self.grid = problems, grid
         self.along_x, self.along_y = lines_of(grid.x), lines_of(grid.y)
-        self._rim = [(0, 0), *((1, 0 if axis.folded else 1) for axis in (grid.x, grid.y)), (0, 0)]
         self.inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))
         s = problems.amplitude[problems.places][
             :, : len(self.along_x.weights), : len(self.along_y.weights), None
         ]
-        self.gap = 1 + self.number(problems.epsilon) * s * np.sin(grid.t.nodes)
+        excursion = self.number(problems.epsilon) * s
+        self.gap = 1 + excursion * np.sin(grid.t.nodes)
+        self.gap_rate = excursion * np.cos(grid.t.nodes)
         self.pressure = 1 + self.with_rim(overpressure)
 
     def number(self, values: np.ndarray) -> np.ndarray:
@@ -93,22 +94,31 @@ class Fields:
 
     def with_rim(self, values: np.ndarray) -> np.ndarray:
         """Values at the unknowns with zeros on the rim."""
-        return np.pad(values, self._rim)
+        found = np.zeros(self.gap.shape)
+        found[self.inner] = values
+        return found
 
     @cached_property
     def sigma(self) -> np.ndarray:
         return self.number(self.problems.sigma)
 
     @cached_property
+    def _exponent(self) -> np.ndarray | None:
+        """That of ρ = P^exponent; None for an isothermal gas."""
+        known = "inverse_exponent" in (self.problems.numbers.dtype.names or ())
+        return self.number(self.problems.numbers["inverse_exponent"]) if known else None
+
+    @cached_property
     def density(self) -> np.ndarray:
-        exponent = self.numbers("inverse_exponent", absent=1.0)
-        return np.asarray(self.pressure**exponent)
+        exponent = self._exponent
+        return self.pressure if exponent is None else np.asarray(self.pressure**exponent)
 
     @cached_property
     def density_slope(self) -> np.ndarray:
-        """dρ/dP."""
-        exponent = self.numbers("inverse_exponent", absent=1.0)
-        return np.asarray(exponent * self.density / self.pressure)
+        """dρ/dP, of an isothermal gas one number."""
+        if self._exponent is None:
+            return np.ones((1, 1, 1, 1))
+        return np.asarray(self._exponent * self.density / self.pressure)
 
     @cached_property
     def mass(self) -> np.ndarray:
@@ -116,22 +126,28 @@ class Fields:
         return np.asarray(self.gap * self.density)
 
     @cached_property
+    def pressure_rate(self) -> np.ndarray:
+        """∂P/∂T."""
+        return self.t_derivative(self.pressure)
+
+    @cached_property
+    def slope(self) -> Vector:
+        """∇P."""
+        return self.gradient(self.pressure - 1)
+
+    @cached_property
     def velocity(self) -> Vector:
         """Mean velocity over the gap by pressure alone, ū = −(1/σ) Σ c_k H^(2−k) ρ^(−k) ∇P."""
         flow = self.problems.numbers["flow"]
-        factor = sum(
-            self.number(flow[:, k]) * self.gap ** (2 - k) * self.density ** (-k)
-            for k in range(flow.shape[1])
-        )
-        return self.gradient(self.pressure - 1).times(-factor / self.sigma)
+        return self.slope.times(-self.flux_factor(flow) / (self.sigma * self.mass))
 
     def flux_factor(self, coefficients: np.ndarray) -> np.ndarray:
         """Σ c_k H^(3−k) ρ^(1−k) for coefficients of shape (scenes, terms)."""
-        parts = [
-            self.number(coefficients[:, k]) * self.gap ** (3 - k) * self.density ** (1 - k)
-            for k in range(coefficients.shape[1])
-        ]
-        return np.sum(parts, axis=0)
+        factor, power = np.zeros(1), self.mass
+        for coefficient in coefficients.T:
+            factor = factor + self.number(coefficient) * power
+            power = power / self.mass
+        return np.asarray(factor * self.gap**2)
 
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
@@ -142,7 +158,7 @@ class Fields:
         return along_y(matrix / self.problems.aspect, values)
 
     def t_derivative(self, values: np.ndarray) -> np.ndarray:
-        return np.asarray(values @ self.grid.t.derivative.T)
+        return along_t(self.grid.t.derivative, values)
 
     def gradient(self, values: np.ndarray) -> Vector:
         return Vector(self.x_derivative(values), self.y_derivative(values))
@@ -152,8 +168,13 @@ class Fields:
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean over film and period, shape (scenes,)."""
-        along_rim = (self.along_x.weights, self.along_y.weights)
-        return np.asarray(np.einsum("sxyt,x,y->s", values, *along_rim) / self.grid.nt)
+        return np.einsum("si,i->s", values.reshape(len(values), -1), self.weights)
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Of the mean over film and period, shape (nodes,), all of them behind each other."""
+        area = np.outer(self.along_x.weights, self.along_y.weights)
+        return np.repeat(area.ravel() / self.grid.nt, self.grid.nt)
 
 
 def along_x(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -166,3 +187,8 @@ def along_x(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
 def along_y(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
     """A matrix (m, n) along the second axis of fields (scenes, x, n, t)."""
     return np.asarray(matrix @ values)
+
+
+def along_t(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix (m, n) along the last axis of fields (scenes, x, y, n)."""
+    return np.asarray(values @ matrix.T)

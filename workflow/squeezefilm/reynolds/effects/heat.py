@@ -12,25 +12,32 @@ from __future__ import annotations
 import numpy as np
 
 from squeezefilm.reynolds.effects.fields import Fields
+from squeezefilm.reynolds.effects.sensitivity import Answers, total
+from squeezefilm.reynolds.terms.heat import JUMP_WARMS
 
 
-def source(
-    films: Fields, *, heating: np.ndarray, viscosity_exponent: np.ndarray, jump: np.ndarray
+def change(
+    films: Fields,
+    answers: Answers,
+    *,
+    heating: np.ndarray,
+    viscosity_exponent: np.ndarray,
+    jump: np.ndarray,
 ) -> np.ndarray:
-    """Source of mass on all nodes.
+    """Change of the mean pressure, shape (scenes,).
 
     Args:
         heating: β of each scene.
         viscosity_exponent: κ of viscosity μ ~ temperature^κ.
         jump: of temperature at a wall over its slope there, times Hρ; 0 without slip.
     """
-    velocity = films.velocity
-    heating, exponent = films.number(heating), films.number(viscosity_exponent)
-    compression = films.t_derivative(films.pressure) * (1 + 6 * films.number(jump) / films.mass)
+    velocity, exponent = films.velocity, films.number(viscosity_exponent)
+    compression = films.pressure_rate * (1 + JUMP_WARMS * films.number(jump) / films.mass)
     friction = films.sigma * velocity.dot(velocity) / films.gap**2
-    warming = heating * films.gap**2 * (compression / 12 - friction / 20)
     lighter = 6 * (compression / 60 - 3 * friction / 280)
     thicker = 3 * exponent * (compression / 60 - friction / 140)
-    slower = velocity.times(-heating * films.mass * films.gap**2 * (lighter + thicker))
-    missing = films.t_derivative(films.mass * warming)
-    return films.sigma * (films.divergence(slower) - missing)
+    # Mass per area times H²: both the flow that is lost and the gas that is missing go with it.
+    weight = films.mass * films.gap**2
+    slower = total(answers.along(velocity), weight * (lighter + thicker))
+    missing = answers.to_stored(weight * (compression / 12 - friction / 20))
+    return films.problems.sigma * heating * (missing - slower)

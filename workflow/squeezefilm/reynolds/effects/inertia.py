@@ -13,25 +13,29 @@ from __future__ import annotations
 import numpy as np
 
 from squeezefilm.reynolds.effects.fields import Fields, Vector
+from squeezefilm.reynolds.effects.sensitivity import Answers, total
 
 
-def source(films: Fields, *, reynolds: np.ndarray, knudsen: np.ndarray) -> np.ndarray:
-    """Source of mass on all nodes: −σ times the divergence of the flow that inertia adds.
+def change(
+    films: Fields, answers: Answers, *, reynolds: np.ndarray, knudsen: np.ndarray
+) -> np.ndarray:
+    """Change of the mean pressure, shape (scenes,): its source is −σ∇· of the flow that is added.
 
     Args:
         reynolds: modified Reynolds number of each scene, at ambient density.
         knudsen: Knudsen number of each scene with slip, 0 without.
     """
-    short = shortfall(films)
-    slip = 1 + 4 * films.number(knudsen) / films.mass
-    factor = -films.sigma * films.number(reynolds) / 10 * slip * films.mass * films.density
-    return films.divergence(short.times(factor * films.gap**2))
+    # Re ρ H²/10 with what slip makes of it, times the mass.
+    factor = films.mass * (films.mass + 4 * films.number(knudsen)) * films.gap
+    strength = -films.problems.sigma * reynolds / 10
+    return strength * total(answers.along(shortfall(films)), factor)
 
 
 def shortfall(films: Fields) -> Vector:
     """∂V/∂T + (9/7)(V·∇)V − (1/7) V ∂/∂T ln(Hρ)."""
     v = films.velocity
-    thinning = films.t_derivative(np.log(films.mass))
+    thinning = films.gap_rate / films.gap
+    thinning += films.density_slope * films.pressure_rate / films.density
     carried_x = v.x * films.x_derivative(v.x, odd=True) + v.y * films.y_derivative(v.x)
     carried_y = v.x * films.x_derivative(v.y) + v.y * films.y_derivative(v.y, odd=True)
     return Vector(

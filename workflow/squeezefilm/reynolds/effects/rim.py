@@ -9,9 +9,21 @@ from __future__ import annotations
 import numpy as np
 
 from squeezefilm.reynolds.effects.fields import Fields
+from squeezefilm.reynolds.effects.sensitivity import Answers, total
 
 # Of C: kinetic energy of a plug and of a parabola, over that of the mean velocity.
 LEAST, MOST = 1.0, 1.54
+
+
+def change(films: Fields, answers: Answers, *, reynolds: np.ndarray) -> np.ndarray:
+    """Change of the mean pressure for C = 1, shape (scenes,): on the rim and by its flow."""
+    rise = pressure_rise(films, reynolds=reynolds)
+    # On the rim, and elsewhere nothing rises, ρ is 1.
+    flow = films.problems.numbers["flow"]
+    factor = sum(
+        films.number(coefficient) * films.gap ** (3 - k) for k, coefficient in enumerate(flow.T)
+    )
+    return films.mean(rise) - total(answers.along(films.gradient(rise)), np.asarray(factor))
 
 
 def pressure_rise(films: Fields, *, reynolds: np.ndarray) -> np.ndarray:

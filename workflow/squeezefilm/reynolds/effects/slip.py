@@ -5,15 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from squeezefilm.reynolds.effects.fields import Fields
+from squeezefilm.reynolds.effects.sensitivity import Answers, total
 
 
-def source(films: Fields, *, coefficients: np.ndarray) -> np.ndarray:
-    """Source of mass on all nodes, −∇·Σ c_k H^(3−k) ρ^(1−k) ∇P over k ≥ 1.
+def changes(films: Fields, answers: Answers, *, terms: int) -> np.ndarray:
+    """Change of the mean pressure by a flow H^(3−k) ρ^(1−k) ∇P for each k ≥ 1.
 
-    Args:
-        coefficients: c_k, shape (scenes, terms), the viscous flow's 1 first.
+    Its source of mass is −∇· of that, for each unit of the flow's coefficient c_k.
+
+    Returns:
+        Changes of shape (scenes, terms).
     """
-    added = coefficients.copy()
-    added[:, 0] = 0.0
-    slope = films.gradient(films.pressure - 1)
-    return -films.divergence(slope.times(films.flux_factor(added)))
+    along = answers.along(films.slope)
+    power, found = films.gap**2, []
+    for _ in range(terms):
+        found.append(-total(along, power))
+        power = power / films.mass
+    return np.stack(found, axis=1)

@@ -51,6 +51,7 @@ def changes_of(
     *,
     known: Sequence[Change | None],
     in_time: np.ndarray,
+    sizes: np.ndarray,
     terms: Terms,
     tolerance: float,
 ) -> tuple[Change | None, np.ndarray, np.ndarray]:
@@ -60,6 +61,7 @@ def changes_of(
         stages: the states of some films on each of the grids.
         known: each film's change to the first of two grids, if there is one.
         in_time: their errors in time that the change from the first of two grids does not show.
+        sizes: shares of the changes' sizes that count of each at least.
         terms: those of the films.
     """
     telling = how_many_tell(grids)
@@ -69,8 +71,9 @@ def changes_of(
     means = [states.mean_in_time for states in stages[-telling:]]
     judged = judged_from_coarser(terms, tolerance=tolerance)
     share = JUDGED_SIZE_SHARE if judged else SIZE_SHARE
+    shares = np.maximum(share, sizes)
     changes = [
-        change_between(before, coarse, after, fine, share=share)
+        change_between(before, coarse, after, fine, share=shares)
         for before, coarse, after, fine in zip(
             means, grids[-telling:], means[1:], grids[-telling + 1 :], strict=False
         )

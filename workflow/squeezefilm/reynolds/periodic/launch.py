@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, aligned, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
@@ -184,11 +185,20 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     a small solve.
 
     The device takes scenes in the given order: put the dearest first.
+
+    Raises:
+        InputError: where compiling the kernel would take so long that it looks like a fault.
     """
     import pyopencl as cl
 
-    inputs = _inputs(batches)
     terms = batches[0].problems[0].terms
+    if device.loops_over_items and own_fields(terms):
+        raise InputError(
+            f"PoCL may compile {' and '.join(term.label for term in terms)} for work-groups of "
+            f"{device.work_items} items for many minutes: take one item, as a processor is given "
+            "where none are asked for"
+        )
+    inputs = _inputs(batches)
     single = in_single(terms)
     periodic_state = kernel(
         device,

@@ -41,7 +41,7 @@ from squeezefilm.reynolds.periodic.resolution import (
 )
 from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.solution import solution_of
-from squeezefilm.reynolds.terms import Terms, numbers_of, state_refused, stiffness_of
+from squeezefilm.reynolds.terms import Terms, numbers_of, size_share_of, state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
@@ -236,6 +236,7 @@ def _judge(
         stages,
         known=[progress.change for progress in group],
         in_time=np.array([progress.in_time for progress in group]),
+        sizes=np.array([size_share_of(each.scene, each.needs.terms) for each in group]),
         terms=group[0].needs.terms,
         tolerance=tolerance,
     )

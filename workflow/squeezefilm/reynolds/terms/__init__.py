@@ -63,6 +63,11 @@ def stiffness_of(scene: Scene, terms: Terms) -> float:
     return factor
 
 
+def size_share_of(scene: Scene, terms: Terms) -> float:
+    """Share of the size of two grids' difference that counts at least."""
+    return max((term.size_share(scene) for term in terms), default=0.0)
+
+
 def unknown_fields(terms: Terms) -> int:
     """Fields that the periodic state solves for."""
     return 1 + sum(term.UNKNOWN_FIELDS for term in terms)

@@ -18,9 +18,9 @@ First order in τ. That heat is carried along the film, and how fast w settles, 
 strip with resolved temperature both moved the force by less than the parabola's own error.
 
 With first-order slip the temperature jumps at the walls (Smoluchowski; full accommodation) by
-ζ Kn/(ρH) times its slope, ζ = 2γ/((γ + 1) Pr): that makes the warming on the right larger by
-1 + 6 ζ Kn/(ρH) and the lag by 1 + 4 ζ Kn/(ρH), to first order in Kn. The numbers in w are those of
-no slip.
+j = ζ Kn/(ρH) times its slope, ζ = 2γ/((γ + 1) Pr): that makes the warming on the right larger by
+1 + 6j and the lag by 1 + 4j, which is (1 + 10j + 30j²)/(1 + 6j) for a gas that conducts alone but
+for 6j². The numbers in w are those of no slip.
 """
 
 from __future__ import annotations
@@ -40,6 +40,10 @@ if TYPE_CHECKING:
 
 # Beyond this, heat by one mode was more than 0.1 % of the force off on a strip (docs/numerics.md).
 MOST_REYNOLDS = 2.0
+# Of no film of larger Re and ε by one mode a state was found on the strip to check it with.
+CHECKED_REYNOLDS, CHECKED_EPSILON = 10.0, 0.4
+# What a jump of temperature at the walls, over its slope there, adds to the warming and to its lag.
+JUMP_WARMS, JUMP_LAGS = 6.0, 4.0
 
 
 def temperature_jump(scene: Scene) -> float:
@@ -73,9 +77,12 @@ class Heat(Term):
         if scene.gas.heat != "included" or reynolds <= MOST_REYNOLDS:
             return ""
         without = "" if scene.gas.inertia == "included" else ", less so without inertia"
+        here = f"Re {reynolds:.2g}"
+        if reynolds > CHECKED_REYNOLDS and scene.epsilon >= CHECKED_EPSILON:
+            here += f", ε {scene.epsilon:.2g}: not checked here"
         return (
             f"heat by one mode is good to 0.1 % of the force up to Re {MOST_REYNOLDS:g}, to 0.4 % "
-            f"at Re 7{without} (Re {reynolds:.2g})"
+            f"at Re 7{without} ({here})"
         )
 
     @classmethod
@@ -88,7 +95,8 @@ class Heat(Term):
             "heating": (1 - 1 / scene.gas.heat_capacity_ratio) * conduction,
             "thermal_lag": LAG_PER_REYNOLDS * conduction,
             "viscosity_exponent": scene.gas.viscosity_exponent,
-            "temperature_jump": temperature_jump(scene),
+            "jump_warms": JUMP_WARMS * temperature_jump(scene),
+            "jump_lags": JUMP_LAGS * temperature_jump(scene),
         }
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:

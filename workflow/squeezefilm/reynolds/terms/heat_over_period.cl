@@ -40,10 +40,10 @@ static void warm(const Grid *g, const Film *film, field warmth, field root, fiel
         double4 sum = (double4)(0.0);
         for (int t = 0; t < n; t++) {
             const double4 gap = gap_at(g, film, row, t);
-            const double4 jump = film->row->temperature_jump / (1.0 + film->p[row * n + t]);
-            c[t] = sqrt(film->row->thermal_lag * (1.0 + film->p[row * n + t]) * gap *
-                        (gap + 4.0 * jump));
-            d[t] = film->row->heating / 12.0 * gap * (gap + 6.0 * jump) * y[t] / c[t];
+            const double4 density = 1.0 + film->p[row * n + t];
+            c[t] = sqrt(film->row->thermal_lag * gap * (density * gap + film->row->jump_lags));
+            d[t] = film->row->heating / 12.0 * gap * (gap + film->row->jump_warms / density) * y[t] /
+                   c[t];
             r[t] = d[t];
             y[t] = (double4)(0.0);
         }
@@ -174,7 +174,7 @@ static void response_heat(const Grid *g, const Film *film, field mass, field wor
     {
         const double4 gap = gap_at(g, film, row, t);
         const double4 density = 1.0 + film->p[i];
-        rise[i] *= gap * (gap + 6.0 * film->row->temperature_jump / density);
+        rise[i] *= gap * (gap + film->row->jump_warms / density);
         pressure[i] = gap * density * rise[i];
     }
     SYNC;

@@ -28,8 +28,13 @@ def flow_coefficients(scene: Scene) -> tuple[float, ...]:
     if scene.gas.rarefaction == "slip":
         return (1.0, 6 * scene.knudsen)
     if scene.gas.rarefaction == "fukui-kaneko":
-        return tuple(c / scene.inverse_knudsen**k for k, c in enumerate(FUKUI_KANEKO))
+        return fukui_kaneko(scene)
     return (1.0,)
+
+
+def fukui_kaneko(scene: Scene) -> tuple[float, ...]:
+    """The coefficients of Fukui and Kaneko's flow factor, whatever the scene's gas has."""
+    return tuple(c / scene.inverse_knudsen**k for k, c in enumerate(FUKUI_KANEKO))
 
 
 @dataclass(frozen=True)

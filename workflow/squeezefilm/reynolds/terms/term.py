@@ -106,6 +106,10 @@ class Term:
         """Its numbers of a scene, which kernels find under these names."""
         return {}
 
+    def size_share(self, scene: Scene) -> float:
+        """Share of the size of two grids' difference that counts, though its moments be smaller."""
+        return 0.0
+
     def stiffness(self, scene: Scene) -> float:
         """Factor of the relative change of pressure with that of density."""
         return 1.0
