@@ -57,8 +57,7 @@ def field_of(
     phase = 2 * np.pi * np.arange(instants) / instants
     x, y = np.meshgrid(across, across)
     # The gap widens while sin T > 0: the surface goes down.
-    excursion = scene.epsilon * np.sin(phase)[:, None, None] * scene.amplitude(x, y)
-    gap_m = scene.h0_m * (scene.rest_gap(x, y) + excursion)
+    gap_m = scene.h0_m * np.moveaxis(scene.gap(x, y, phase), -1, 0)
     outside = np.isnan(found.values)
     ambient, finger = scene.gas.ambient_pressure_pa, scene.finger
     axes = ("phase", "y", "x")

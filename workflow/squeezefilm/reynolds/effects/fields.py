@@ -75,10 +75,11 @@ class Fields:
         self.along_x, self.along_y = lines_of(grid.x), lines_of(grid.y)
         self._rim = [(0, 0), *((1, 0 if axis.folded else 1) for axis in (grid.x, grid.y)), (0, 0)]
         self.inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))
-        s = problems.amplitude[problems.places][
-            :, : len(self.along_x.weights), : len(self.along_y.weights), None
-        ]
-        self.gap = 1 + self.number(problems.epsilon) * s * np.sin(grid.t.nodes)
+        seen = (..., slice(len(self.along_x.weights)), slice(len(self.along_y.weights)), None)
+        parts = problems.parts[problems.places].swapaxes(0, 1)[seen]
+        moves = zip(parts[:2], (np.sin(grid.t.nodes), np.cos(grid.t.nodes)), strict=False)
+        moved = sum(part * each for part, each in moves)
+        self.gap = 1 + self.number(problems.epsilon) * moved + sum(parts[2:])
         self.pressure = 1 + self.with_rim(overpressure)
 
     def number(self, values: np.ndarray) -> np.ndarray:
