@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of
+from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of, phasor_of
 from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.io.errors import InputError
 
@@ -231,10 +231,18 @@ class Scene:
 
         Shape (phases, …), x and y of any common shape.
         """
+        return parts_of(self.actuator.profile, **self._place_of(x, y))
+
+    def phasor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """s, or s₁ + i s₂, at positions in [0, 1] across the finger."""
+        return phasor_of(self.actuator.profile, **self._place_of(x, y))
+
+    def _place_of(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Positions across the finger on the actuator."""
         along_x, along_y = self.finger.turned(
             (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
         )
-        return parts_of(self.actuator.profile, x_m=self.x_m + along_x, y_m=self.y_m + along_y)
+        return {"x_m": self.x_m + along_x, "y_m": self.y_m + along_y}
 
     def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Profile s of a vibration in one phase at positions in [0, 1] across the finger."""
@@ -243,8 +251,7 @@ class Scene:
 
     def magnitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """How far the surface moves over a period, |s| or √(s₁² + s₂²)."""
-        parts = self.parts(x, y)
-        return np.abs(parts[0]) if len(parts) == 1 else np.hypot(*parts)
+        return np.abs(self.phasor(x, y))
 
     def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Gap over h0 without vibration at positions in [0, 1] across the finger."""

@@ -287,6 +287,8 @@ def _applies(name: str, scene: Scene, needs: Needs) -> bool:
     """Whether the limit was derived for this scene's finger and terms at all."""
     if wants_modes(scene):
         return False
+    if scene.two_phases and scene.gas.inertia == "included":
+        return False  # derived together for no limit
     if scene.epsilon == 0 or not all(term.knows_limit(name) for term in needs.terms):
         return False
     return name != "closed-form" or needs.uniform
@@ -308,6 +310,7 @@ def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
             order = 0.3 * scene.sigma**-0.5
         case "boundary-layer":
             order = (0.3 if needs.uniform else 100) * scene.sigma**-1.5
+            order += scene.two_phases * scene.sigma**-1.0
         case "small-amplitude":
             order = scene.epsilon**2
         case "matched-limit":
@@ -353,7 +356,7 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
     if name == "closed-form":
         return limits.closed_form(epsilon=epsilon, sigma=sigma, aspect=aspect)
     x, y = np.meshgrid(limit_axis(nx).all_nodes, limit_axis(ny).all_nodes, indexing="ij")
-    places = {scene.place: scene.amplitude(x, y) for scene in scenes}
+    places = {scene.place: scene.phasor(x, y) for scene in scenes}
     function = {
         "fast-limit": limits.fast_limit,
         "boundary-layer": limits.boundary_layer_limit,

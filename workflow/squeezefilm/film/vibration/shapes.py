@@ -49,6 +49,12 @@ class TwoPhases:
 Vibration = Profile | TwoPhases
 
 
+def phasor_of(vibration: Vibration, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    """s, or s₁ + i s₂ of a vibration in two phases; begun at another instant, it is turned."""
+    parts = parts_of(vibration, x_m=x_m, y_m=y_m)
+    return parts[0] if len(parts) == 1 else parts[0] + 1j * parts[1]
+
+
 def parts_of(vibration: Vibration, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
     """s, or s₁ and s₂ of a vibration in two phases, shape (phases, …)."""
     if isinstance(vibration, TwoPhases):

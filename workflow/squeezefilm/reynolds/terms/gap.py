@@ -40,7 +40,7 @@ class AnyGap(Term):
         return {"narrowest": scene.narrowest}
 
     def knows_limit(self, name: str) -> bool:
-        return name == "fast-limit" and self.label == TWO_PHASES
+        return name != "closed-form" and self.label == TWO_PHASES
 
     def refused_in_modes(self, scene: Scene) -> str:
         return ""
