@@ -7,7 +7,7 @@ import pytest
 from films import PISTON, film, mean_overpressure, periodic_state
 from scipy.optimize import brentq
 
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve, terms
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.grid import Grid
@@ -185,7 +185,11 @@ def test_a_new_term_is_one_module_and_a_place_in_the_list(tmp_path, monkeypatch)
     round_pad = replace(drifting, finger=replace(drifting.finger, shape="ellipse"))
     refusals = [
         solve([scene], tolerance=1e-2, method=method)[0].status
-        for scene, method in ((drifting, "march"), (drifting, "boundary-layer"), (round_pad, "auto"))
+        for scene, method in (
+            (drifting, "march"),
+            (drifting, "boundary-layer"),
+            (round_pad, "auto"),
+        )
     ]
     assert refusals == [
         "march does not know drift",

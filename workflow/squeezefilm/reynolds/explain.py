@@ -104,7 +104,8 @@ def _on_grids(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
         nt=finest.nt,
         left_out=need.halves_left_out + need.terms_left_out,
         expected_error=tolerance,
-        expected_mflop=_expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance) / 1e6,
+        expected_mflop=_expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance)
+        / 1e6,
     )
 
 

@@ -92,9 +92,7 @@ def _table(rows: Sequence[Any]) -> np.ndarray:
     return np.array([tuple(row.values()) for row in rows], dtype=kinds)
 
 
-def _parts(
-    scenes: Sequence[Scene], grids: Sequence[Grid]
-) -> tuple[list[np.ndarray], np.ndarray]:
+def _parts(scenes: Sequence[Scene], grids: Sequence[Grid]) -> tuple[list[np.ndarray], np.ndarray]:
     """The gap's parts on all nodes of each grid at each place of the finger, each scene's place."""
     known: dict[object, tuple[int, Scene]] = {}
     places = [known.setdefault(_place(scene), (len(known), scene))[0] for scene in scenes]

@@ -173,12 +173,18 @@ class Films:
     def layer_remainder(self) -> np.ndarray:
         """Error of the boundary-layer limit: slopes and curvature of s, corners, meeting layers."""
         sigma = self.layer_number
+        curvature = self.mean(np.abs(self.curvature) ** 2)
         meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
         remainder = self.corner_remainder + np.sqrt(self.depth) * self.inertia_remainder
-        return remainder + self.streaming_remainder + self.epsilon**2 * (
-            RIM_SLOPES * np.sqrt(self.depth) * self.rim_unevenness / sigma**1.5
-            + INNER_CURVATURE * np.sqrt(self.depth) * self.mean(np.abs(self.curvature) ** 2) / sigma**2
-            + MEETING * self.rim_integral(np.abs(self.rim) ** 2) * meeting / np.sqrt(sigma)
+        return (
+            remainder
+            + self.streaming_remainder
+            + self.epsilon**2
+            * (
+                RIM_SLOPES * np.sqrt(self.depth) * self.rim_unevenness / sigma**1.5
+                + INNER_CURVATURE * np.sqrt(self.depth) * curvature / sigma**2
+                + MEETING * self.rim_integral(np.abs(self.rim) ** 2) * meeting / np.sqrt(sigma)
+            )
         )
 
     @property
@@ -212,8 +218,9 @@ class Films:
     def amplitude_remainder(self) -> np.ndarray:
         """Relative error of the second-order mean: of order ε².
 
-        Twice that in two phases. From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
-        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``).
+        From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
+        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``). In
+        two phases twice that.
         """
         effective = self.decay_number / (1 + self.aspect**-2.0)
         free = 1 / (1 + (effective / FREE_SIGMA) ** 2)

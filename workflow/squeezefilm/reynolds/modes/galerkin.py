@@ -180,9 +180,7 @@ def too_many(resolution: Resolution) -> str:
 
 def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolution:
     """As fine as the rectangle's first grid: a degree for each node across."""
-    grid = first_grid(
-        **gap_numbers(scene), aspect=scene.aspect, needs=needs, tolerance=tolerance
-    )
+    grid = first_grid(**gap_numbers(scene), aspect=scene.aspect, needs=needs, tolerance=tolerance)
     degree = max(8, 2 * round(max(grid.x.full_points, grid.y.full_points) / 2))
     pad = PadGrid(scene.finger.shape, degree, scene.aspect, needs.fold_x, needs.fold_y)
     return Resolution(pad, grid.nt)
