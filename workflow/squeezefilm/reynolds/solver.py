@@ -285,11 +285,11 @@ def by_limits(
 
 def _applies(name: str, scene: Scene, needs: Needs) -> bool:
     """Whether the limit was derived for this scene's finger and terms at all."""
-    if wants_modes(scene):
+    # Inertia was derived for one phase alone.
+    lagging = scene.two_phases and scene.gas.inertia == "included"
+    if wants_modes(scene) or lagging or scene.epsilon == 0:
         return False
-    if scene.two_phases and scene.gas.inertia == "included":
-        return False  # derived together for no limit
-    if scene.epsilon == 0 or not all(term.knows_limit(name) for term in needs.terms):
+    if not all(term.knows_limit(name) for term in needs.terms):
         return False
     return name != "closed-form" or needs.uniform
 
@@ -310,7 +310,6 @@ def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
             order = 0.3 * scene.sigma**-0.5
         case "boundary-layer":
             order = (0.3 if needs.uniform else 100) * scene.sigma**-1.5
-            order += scene.two_phases * scene.sigma**-1.0
         case "small-amplitude":
             order = scene.epsilon**2
         case "matched-limit":

@@ -55,6 +55,12 @@ def phasor_of(vibration: Vibration, *, x_m: np.ndarray, y_m: np.ndarray) -> np.n
     return parts[0] if len(parts) == 1 else parts[0] + 1j * parts[1]
 
 
+def shown_of(vibration: Vibration, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    """What pictures show: s, or how far the surface moves in two phases, √(s₁² + s₂²)."""
+    phasor = phasor_of(vibration, x_m=x_m, y_m=y_m)
+    return np.abs(phasor) if np.iscomplexobj(phasor) else phasor
+
+
 def parts_of(vibration: Vibration, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
     """s, or s₁ and s₂ of a vibration in two phases, shape (phases, …)."""
     if isinstance(vibration, TwoPhases):

@@ -33,8 +33,9 @@ def limit_axis(points: int) -> Axis:
 class Films:
     """A batch on one grid: its operators, and the features that the error estimates need.
 
-    A vibration in two phases has s₁ + i s₂ for s. Fields have shape (B, nx + 2, ny + 2); values on the rim (B, 2 (nx + ny + 4)), side after side:
-    x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x.
+    Fields have shape (B, nx + 2, ny + 2); values on the rim (B, 2 (nx + ny + 4)), side after side:
+    x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. A vibration in two
+    phases has s₁ + i s₂ for s.
     """
 
     epsilon: np.ndarray

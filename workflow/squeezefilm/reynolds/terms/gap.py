@@ -19,7 +19,7 @@ class AnyGap(Term):
     """``label`` says in which way the gap is not the plain one."""
 
     NAME = "any_gap"
-    ABSENT = LeftOut("any gap", "it is even at rest and moves in one phase")
+    ABSENT = LeftOut("gap of any shape", "it is even at rest and moves in one phase")
 
     @classmethod
     def of(cls, scene: Scene) -> AnyGap | None:
