@@ -216,10 +216,10 @@ WRONG = {
         HEADER + "\n" + "\n".join(r for r in ROWS.split("\n") if r.startswith("-")),
         "the scan needs points there",
     ),
-    "a travelling wave": (
+    "phases that are noise": (
         "x_mm,y_mm,amplitude_um,phase_deg\n"
-        + "".join(f"{i % 9 - 4},{i // 9 - 4},1,{40 * i}\n" for i in range(81)),
-        "out of phase with the rest",
+        + "".join(f"{2 * i % 18 - 8},{2 * (i // 9) - 8},1,{i**3 % 360}\n" for i in range(81)),
+        "known to ±",
     ),
     "nothing": ("", "the scan is empty"),
     "only comments": ("# a\n# b\n", "the scan is empty"),

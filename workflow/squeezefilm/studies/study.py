@@ -41,7 +41,7 @@ def profile_of(config: Config) -> Vibration:
     """
     smoothed = smoothed_scan_of(config)
     if smoothed is not None:
-        return smoothed.profile
+        return smoothed.vibration
     return make_profile(surface=surface_of(config), **config["actuator"]["profile"])
 
 

@@ -34,11 +34,13 @@ class TwoPhases:
 
     s₁ and s₂ are shares of two profiles, such that the largest of √(s₁² + s₂²) on the surface is 1.
     It has no ``amplitude``: what was derived for a vibration in one phase does not know it.
+    ``largest`` is above 1 by what noise has put on a measured maximum.
     """
 
     first: Profile
     second: Profile
     shares: tuple[float, float] = (1.0, 1.0)
+    largest: float = 1.0
 
     def parts(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """s₁ and s₂, shape (2, …)."""
