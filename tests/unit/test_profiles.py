@@ -218,7 +218,12 @@ WRONG = {
     ),
     "phases that are noise": (
         "x_mm,y_mm,amplitude_um,phase_deg\n"
-        + "".join(f"{2 * i % 18 - 8},{2 * (i // 9) - 8},1,{i**3 % 360}\n" for i in range(81)),
+        + "".join(
+            f"{x},{y},1,{(37 * x + 71 * y + 13 * x * y) ** 2 % 360}\n"
+            for x in range(-9, 10)
+            for y in range(-9, 10)
+            if x**2 + y**2 < 98
+        ),
         "known to ±",
     ),
     "nothing": ("", "the scan is empty"),
