@@ -66,7 +66,7 @@ def test_what_the_walk_through_shows_is_valid(walk_through, repository, tmp_path
             part = yaml.safe_load("\n".join(line[4:] for line in text.splitlines()))
             actuator = {**example["actuator"], **part} if "profile" in part else {}
             studies.append({**example, **({"actuator": actuator} if actuator else part)})
-    assert len(studies) == 7
+    assert len(studies) == 9
     (tmp_path / "vibrometer.csv").write_bytes((repository / "config/vibrometer.csv").read_bytes())
     for study in studies:
         text = yaml.safe_dump(study).replace("e-0", "e-")

@@ -216,10 +216,15 @@ WRONG = {
         HEADER + "\n" + "\n".join(r for r in ROWS.split("\n") if r.startswith("-")),
         "the scan needs points there",
     ),
-    "a travelling wave": (
+    "phases that are noise": (
         "x_mm,y_mm,amplitude_um,phase_deg\n"
-        + "".join(f"{i % 9 - 4},{i // 9 - 4},1,{40 * i}\n" for i in range(81)),
-        "out of phase with the rest",
+        + "".join(
+            f"{x},{y},1,{(37 * x + 71 * y + 13 * x * y) ** 2 % 360}\n"
+            for x in range(-9, 10)
+            for y in range(-9, 10)
+            if x**2 + y**2 < 98
+        ),
+        "known to ±",
     ),
     "nothing": ("", "the scan is empty"),
     "only comments": ("# a\n# b\n", "the scan is empty"),

@@ -20,10 +20,9 @@ def cross_section(scene: Scene) -> pd.DataFrame:
     x = (1 - np.cos(np.pi * np.arange(POINTS + 2) / (POINTS + 1))) / 2
     phase = 2 * np.pi * np.arange(TIMES) / TIMES
     middle = np.full_like(x, 0.5)
-    amplitude = scene.amplitude(x, middle)
-    # The gap widens while sin T > 0: the surface goes down.
-    surface = -scene.hv_m * np.sin(phase)[:, None] * amplitude
     finger = scene.h0_m + scene.finger.gap.rise_m(x, middle)
+    # The gap widens while the surface goes down.
+    surface = finger - scene.h0_m * scene.gap(x, middle, phase).T
     found = pressure_at(scene, x=x, y=middle, instants=TIMES, tolerance=TOLERANCE)
     pressure = np.full(surface.shape, np.nan) if found is None else found.T
     shape = np.ones_like(surface)

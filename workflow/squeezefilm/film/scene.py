@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of, phasor_of
 from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.io.errors import InputError
 
@@ -47,11 +47,14 @@ class Gas:
 
 @dataclass(frozen=True)
 class Actuator:
-    """A surface that vibrates normal to itself with amplitude hv · s(x, y) at one frequency."""
+    """A surface that vibrates normal to itself at one frequency, by hv · s(x, y) sin ωt.
+
+    Or, with a profile in two phases, by hv · (s₁ sin ωt + s₂ cos ωt).
+    """
 
     frequency_hz: float
     surface: Surface
-    profile: Profile
+    profile: Vibration
 
     @property
     def angular_frequency_rad_per_s(self) -> float:
@@ -209,16 +212,46 @@ class Scene:
         return self.gas.ambient_pressure_pa * self.finger.area_m2
 
     @cached_property
-    def place(self) -> tuple[Profile, Finger, float, float]:
+    def place(self) -> tuple[Vibration, Finger, float, float]:
         """All that the profile under the finger depends on: equal for scenes that share it."""
         return self.actuator.profile, self.finger, self.x_m, self.y_m
 
-    def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Profile s at positions x, y in [0, 1] across the finger, any common shape."""
+    @property
+    def two_phases(self) -> bool:
+        """Whether the surface does not move in one phase: a travelling wave, modes with a lag."""
+        return isinstance(self.actuator.profile, TwoPhases)
+
+    @property
+    def plain(self) -> bool:
+        """Whether the gap is even at rest and moves in one phase."""
+        return self.finger.gap.flat and not self.two_phases
+
+    def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The profile's s, or s₁ and s₂, at positions x, y in [0, 1] across the finger.
+
+        Shape (phases, …), x and y of any common shape.
+        """
+        return parts_of(self.actuator.profile, **self._place_of(x, y))
+
+    def phasor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """s, or s₁ + i s₂, at positions in [0, 1] across the finger."""
+        return phasor_of(self.actuator.profile, **self._place_of(x, y))
+
+    def _place_of(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Positions across the finger on the actuator."""
         along_x, along_y = self.finger.turned(
             (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
         )
-        return self.actuator.profile.amplitude(x_m=self.x_m + along_x, y_m=self.y_m + along_y)
+        return {"x_m": self.x_m + along_x, "y_m": self.y_m + along_y}
+
+    def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Profile s of a vibration in one phase at positions in [0, 1] across the finger."""
+        (s,) = self.parts(x, y)
+        return s
+
+    def magnitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """How far the surface moves over a period, |s| or √(s₁² + s₂²)."""
+        return np.abs(self.phasor(x, y))
 
     def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Gap over h0 without vibration at positions in [0, 1] across the finger."""
@@ -229,11 +262,20 @@ class Scene:
 
         It widens while sin ωt > 0: the surface goes down.
         """
-        excursion = self.epsilon * self.amplitude(x, y)[..., None] * np.sin(phase)
-        return np.asarray(self.rest_gap(x, y)[..., None] + excursion)
+        moves = zip(self.parts(x, y), (np.sin(phase), np.cos(phase)), strict=False)
+        moved = sum(part[..., None] * each for part, each in moves)
+        return self.rest_gap(x, y)[..., None] + self.epsilon * moved
+
+    @cached_property
+    def narrowest(self) -> float:
+        """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
+        if self.finger.gap.flat:
+            return 1 - self.epsilon
+        x, y = self.inside()
+        return float((self.rest_gap(x, y) - self.epsilon * self.magnitude(x, y)).min())
 
     def closure(self) -> float:
-        """Largest excursion over gap, |ε s|/(gap at rest): 1 where surface and finger touch.
+        """Largest excursion over gap at rest, 1 where surface and finger touch.
 
         For a flat gap as if the profile's maximum lay under the finger: ε, or a little more where
         noise has put something on the maximum of a measured profile.
@@ -241,7 +283,7 @@ class Scene:
         if self.finger.gap.flat:
             return self.epsilon * getattr(self.actuator.profile, "largest", 1.0)
         x, y = self.inside()
-        gap, excursion = self.rest_gap(x, y), self.epsilon * np.abs(self.amplitude(x, y))
+        gap, excursion = self.rest_gap(x, y), self.epsilon * self.magnitude(x, y)
         return float(np.max(np.where(gap > 0, excursion / gap, 1.0)))
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:

@@ -104,7 +104,8 @@ def _on_grids(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
         nt=finest.nt,
         left_out=need.halves_left_out + need.terms_left_out,
         expected_error=tolerance,
-        expected_mflop=_expected_flops(scene.epsilon, need.terms, grids, tolerance=tolerance) / 1e6,
+        expected_mflop=_expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance)
+        / 1e6,
     )
 
 
@@ -137,7 +138,7 @@ def _in_modes(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
         nx=finest.pad.points[0],
         ny=finest.pad.points[1],
         nt=finest.instants,
-        left_out=galerkin.halves_left_out(first, need) + need.terms_left_out,
+        left_out=need.halves_left_out + need.terms_left_out,
         expected_error=tolerance,
         expected_mflop=(work + 6 * finest.flops) / 1e6,
     )

@@ -50,9 +50,10 @@ def needs_of(scene: Scene) -> Needs:
     """What the scene needs, found from its profile, motion and gas."""
     profile, terms = under_finger(scene), terms_of(scene)
     broken = {axis for term in terms for axis in term.BREAKS}
+    gap = scene.finger.gap
     return Needs(
-        fold_x=profile.even_x and "x" not in broken,
-        fold_y=profile.even_y and "y" not in broken,
+        fold_x=profile.even_x and "x" not in broken and gap.tilt_x_m == 0,
+        fold_y=profile.even_y and "y" not in broken and gap.tilt_y_m == 0,
         terms=terms,
         profile=profile,
     )

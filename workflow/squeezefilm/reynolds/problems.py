@@ -22,16 +22,17 @@ class Problems:
             flux's terms c_k H^(3−k) ρ^(1−k) ∇P, and the terms' own numbers; one row per scene.
         terms: those that all of the scenes have.
         aspect: finger's length along y over that along x, one for the batch.
-        amplitude: profile s on all nodes of the grid's axes, ends and mirror images included,
-            shape (places, full nx + 2, full ny + 2).
-        places: row of ``amplitude`` that each scene has.
+        parts: of the gap 1 + ε s sin T the profile s, or of any gap s₁, s₂ and what the gap at
+            rest is more than 1 (terms/gap.py), on all nodes of the grid's axes, ends and mirror
+            images included, shape (places, parts, full nx + 2, full ny + 2).
+        places: row of ``parts`` that each scene has.
         tolerance: relative error of the force that the iteration may leave, one for the batch.
     """
 
     numbers: np.ndarray
     terms: Terms
     aspect: float
-    amplitude: np.ndarray
+    parts: np.ndarray
     places: np.ndarray
     tolerance: float
 
@@ -45,6 +46,12 @@ class Problems:
     @property
     def sigma(self) -> np.ndarray:
         return np.asarray(self.numbers["sigma"])
+
+    @property
+    def narrowest(self) -> np.ndarray:
+        """Least gap over h0 in a period."""
+        known = "narrowest" in (self.numbers.dtype.names or ())
+        return np.asarray(self.numbers["narrowest"]) if known else 1 - self.epsilon
 
     def some(self, which: np.ndarray) -> Problems:
         """Some of the scenes."""
@@ -66,17 +73,17 @@ def problems_on(scenes: Sequence[Scene], tolerances: Mapping[Grid, float]) -> li
     if any(terms_of(scene) != terms for scene in scenes):
         raise ValueError("a batch is of scenes with like terms")
     numbers = _table([numbers_of(scene, terms) for scene in scenes])
-    amplitudes, places = _amplitudes(scenes, list(tolerances))
+    parts, places = _parts(scenes, list(tolerances))
     return [
         Problems(
             numbers=numbers,
             terms=terms,
             aspect=scenes[0].aspect,
-            amplitude=amplitude,
+            parts=each,
             places=places,
             tolerance=tolerance,
         )
-        for amplitude, tolerance in zip(amplitudes, tolerances.values(), strict=True)
+        for each, tolerance in zip(parts, tolerances.values(), strict=True)
     ]
 
 
@@ -85,47 +92,66 @@ def _table(rows: Sequence[Any]) -> np.ndarray:
     return np.array([tuple(row.values()) for row in rows], dtype=kinds)
 
 
-def _amplitudes(
-    scenes: Sequence[Scene], grids: Sequence[Grid]
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """The profile on all nodes of each grid at each place of the finger, and each scene's place."""
+def _parts(scenes: Sequence[Scene], grids: Sequence[Grid]) -> tuple[list[np.ndarray], np.ndarray]:
+    """The gap's parts on all nodes of each grid at each place of the finger, each scene's place."""
     known: dict[object, tuple[int, Scene]] = {}
-    places = [known.setdefault(scene.place, (len(known), scene))[0] for scene in scenes]
+    places = [known.setdefault(_place(scene), (len(known), scene))[0] for scene in scenes]
     # On all grids at once: a profile is asked as rarely as can be.
     x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids), strict=True))
-    values = np.stack([scene.amplitude(x, y) for _, scene in known.values()])
-    amplitudes, begin = [], 0
+    values = np.stack([_parts_at(scene, x, y) for _, scene in known.values()])
+    parts, begin = [], 0
     for grid in grids:
         shape = grid.x.full_points + 2, grid.y.full_points + 2
         end = begin + shape[0] * shape[1]
-        amplitudes.append(values[:, begin:end].reshape(-1, *shape))
+        parts.append(values[..., begin:end].reshape(*values.shape[:2], *shape))
         begin = end
-    return amplitudes, np.array(places)
+    return parts, np.array(places)
+
+
+def _place(scene: Scene) -> object:
+    """What a gap's parts depend on: at rest its shape is over h0."""
+    return scene.place if scene.finger.gap.flat else (scene.place, scene.h0_m)
+
+
+def _parts_at(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The parts of a scene's gap, shape (parts, …)."""
+    moving = scene.parts(x, y)
+    if scene.plain:
+        return moving
+    second = moving[1] if scene.two_phases else np.zeros_like(moving[0])
+    return np.stack([moving[0], second, scene.rest_gap(x, y) - 1])
 
 
 def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
-    """s, |∇s|², Δs and what terms need where the unknowns lie, each shape (places, nx, ny).
+    """The gap's parts, their gradients and Laplacians, and what terms need, where unknowns lie.
 
-    Derivatives are those of the interpolating polynomial, lengths in units of the finger's x side.
+    Each of shape (places, parts, nx, ny). Derivatives are those of the interpolating polynomial,
+    lengths in units of the finger's x side.
     """
-    s = problems.amplitude
-    along_x = grid.x.derivative @ s
-    along_y = s @ grid.y.derivative.T / problems.aspect
+    parts = problems.parts
+    along_x = grid.x.derivative @ parts
+    along_y = parts @ grid.y.derivative.T / problems.aspect
     everywhere = {
-        "amplitude": s,
-        "gradient_squared": along_x**2 + along_y**2,
+        "amplitude": parts,
+        "slope_x": along_x,
+        "slope_y": along_y,
         "laplacian": grid.x.derivative @ along_x + along_y @ grid.y.derivative.T / problems.aspect,
     }
-    inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))
+    inner = (..., slice(1, grid.nx + 1), slice(1, grid.ny + 1))
     fields = {name: values[inner] for name, values in everywhere.items()}
     for term in problems.terms:
-        fields.update(term.profile_fields(s, grid))
+        fields.update(term.profile_fields(parts, grid))
     return fields
 
 
-def mean_amplitude(problems: Problems, grid: Grid) -> np.ndarray:
-    """The profile averaged over the finger, for each scene, shape (scenes,)."""
-    inner = problems.amplitude[:, 1 : grid.nx + 1, 1 : grid.ny + 1]
+def mean_motion(problems: Problems, grid: Grid) -> np.ndarray:
+    """How the gap averaged over the finger moves, over what it is at rest, shape (scenes, 2).
+
+    The factors of sin T and of cos T.
+    """
+    inner = problems.parts[..., 1 : grid.nx + 1, 1 : grid.ny + 1]
     # The rule leaves out the ends; what it gives them is small, and the mean is no result.
     whole = grid.x.weights.sum() * grid.y.weights.sum()
-    return np.asarray(grid.x.weights @ inner @ grid.y.weights / whole)[problems.places]
+    means = np.asarray(grid.x.weights @ inner @ grid.y.weights / whole)[problems.places]
+    sine, cosine, rise = means.T if means.shape[1] == 3 else (means[:, 0], 0 * means[:, 0], 0.0)
+    return np.stack([sine, cosine], axis=1) * (problems.epsilon / (1 + rise))[:, None]

@@ -5,12 +5,13 @@ one small grid each, by the kernel that solves all others, and compared with sel
 ``python -m squeezefilm.reynolds.self_test`` makes anew where the equation or the grid changes.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 
-from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
-from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene
+from squeezefilm.film.vibration.shapes import Sinc, StandingWave, TwoPhases
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
@@ -22,6 +23,7 @@ from squeezefilm.reynolds.problems import problems_of
 TABLE = Path(__file__).with_name("self_test.csv")
 CLOSENESS = 1e-9
 ITERATION_TOLERANCE = 1e-11
+SINC = Sinc(wave_number_per_m=100.0)
 AIR = Gas(
     viscosity_pa_s=1.8e-5,
     ambient_pressure_pa=1e5,
@@ -60,7 +62,21 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             _film(inertia="included", rarefaction="slip", heat="included"),
             quarter,
         ),
+        "any gap": (_of_any_gap(_film(x_m=2e-3)), half),
+        "any gap, inertia": (_of_any_gap(_film(x_m=2e-3, inertia="included")), half),
     }
+
+
+def _of_any_gap(scene: Scene) -> Scene:
+    """Tilted and bulging, over two modes of which one lags."""
+    crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
+    modes = TwoPhases(SINC, crests, shares=(0.8, 0.6))
+    gap = GapShape(tilt_x_m=1e-6, bulge_m=5e-7)
+    return replace(
+        scene,
+        actuator=replace(scene.actuator, profile=modes),
+        finger=replace(scene.finger, gap=gap),
+    )
 
 
 def _film(
@@ -73,7 +89,7 @@ def _film(
         x_m=x_m,
         y_m=y_m,
         gas=Gas(**{**vars(AIR), **gas}),
-        actuator=Actuator(4e4, Disc(1e-2), Sinc(wave_number_per_m=100.0)),
+        actuator=Actuator(4e4, Disc(1e-2), SINC),
         finger=Finger(1e-2, 1e-2, speed_x_m_per_s),
     )
 

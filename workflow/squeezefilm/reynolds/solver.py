@@ -285,9 +285,11 @@ def by_limits(
 
 def _applies(name: str, scene: Scene, needs: Needs) -> bool:
     """Whether the limit was derived for this scene's finger and terms at all."""
-    if wants_modes(scene):
+    # Inertia was derived for one phase alone.
+    lagging = scene.two_phases and scene.gas.inertia == "included"
+    if wants_modes(scene) or lagging or scene.epsilon == 0:
         return False
-    if scene.epsilon == 0 or not all(term.knows_limit(name) for term in needs.terms):
+    if not all(term.knows_limit(name) for term in needs.terms):
         return False
     return name != "closed-form" or needs.uniform
 
@@ -353,7 +355,7 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
     if name == "closed-form":
         return limits.closed_form(epsilon=epsilon, sigma=sigma, aspect=aspect)
     x, y = np.meshgrid(limit_axis(nx).all_nodes, limit_axis(ny).all_nodes, indexing="ij")
-    places = {scene.place: scene.amplitude(x, y) for scene in scenes}
+    places = {scene.place: scene.phasor(x, y) for scene in scenes}
     function = {
         "fast-limit": limits.fast_limit,
         "boundary-layer": limits.boundary_layer_limit,

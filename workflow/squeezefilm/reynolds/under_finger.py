@@ -53,23 +53,24 @@ class UnderFinger:
     """A profile at one place of a finger, looked at as closely as is asked.
 
     Attributes:
-        even_x, even_y: whether it is even about the finger's middle along x, y.
+        even_x, even_y: whether all of it is even about the finger's middle along x, y.
         uniform: the whole finger sees the full amplitude.
     """
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._landmarks = _landmarks_under(scene)
-        s, between, first = _probed(scene, PROBES[0], self._landmarks)
+        parts, between, first = _probed(scene, PROBES[0], self._landmarks)
         self._probes = [first]
-        self._largest = max(float(np.abs(s).max()), float(np.abs(between).max()))
+        self._largest = max(float(np.abs(parts).max()), float(np.abs(between).max()))
         same = SYMMETRIC * self._largest
-        self.even_x = bool(np.abs(s[::-1] - s).max() <= same)
-        self.even_y = bool(np.abs(s[:, ::-1] - s).max() <= same)
+        self.even_x = bool(np.abs(parts[:, ::-1] - parts).max() <= same)
+        self.even_y = bool(np.abs(parts[:, :, ::-1] - parts).max() <= same)
         if first.missed > SYMMETRIC:  # else what the nodes say holds between them
             self.even_x = self.even_x and self._mirrored(along_x=True) <= same
             self.even_y = self.even_y and self._mirrored(along_x=False) <= same
-        self.uniform = bool(max(np.abs(s - 1).max(), np.abs(between - 1).max()) < SYMMETRIC)
+        still = max(np.abs(parts - 1).max(), np.abs(between - 1).max()) < SYMMETRIC
+        self.uniform = bool(still) and not scene.two_phases
 
     def probe(self, share: float) -> Probe:
         """The first that misses no more than a share, else the finest that there is."""
@@ -89,11 +90,12 @@ class UnderFinger:
         scene, (x, y) = self._scene, self._probes[0].worst
         angle = np.pi / 4 * np.arange(8)
         way_m = scene.finger.length_x_m * np.geomspace(1e-6, 1, 300)
-        values = scene.amplitude(
+        values = scene.parts(
             x + np.outer(way_m, np.cos(angle)) / scene.finger.length_x_m,
             y + np.outer(way_m, np.sin(angle)) / scene.finger.length_y_m,
         )
-        changed = np.abs(values - scene.amplitude(np.array(x), np.array(y)))
+        here = scene.parts(np.array(x), np.array(y))[:, None, None]
+        changed = np.abs(values - here).max(axis=0)
         far = (changed >= self._probes[0].missed * self._largest / 2).any(axis=1)
         return float(2 * way_m[np.argmax(far) if far.any() else -1])
 
@@ -101,7 +103,7 @@ class UnderFinger:
         """Largest difference to the mirror image, between the nodes."""
         x, y = _between(MANY)
         mirrored = (1 - x, y) if along_x else (x, 1 - y)
-        return float(np.abs(self._scene.amplitude(*mirrored) - self._scene.amplitude(x, y)).max())
+        return float(np.abs(self._scene.parts(*mirrored) - self._scene.parts(x, y)).max())
 
 
 def under_finger(scene: Scene) -> UnderFinger:
@@ -130,20 +132,24 @@ def _at_place(place: _Place) -> UnderFinger:
 def _probed(
     scene: Scene, points: int, landmarks: tuple[np.ndarray, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, Probe]:
-    """The profile on a grid's nodes, ends included, and between them, and what they say."""
+    """The profile on a grid's nodes, ends included, and between them, and what they say.
+
+    A profile in two phases has two parts, and needs what the worse of them needs.
+    """
     prober = _prober(points)
     x, y, to_x, to_y = prober.x, prober.y, prober.to_x, prober.to_y
     if len(landmarks[0]):
         x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
         to_x = np.vstack([to_x, axis(points, False).to_points(landmarks[0])])
         to_y = np.vstack([to_y, axis(points, False).to_points(landmarks[1])])
-    everywhere = scene.amplitude(np.append(prober.grid_x, x), np.append(prober.grid_y, y))
-    s = everywhere[: prober.grid_x.size].reshape(points + 2, points + 2)
-    between = everywhere[prober.grid_x.size :]
+    everywhere = scene.parts(np.append(prober.grid_x, x), np.append(prober.grid_y, y))
+    s = everywhere[:, : prober.grid_x.size].reshape(-1, points + 2, points + 2)
+    between = everywhere[:, prober.grid_x.size :]
     largest = float(np.abs(everywhere).max()) or 1.0
-    missed = np.abs(((to_x @ s) * to_y).sum(axis=1) - between) / largest
+    missed = np.abs(((to_x @ s) * to_y).sum(axis=2) - between).max(axis=0) / largest
     worst = int(np.argmax(missed))
-    coefficients = np.abs(prober.to_coefficients @ s @ prober.to_coefficients.T) / largest
+    coefficients = np.abs(prober.to_coefficients @ s @ prober.to_coefficients.T).max(axis=0)
+    coefficients /= largest
     return (
         s,
         between,

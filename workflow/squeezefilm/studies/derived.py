@@ -96,11 +96,13 @@ def _cut(value: float) -> float:
 
 def _limit_is_known(values: dict[str, Any]) -> bool:
     """Whether the physics limit was derived for such a pad and gas (reynolds/limits)."""
-    gas, finger = values["gas"], values["finger"]
+    gas, finger, profile = values["gas"], values["finger"], values["actuator"]["profile"]
+    one_phase = profile["kind"] != "travelling-wave" and profile.get("quadrature", "0") == "0"
     return (
         finger["shape"] == "rectangle"
         and finger["speed_x_m_per_s"] == 0
         and not any(finger["gap"].values())
+        and (one_phase or gas["inertia"] == "none")
         and gas["rarefaction"] == "none"
         and gas["polytropic_exponent"] == 1
     )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from squeezefilm.film.directions import Directions, Symmetry
 from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
 from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.shapes import Profile, Sinc, StandingWave
+from squeezefilm.film.vibration.shapes import Sinc, StandingWave, Vibration
 from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import ScenePoint
@@ -34,14 +34,14 @@ def surface_of(config: Config) -> Surface:
     return Rectangle(actuator["surface"]["length_x_m"], actuator["surface"]["length_y_m"])
 
 
-def profile_of(config: Config) -> Profile:
+def profile_of(config: Config) -> Vibration:
     """The actuator's vibration shape.
 
     Raises InputError naming what is wrong with a formula or a measured profile.
     """
     smoothed = smoothed_scan_of(config)
     if smoothed is not None:
-        return smoothed.profile
+        return smoothed.vibration
     return make_profile(surface=surface_of(config), **config["actuator"]["profile"])
 
 
@@ -86,7 +86,7 @@ def smoothed_scan_of(config: Config) -> SmoothedScan | None:
     return read_smoothed(kept, path, settings=smoothing_settings(config))
 
 
-def planned_profile_of(config: Config) -> Profile:
+def planned_profile_of(config: Config) -> Vibration:
     """The vibration shape as far as plans need it: of a scan a usual one, for it is not smoothed.
 
     By it the work is divided into jobs, whose number may not depend on whether the scan has been
@@ -122,7 +122,7 @@ def symmetry_of(config: Config) -> Symmetry:
 
 
 def scene_of(
-    point: ScenePoint, config: Config, *, check: bool = True, profile: Profile | None = None
+    point: ScenePoint, config: Config, *, check: bool = True, profile: Vibration | None = None
 ) -> Scene:
     """The scene of one point of a plan on the study's film, checked unless only its terms matter.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from squeezefilm.film.directions import Directions, Mirrors, Symmetry
 from squeezefilm.film.scene import Finger
-from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.film.vibration.shapes import Vibration, phasor_of
 from squeezefilm.film.vibration.surfaces import Rectangle, Surface
 
 # Places on the surface at which a profile is compared with its image.
@@ -25,7 +25,7 @@ def no_symmetry(surface: Surface) -> Symmetry:
 
 
 @lru_cache(maxsize=16)
-def symmetry(finger: Finger, profile: Profile, *, surface: Surface) -> Symmetry:
+def symmetry(finger: Finger, profile: Vibration, *, surface: Surface) -> Symmetry:
     """What the force over the finger's position has in common with pad, profile and surface."""
     if not isinstance(surface, Rectangle):
         return _directions(finger, profile, surface)
@@ -37,12 +37,13 @@ def symmetry(finger: Finger, profile: Profile, *, surface: Surface) -> Symmetry:
     return Mirrors(x=holds(90), y=holds(0))
 
 
-def _directions(finger: Finger, profile: Profile, surface: Surface) -> Directions:
+def _directions(finger: Finger, profile: Vibration, surface: Surface) -> Directions:
     """The smallest sector found among subgroups of a square's symmetries.
 
     A mirror or a turn of the finger's centre about the disc's leaves the force as it is where it
     leaves pad, gap at rest and sliding velocity as they are, and the profile too but for its sign:
-    s and −s are the same vibration half a period apart. Symmetries that are not looked for, such as
+    s and −s are the same vibration half a period apart. One in two phases may begin at any other
+    instant. Symmetries that are not looked for, such as
     those of a circular pad on a profile with three nodal diameters, make the sector larger than it
     need be, never too small.
     """
@@ -62,7 +63,7 @@ def _directions(finger: Finger, profile: Profile, surface: Surface) -> Direction
     return min(sectors, key=lambda sector: sector.width_deg)
 
 
-def _axes(finger: Finger, profile: Profile) -> Iterator[float]:
+def _axes(finger: Finger, profile: Vibration) -> Iterator[float]:
     """Directions at which an axis of the scene may lie: the pad's; a circle's follow the rest."""
     yield finger.rotation_deg
     if finger.shape == "ellipse" and finger.length_x_m == finger.length_y_m:
@@ -99,9 +100,11 @@ def _keeps_pad(change: np.ndarray, finger: Finger) -> bool:
     )
 
 
-def _keeps_profile(change: np.ndarray, profile: Profile, surface: Surface) -> bool:
+def _keeps_profile(change: np.ndarray, profile: Vibration, surface: Surface) -> bool:
     x_m, y_m = surface.probes(PROBES)
-    s = profile.amplitude(x_m=x_m, y_m=y_m)
     image_x_m, image_y_m = change @ np.stack([x_m, y_m])
-    image = profile.amplitude(x_m=image_x_m, y_m=image_y_m)
-    return any(bool(np.abs(image - sign * s).max() <= EQUAL) for sign in (1, -1))
+    s = phasor_of(profile, x_m=x_m, y_m=y_m)
+    image = phasor_of(profile, x_m=image_x_m, y_m=image_y_m)
+    together = np.vdot(s, image)
+    turn = together / abs(together) if together else 1.0
+    return bool(np.abs(image - turn * s).max() <= EQUAL)

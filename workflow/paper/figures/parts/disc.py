@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from squeezefilm.film.vibration.shapes import shown_of
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import finger_of, profile_of
 
@@ -22,7 +23,7 @@ def profile_table(config: Config, *, radii: int, angles: int) -> pd.DataFrame:
             "angle_deg": angle_deg,
             "x_mm": np.round(x_m * 1e3, 9),
             "y_mm": np.round(y_m * 1e3, 9),
-            "amplitude_ratio": np.round(profile_of(config).amplitude(x_m=x_m, y_m=y_m), 12),
+            "amplitude_ratio": np.round(shown_of(profile_of(config), x_m=x_m, y_m=y_m), 12),
         }
     )
 

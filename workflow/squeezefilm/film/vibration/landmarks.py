@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.film.vibration.shapes import Formula, Profile
+from squeezefilm.film.vibration.shapes import Formula, TwoPhases, Vibration
 
 # Lines of the net along each axis: a spot wider than about a thousandth of the surface is met.
 LINES = 1000
@@ -19,13 +19,17 @@ FOLLOWED = 16
 MOST_STEPS = 60
 
 
-def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
+def landmarks_of(profile: Vibration) -> tuple[np.ndarray, np.ndarray]:
     """Points x_m, y_m that a sampling of the profile should not leave out; none but for formulas.
 
     A spot narrower than a five-hundredth of half the surface, with no trace beyond, can be missed.
     """
     if isinstance(profile, Formula):
         return _landmarks(profile)
+    if isinstance(profile, TwoPhases):
+        of_both = zip(landmarks_of(profile.first), landmarks_of(profile.second), strict=True)
+        x_m, y_m = map(np.concatenate, of_both)
+        return x_m, y_m
     return np.zeros(0), np.zeros(0)
 
 

@@ -56,6 +56,12 @@ def note(summary: dict[str, Any], *, name: str, modes: str) -> str:
     loss = summary["averaging_loss_share"]
     lost = [f"averaging takes off at most {loss:.1g} of the maximum"] if loss else []
     read = "".join(f" {text[0].upper()}{text[1:]}." for text in (*summary["notes"], *lost))
+    across = f"{summary['quadrature_share']:.1%} in rms with its noise"
+    if summary["two_phases"]:
+        across = f"Motion out of phase: {across}; the profile has it as a second part, not shown."
+    else:
+        low = f"without it forces are about {summary['out_of_phase_effect']:.2%} low"
+        across = f"Motion out of phase, left out: {across}; {low}."
     return (
         f"{name}: {summary['points']} points, {summary['missing']} missing{far}. {modes} modes up "
         f"to degree {summary['degree']}, by cross-validation. Noise "
@@ -63,9 +69,7 @@ def note(summary: dict[str, Any], *, name: str, modes: str) -> str:
         f"{summary['peak_bias_share']:.1%} were taken as the noise's; standard error of the "
         f"profile {summary['mean_standard_error_share']:.1%} on average, at most "
         f"{summary['largest_standard_error_share']:.1%}; of a force by the noise, at 95 %, at most "
-        f"{summary['largest_force_noise_share']:.1%}. Motion out of phase, left out: "
-        f"{summary['quadrature_share']:.1%} in rms with its noise; without it forces are about "
-        f"{summary['out_of_phase_effect']:.2%} low.{read}{sides}{folded}"
+        f"{summary['largest_force_noise_share']:.1%}. {across}{read}{sides}{folded}"
     )
 
 

@@ -50,6 +50,7 @@ def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[st
         "mean_standard_error_share": float(np.average(standard, weights=weights)),
         "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
         "out_of_phase_effect": smoothed.out_of_phase_effect,
+        "two_phases": smoothed.two_phases,
         "averaging_loss_share": smoothed.averaging_loss,
         "notes": list(smoothed.scan.notes),
         "signed": smoothed.scan.signed,

@@ -8,11 +8,15 @@ equation needs the profile's curvature, so that a smooth global basis serves it 
 with their knots. Least squares also say how sure the profile is at every place: the standard error
 that noise leaves, from the residuals.
 
+Where the scan has phases, what moves a quarter of a period from the rest is fitted likewise, and is
+the profile's second part if forces depend on it.
+
 The largest of a noisy profile is too large on average, by what profiles with more noise of the same
 size tell; that much is taken off the maximum to which the profile is scaled.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -22,7 +26,14 @@ import numpy as np
 from squeezefilm.film.vibration.binning import averaging_loss, binned
 from squeezefilm.film.vibration.folds import looks_folded
 from squeezefilm.film.vibration.least_squares import Fit, best_fit
-from squeezefilm.film.vibration.shapes import Modes, largest_magnitude
+from squeezefilm.film.vibration.maxima import bias_of_largest, largest_on_net
+from squeezefilm.film.vibration.shapes import (
+    Modes,
+    TwoPhases,
+    Vibration,
+    largest_magnitude,
+    phasor_of,
+)
 from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.film.vibration.vibrometer import Scan, read_scan
 from squeezefilm.io.errors import InputError
@@ -32,17 +43,14 @@ LARGEST_ERROR = 0.25
 # Nor is one that has no measured point within this share of a disc's radius, or of half a
 # rectangle's shorter side.
 LARGEST_HOLE = 0.35
-# Share of the motion, in rms, out of phase with the rest: more is a travelling wave.
-LARGEST_QUADRATURE = 0.3
-# What the smooth motion out of phase may do to forces, as a share: models err by about as much.
-LARGEST_OUT_OF_PHASE = 0.03
+# What the smooth motion out of phase may do to forces, as a share, and be left out.
+LARGEST_OUT_OF_PHASE = 1e-3
 # A point is far from the rest beyond this many standard deviations of the noise, and never if it is
 # nearer than this share of the largest amplitude: that may be the profile's own fine structure.
 OUTLIER, LEAST_OUTLIER = 4.5, 0.005
 # More such points, as a share, are no strays.
 LARGEST_STRAY = 0.05
 REFITS = 20
-PEAK_DRAWS, PEAK_SEED = 200, 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +58,8 @@ class SmoothedScan:
     """A scan and the profile through it.
 
     Attributes:
-        profile: the smooth profile, in units of its maximum.
-        out_of_phase: the smooth motion a quarter of a period apart, in the same units: dropped.
+        profile: the smooth motion in the phase of most of it, in units of the maximum of all.
+        out_of_phase: that a quarter of a period apart, in the same units; dropped if it is small.
         peak_m: amplitude at the maximum, and ``peak_bias_m`` what was taken off it as the noise's.
         noise_m: standard deviation of the noise, from the residuals.
         quadrature: rms share of the motion that is out of phase, its noise included.
@@ -88,46 +96,69 @@ class SmoothedScan:
 
     @property
     def out_of_phase_effect(self) -> float:
-        """By which share forces are low without the motion out of phase, on average.
+        """By which share forces are low without the motion out of phase, on average."""
+        return _share_of_squares(self.out_of_phase, self.profile)
 
-        ∫ s₂² / ∫ s₁²: small forces go as the square of the amplitude, and both motions add
-        (scan_errors.py has the effect on one scene).
-        """
-        x_m, y_m, weights = self.profile.surface.net()
-        first, second = (
-            np.sum(weights * modes.amplitude(x_m=x_m, y_m=y_m) ** 2)
-            for modes in (self.profile, self.out_of_phase)
-        )
-        return float(second / first)
+    @property
+    def two_phases(self) -> bool:
+        """Whether the motion out of phase is part of the vibration."""
+        return self.out_of_phase_effect > LARGEST_OUT_OF_PHASE
+
+    @property
+    def phases(self) -> tuple[Modes, ...]:
+        """The parts of the vibration."""
+        return (self.profile, self.out_of_phase) if self.two_phases else (self.profile,)
+
+    @property
+    def vibration(self) -> Vibration:
+        return _vibration(self.phases)
 
     @property
     def averaging_loss(self) -> float:
         """What averaging points over cells takes off the profile at most, of its maximum."""
         x_m, y_m, _ = self.profile.surface.net()
-        return averaging_loss(self.profile, cell_m=self.scan.cell_m, x_m=x_m, y_m=y_m)
+        losses = [
+            averaging_loss(part, cell_m=self.scan.cell_m, x_m=x_m, y_m=y_m) for part in self.phases
+        ]
+        return math.hypot(*losses)
 
-    def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
+    def residual_bootstrap(self, *, count: int, seed: int) -> list[Vibration]:
         """Profiles that scans with other noise would have given: residuals drawn anew.
 
         The residuals are widened by √(points/(points − modes)) to the noise's size, which their
-        fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2).
+        fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2). Those of two phases are
+        drawn apart.
         """
-        surface, orders, fitted = self.profile.surface, self.profile.orders, ~self.outliers
+        surface, fitted = self.profile.surface, ~self.outliers
         half_x_m, half_y_m = surface.half_m
         places = {"x": self.x_m[fitted] / half_x_m, "y": self.y_m[fitted] / half_y_m}
-        basis = surface.modes_at(orders, **places)
-        points, modes = basis.shape
-        residual = self.residual_m[fitted]
-        centred = (residual - residual.mean()) * math.sqrt(points / (points - modes))
-        noise = np.random.default_rng(seed).choice(centred, size=(count, points))
-        raw_m = self.peak_m * np.array(self.profile.coefficients)
-        drawn = raw_m + (noise @ basis) @ self.root @ self.root.T
+        _, across, _ = _in_phases(self.scan)
+        random = np.random.default_rng(seed)
+        drawn_parts, raw_parts = [], []
+        for part in self.phases:
+            basis = surface.modes_at(part.orders, **places)
+            points, modes = basis.shape
+            if part is self.profile:
+                root, residual = self.root, self.residual_m[fitted]
+            else:
+                root = np.linalg.inv(np.linalg.qr(basis, mode="r"))
+                residual = across[fitted] - basis @ (root @ (root.T @ (across[fitted] @ basis)))
+            centred = (residual - residual.mean()) * math.sqrt(points / (points - modes))
+            noise = random.choice(centred, size=(count, points))
+            raw_m = self.peak_m * np.array(part.coefficients)
+            raw_parts.append((raw_m[None], part.orders))
+            drawn_parts.append((raw_m + (noise @ basis) @ root @ root.T, part.orders))
         # The finer search for the maximum moves it by as little for each.
-        finer = (self.peak_m + self.peak_bias_m) / _largest(raw_m[None], orders, surface)[0]
-        peaks = _largest(drawn, orders, surface) * finer - self.peak_bias_m
+        finer = (self.peak_m + self.peak_bias_m) / largest_on_net(raw_parts, surface)[0]
+        peaks = largest_on_net(drawn_parts, surface) * finer - self.peak_bias_m
         return [
-            Modes(orders, tuple(map(float, each / peak)), surface, largest=self.profile.largest)
-            for each, peak in zip(drawn, peaks, strict=True)
+            _vibration(
+                [
+                    Modes(orders, tuple(map(float, drawn[k] / peak)), surface, part.largest)
+                    for (drawn, orders), part in zip(drawn_parts, self.phases, strict=True)
+                ]
+            )
+            for k, peak in enumerate(peaks)
         ]
 
 
@@ -167,7 +198,7 @@ def smoothed(
     places_on(scan, surface, axisymmetric=axisymmetric)  # names a line of the file
     scan = binned(scan)
     x_m, y_m = places_on(scan, surface, axisymmetric=axisymmetric)
-    in_phase, across, quadrature = _in_one_phase(scan)
+    in_phase, across, quadrature = _in_phases(scan)
     half_x_m, half_y_m = surface.half_m
     x, y = x_m / half_x_m, y_m / half_y_m
     folded = not scan.signed and looks_folded(
@@ -181,20 +212,36 @@ def smoothed(
             "are"
         )
     fit, kept = _without_strays(scan, surface, x, y, in_phase, axisymmetric)
+    other = best_fit(scan.path, surface, x[kept], y[kept], across[kept], axisymmetric)
+    parts = [Modes(each.orders, tuple(each.coefficients), surface) for each in (fit, other)]
+    if _share_of_squares(parts[1], parts[0]) > LARGEST_OUT_OF_PHASE:
+        _, near = _without_strays(scan, surface, x, y, across, axisymmetric)
+        kept &= near
+        fit, other = (
+            best_fit(scan.path, surface, x[kept], y[kept], each[kept], axisymmetric)
+            for each in (in_phase, across)
+        )
     residual = in_phase - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients
     # Half a period later every amplitude has the other sign: positive at its largest by choice.
     fitted = in_phase - residual
     turn = 1.0 if fitted[np.argmax(np.abs(fitted))] > 0 else -1.0
     noise_m = float(np.linalg.norm(residual[kept]) / math.sqrt(kept.sum() - len(fit.orders)))
-    raw = Modes(fit.orders, tuple(map(float, turn * fit.coefficients)), surface)
-    largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
-    bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
+    raw = [
+        Modes(each.orders, tuple(map(float, turn * each.coefficients)), surface)
+        for each in (fit, other)
+    ]
+    moving = 1 + (_share_of_squares(raw[1], raw[0]) > LARGEST_OUT_OF_PHASE)
+    vibration = _vibration(raw[:moving])
+    largest_m = largest_magnitude(
+        lambda x_m, y_m: phasor_of(vibration, x_m=x_m, y_m=y_m), surface=surface
+    )
+    bias_m = bias_of_largest([fit, other][:moving], noise_m, surface)
+    bias_m = min(bias_m, LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
-    other = best_fit(scan.path, surface, x[kept], y[kept], across[kept], axisymmetric)
     result = SmoothedScan(
         scan=scan,
         profile=_in_units(turn * fit.coefficients, fit, peak_m, surface, largest_m),
-        out_of_phase=_in_units(other.coefficients, other, peak_m, surface, largest_m),
+        out_of_phase=_in_units(turn * other.coefficients, other, peak_m, surface, largest_m),
         peak_m=peak_m,
         peak_bias_m=bias_m,
         noise_m=noise_m,
@@ -210,13 +257,6 @@ def smoothed(
         folded=folded,
     )
     _refuse_unknown(result, axisymmetric=axisymmetric)
-    if result.out_of_phase_effect > LARGEST_OUT_OF_PHASE:
-        raise InputError(
-            f"{scan.path}: motion out of phase with the rest ({quadrature:.0%} of all) would be "
-            f"left out, and forces be about {result.out_of_phase_effect:.0%} low; at most "
-            f"{LARGEST_OUT_OF_PHASE:.0%} is accepted: the film equation here takes vibrations in "
-            "one phase"
-        )
     return result
 
 
@@ -241,20 +281,36 @@ def places_on(scan: Scan, surface: Surface, *, axisymmetric: bool) -> tuple[np.n
     return x_m, y_m
 
 
-def _in_one_phase(scan: Scan) -> tuple[np.ndarray, np.ndarray, float]:
+def _in_phases(scan: Scan) -> tuple[np.ndarray, np.ndarray, float]:
     """The amplitude along the phase of most of the motion, that across, and its rms share.
 
-    The phase that holds most is half that of Σ u² (the ellipse's major axis).
+    The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
+    both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     """
     phase = np.angle(np.sum(scan.amplitude_m**2)) / 2
     turned = scan.amplitude_m * np.exp(-1j * phase)
     share = math.sqrt(float(np.mean(turned.imag**2) / np.mean(np.abs(turned) ** 2)))
-    if share > LARGEST_QUADRATURE:
-        raise InputError(
-            f"{scan.path}: {share:.0%} of the motion is out of phase with the rest: a travelling "
-            "wave, or phases that are noise; the film equation here takes standing vibrations"
-        )
     return turned.real, turned.imag, share
+
+
+def _share_of_squares(part: Modes, whole: Modes) -> float:
+    """∫ s₂² / ∫ s₁²: small forces go as the square of the amplitude, and both motions add.
+
+    scan_errors.py has the effect on one scene.
+    """
+    x_m, y_m, weights = whole.surface.net()
+    second, first = (
+        np.sum(weights * modes.amplitude(x_m=x_m, y_m=y_m) ** 2) for modes in (part, whole)
+    )
+    return float(second / first)
+
+
+def _vibration(phases: Sequence[Modes]) -> Vibration:
+    """Of one part or two."""
+    if len(phases) == 1:
+        return phases[0]
+    first, second = phases
+    return TwoPhases(first, second, largest=first.largest)
 
 
 def _without_strays(
@@ -288,32 +344,6 @@ def _without_strays(
         )
     fit = best_fit(scan.path, surface, x[kept], y[kept], measured[kept], axisymmetric)
     return fit, kept
-
-
-@lru_cache(maxsize=32)
-def _net_of_modes(orders: tuple[tuple[int, int], ...], surface: Surface) -> np.ndarray:
-    """The modes on the surface's net, shape (points, modes)."""
-    x_m, y_m, _ = surface.net()
-    half_x_m, half_y_m = surface.half_m
-    return surface.modes_at(orders, x=x_m.ravel() / half_x_m, y=y_m.ravel() / half_y_m)
-
-
-def _largest(
-    coefficients: np.ndarray, orders: tuple[tuple[int, int], ...], surface: Surface
-) -> np.ndarray:
-    """Largest magnitude on the net of sums of modes; coefficients of shape (sums, modes)."""
-    largest: np.ndarray = np.abs(coefficients @ _net_of_modes(orders, surface).T).max(axis=1)
-    return largest
-
-
-def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
-    """By how much noise raises the largest magnitude, by what more of it would do."""
-    random = np.random.default_rng(PEAK_SEED)
-    change = noise_m * random.standard_normal((PEAK_DRAWS, len(fit.orders))) @ fit.root.T
-    # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
-    drawn = _largest(fit.coefficients + np.concatenate([change, -change]), fit.orders, surface)
-    found = _largest(fit.coefficients[None], fit.orders, surface)[0]
-    return max(float(drawn.mean() - found), 0.0)
 
 
 def _in_units(

@@ -29,6 +29,48 @@ class Profile(Protocol):
 
 
 @dataclass(frozen=True)
+class TwoPhases:
+    """A vibration in two phases a quarter of a period apart, s₁ sin T + s₂ cos T.
+
+    s₁ and s₂ are shares of two profiles, such that the largest of √(s₁² + s₂²) on the surface is 1.
+    It has no ``amplitude``: what was derived for a vibration in one phase does not know it.
+    ``largest`` is above 1 by what noise has put on a measured maximum.
+    """
+
+    first: Profile
+    second: Profile
+    shares: tuple[float, float] = (1.0, 1.0)
+    largest: float = 1.0
+
+    def parts(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """s₁ and s₂, shape (2, …)."""
+        profiles = zip(self.shares, (self.first, self.second), strict=True)
+        return np.stack([share * each.amplitude(x_m=x_m, y_m=y_m) for share, each in profiles])
+
+
+Vibration = Profile | TwoPhases
+
+
+def phasor_of(vibration: Vibration, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    """s, or s₁ + i s₂ of a vibration in two phases; begun at another instant, it is turned."""
+    parts = parts_of(vibration, x_m=x_m, y_m=y_m)
+    return parts[0] if len(parts) == 1 else parts[0] + 1j * parts[1]
+
+
+def shown_of(vibration: Vibration, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    """What pictures show: s, or how far the surface moves in two phases, √(s₁² + s₂²)."""
+    phasor = phasor_of(vibration, x_m=x_m, y_m=y_m)
+    return np.abs(phasor) if np.iscomplexobj(phasor) else phasor
+
+
+def parts_of(vibration: Vibration, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    """s, or s₁ and s₂ of a vibration in two phases, shape (phases, …)."""
+    if isinstance(vibration, TwoPhases):
+        return vibration.parts(x_m=x_m, y_m=y_m)
+    return vibration.amplitude(x_m=x_m, y_m=y_m)[None]
+
+
+@dataclass(frozen=True)
 class Sinc:
     """s = sin(πkr)/(πkr), the paper's eq. (2) with k = 109.8 per metre (MATLAB's sinc)."""
 

@@ -124,8 +124,8 @@ NAMES = tuple(each.name for each in fields(Budget) if each.type == "Effect")
 def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Budget]:
     """The budget of each scene's force.
 
-    A pad or a gap that the grid kernel does not know is answered for the flat rectangle inside it,
-    and says so.
+    A pad that the grid kernel does not know is answered for the flat rectangle inside it, and says
+    so.
     """
     found: dict[int, Budget] = {}
     groups: dict[Terms, dict[tuple[Grid, float], list[int]]] = defaultdict(
@@ -159,7 +159,7 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
 
 
 NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
-BASIS = "the flat rectangle inside, not of this pad and gap"
+BASIS = "the flat rectangle inside, not of this pad"
 
 
 def _without(scene: Scene) -> Scene:
@@ -188,12 +188,12 @@ def _on_a_grid(scene: Scene) -> Scene:
     """The scene, or one like it with the flat rectangle inside its pad."""
     if not wants_modes(scene):
         return scene
-    finger, share = scene.finger, sqrt(0.5) if scene.finger.shape == "ellipse" else 1.0
+    finger = scene.finger
     flat = replace(
         finger,
         shape="rectangle",
-        length_x_m=share * finger.length_x_m,
-        length_y_m=share * finger.length_y_m,
+        length_x_m=sqrt(0.5) * finger.length_x_m,
+        length_y_m=sqrt(0.5) * finger.length_y_m,
         gap=GapShape(),
     )
     return replace(scene, finger=flat)

@@ -30,11 +30,12 @@ from squeezefilm.reynolds.periodic.resolution import finer_grid, unseen_profile
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of
 from squeezefilm.reynolds.terms.bearing import Bearing
+from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 
 # Terms of the equation that ``residual`` and the adjoint have.
-KNOWN = (Bearing, Polytropic, Rarefaction)
+KNOWN = (AnyGap, Bearing, Polytropic, Rarefaction)
 # Below this, iterations would end in rounding.
 LEAST_TOLERANCE = 1e-8
 # Shares of the tolerance that the states and the adjoint may leave, the latter times ε: a source
@@ -92,7 +93,7 @@ def with_derivatives(
 def _grids(scene: Scene, needs: Needs, *, tolerance: float) -> tuple[Grid, Grid] | str:
     """The two grids of a scene, or why it has no derivatives."""
     if wants_modes(scene):
-        return "derivatives are known of flat rectangular pads alone"
+        return "derivatives are known of rectangular pads alone"
     if unknown := [term.label for term in needs.terms if not isinstance(term, KNOWN)]:
         return f"derivatives are not known with {unknown[0]}: its adjoint is not"
     if reason := unseen_profile(needs, scene.finger, tolerance=tolerance):

@@ -74,12 +74,13 @@ class Fields:
         self.problems, self.grid = problems, grid
         self.along_x, self.along_y = lines_of(grid.x), lines_of(grid.y)
         self.inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))
-        s = problems.amplitude[problems.places][
-            :, : len(self.along_x.weights), : len(self.along_y.weights), None
-        ]
-        excursion = self.number(problems.epsilon) * s
-        self.gap = 1 + excursion * np.sin(grid.t.nodes)
-        self.gap_rate = excursion * np.cos(grid.t.nodes)
+        seen = (..., slice(len(self.along_x.weights)), slice(len(self.along_y.weights)), None)
+        parts = problems.parts[problems.places].swapaxes(0, 1)[seen]
+        sin, cos = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
+        epsilon = self.number(problems.epsilon)
+        moving = parts[:2]
+        self.gap = 1 + epsilon * sum(map(np.multiply, moving, (sin, cos))) + sum(parts[2:])
+        self.gap_rate = epsilon * sum(map(np.multiply, moving, (cos, -sin)))
         self.pressure = 1 + self.with_rim(overpressure)
 
     def number(self, values: np.ndarray) -> np.ndarray:

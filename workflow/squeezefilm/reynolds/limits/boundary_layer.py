@@ -9,8 +9,12 @@ where a = ε s is the excursion ratio at that point of the rim. What the force s
 
     d(a) = ∫₀^∞ ⟨P − ψ/H⟩ dξ, even in a,     g(a) = 3 ∫₀^∞ ⟨sin T M²⟩ dξ, odd in a.
 
+Where the surface moves in two phases the layer at a point is that of a = ε √(s₁² + s₂²), at another
+instant; the gap's slope then has a part a quarter of a period from the motion itself, of which the
+force sees q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
+
 They are computed once, by ``python -m squeezefilm.reynolds.limits.boundary_layer``, and stored as
-d/a² and g/a at Chebyshev nodes in −ln(1 − a²), from where a Chebyshev series gives them everywhere.
+d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series give them.
 """
 
 from __future__ import annotations
@@ -35,27 +39,28 @@ MOST_NEWTON = 40
 
 
 def integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """d and g at excursion ratios |a| ≤ LARGEST, any shape, from the stored table.
-
-    Beyond LARGEST both are NaN.
-    """
-    a = np.asarray(a, dtype=float)
-    series_d, series_g = _series()
-    place = 2 * _stretched(np.minimum(np.abs(a), LARGEST)) / _stretched(LARGEST) - 1
-    inside = np.where(np.abs(a) > LARGEST * (1 + 1e-12), np.nan, a)
-    evaluate = np.polynomial.chebyshev.chebval
-    return inside**2 * evaluate(place, series_d), inside * evaluate(place, series_g)
+    """d and g at excursion ratios |a| ≤ LARGEST, any shape; beyond, both are NaN."""
+    d, g, _ = ratios(a)
+    return np.square(a) * d, a * g
 
 
-def compute(a: float) -> tuple[float, float]:
-    """d/a² and g/a at one excursion ratio 0 ≤ a < 1, from the layer's periodic state.
+def ratios(a: np.ndarray) -> np.ndarray:
+    """d/a², g/a and q/a at excursion ratios |a| ≤ LARGEST, shape (3, …); NaN beyond."""
+    size = np.abs(np.asarray(a, dtype=float))
+    place = 2 * _stretched(np.minimum(size, LARGEST)) / _stretched(LARGEST) - 1
+    values = np.polynomial.chebyshev.chebval(place, _series())
+    return np.where(size > LARGEST * (1 + 1e-12), np.nan, values)
 
-    At a = 0 the linear layer gives −5√2/8 and 3/√2.
+
+def compute(a: float) -> tuple[float, float, float]:
+    """d/a², g/a and q/a at one excursion ratio 0 ≤ a < 1, from the layer's periodic state.
+
+    At a = 0 the linear layer gives −5√2/8, 3/√2 and −3/√2.
     """
     from scipy.sparse.linalg import LinearOperator, gmres
 
     if a == 0:
-        return -5 * sqrt(2) / 8, 3 / sqrt(2)
+        return -5 * sqrt(2) / 8, 3 / sqrt(2), -3 / sqrt(2)
     time = period(_instants(a))
     gap = 1 + a * np.sin(time.nodes)
     core = sqrt(1 + 1.5 * a**2)
@@ -98,8 +103,9 @@ def compute(a: float) -> tuple[float, float]:
     else:
         raise ArithmeticError(f"the boundary layer at a = {a:g} did not converge")
     d = weights @ np.mean((mass - core) / gap, axis=1)
-    g = 3 * weights @ np.mean(np.sin(time.nodes) * (mass**2 - core**2), axis=1)
-    return float(d / a**2), float(g / a)
+    square = mass**2 - core**2
+    g, q = (3 * weights @ (square @ each(time.nodes)) / time.points for each in (np.sin, np.cos))
+    return float(d / a**2), float(g / a), float(q / a)
 
 
 def table_nodes() -> np.ndarray:
@@ -108,14 +114,14 @@ def table_nodes() -> np.ndarray:
 
 
 def read_table() -> np.ndarray:
-    """Rows a, d/a², g/a, shape (ROWS, 3)."""
+    """Rows a, d/a², g/a, q/a, shape (ROWS, 4)."""
     return np.loadtxt(TABLE, delimiter=",", skiprows=1)
 
 
 def write_table() -> None:
     """Compute every row anew; a minute or two."""
     rows = [(a, *compute(a)) for a in map(float, table_nodes())]
-    lines = ["a,d_over_a_squared,g_over_a"] + [",".join(map(repr, row)) for row in rows]
+    lines = ["a,d_over_a_squared,g_over_a,q_over_a"] + [",".join(map(repr, row)) for row in rows]
     TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -131,12 +137,11 @@ def _stretched(a: np.ndarray | float) -> np.ndarray:
 
 
 @lru_cache(maxsize=1)
-def _series() -> tuple[np.ndarray, np.ndarray]:
-    """Chebyshev coefficients of d/a² and g/a in −ln(1 − a²), from the table's rows."""
+def _series() -> np.ndarray:
+    """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (ROWS, 3)."""
     rows = read_table()
     nodes = 2 * _stretched(rows[:, 0]) / _stretched(LARGEST) - 1
-    series = np.linalg.solve(np.polynomial.chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
-    return series[:, 0], series[:, 1]
+    return np.linalg.solve(np.polynomial.chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
 
 
 def _instants(a: float) -> int:

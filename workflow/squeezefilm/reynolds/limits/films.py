@@ -13,6 +13,7 @@ from squeezefilm.reynolds.spectral import Axis, axis
 # The error estimates' constants.
 RIM_SLOPES, INNER_CURVATURE, CORNERS, MEETING = 4.5, 3.0, 0.9, 4.5
 STIFF, FREE, FREE_SIGMA = 0.8, 6.0, 6.0
+STREAMING = 0.6
 SLIP_SHARE = 0.5
 INERTIA_SLOPES, INERTIA_CORNERS, INERTIA_SQUARE = 1.8, 1.2, 2.0
 # Forces on two grids can agree by cancellation where the densities do not.
@@ -33,7 +34,8 @@ class Films:
     """A batch on one grid: its operators, and the features that the error estimates need.
 
     Fields have shape (B, nx + 2, ny + 2); values on the rim (B, 2 (nx + ny + 4)), side after side:
-    x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x.
+    x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. A vibration in two
+    phases has s₁ + i s₂ for s.
     """
 
     epsilon: np.ndarray
@@ -122,6 +124,11 @@ class Films:
         return np.sum(values * along * share, axis=1)
 
     @cached_property
+    def square(self) -> np.ndarray:
+        """|s|², all that films see of the motion where they need no time."""
+        return np.square(np.abs(self.s))
+
+    @cached_property
     def rim(self) -> np.ndarray:
         """The profile on the rim."""
         return self.on_rim(self.s)
@@ -160,46 +167,66 @@ class Films:
     @property
     def corner_remainder(self) -> np.ndarray:
         """Error from the corners, where two layers meet: of order ε⁴/σ."""
-        corners = (self.s[:, [0, 0, -1, -1], [0, -1, 0, -1]] ** 2).sum(axis=1)
+        corners = self.square[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1)
         return CORNERS * self.epsilon**4 * self.depth * corners / (self.layer_number * self.aspect)
 
     @property
     def layer_remainder(self) -> np.ndarray:
         """Error of the boundary-layer limit: slopes and curvature of s, corners, meeting layers."""
         sigma = self.layer_number
+        curvature = self.mean(np.abs(self.curvature) ** 2)
         meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
         remainder = self.corner_remainder + np.sqrt(self.depth) * self.inertia_remainder
-        return remainder + self.epsilon**2 * (
-            RIM_SLOPES * np.sqrt(self.depth) * self.rim_unevenness / sigma**1.5
-            + INNER_CURVATURE * np.sqrt(self.depth) * self.mean(self.curvature**2) / sigma**2
-            + MEETING * self.rim_integral(self.rim**2) * meeting / np.sqrt(sigma)
+        return (
+            remainder
+            + self.streaming_remainder
+            + self.epsilon**2
+            * (
+                RIM_SLOPES * np.sqrt(self.depth) * self.rim_unevenness / sigma**1.5
+                + INNER_CURVATURE * np.sqrt(self.depth) * curvature / sigma**2
+                + MEETING * self.rim_integral(np.abs(self.rim) ** 2) * meeting / np.sqrt(sigma)
+            )
         )
+
+    @property
+    def streaming_remainder(self) -> np.ndarray | float:
+        """Error of the boundary-layer limit by two phases: of order ε²/σ; none in one phase."""
+        if not np.iscomplexobj(self.s):
+            return 0.0
+        uneven = self.mean(self.unevenness)
+        return STREAMING * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
 
     @property
     def inertia_remainder(self) -> np.ndarray:
         """Error of the boundary-layer limit by inertia: of order ε²/σ, at corners ε² ln σ/σ."""
-        corners = (self.s[:, [0, 0, -1, -1], [0, -1, 0, -1]] ** 2).sum(axis=1) / self.aspect
+        corners = self.square[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1) / self.aspect
         spread = np.maximum(np.log(self.sigma) - 2.2, 0.5)
         uneven = INERTIA_SLOPES * self.rim_unevenness + INERTIA_CORNERS * spread * corners
         return self.epsilon**2 * uneven * self.reynolds / 10 / self.decay_number
 
     @cached_property
     def rim_unevenness(self) -> np.ndarray:
-        """Integral along the rim of |∇s|² + |s ∇²s|, over the area."""
+        """Integral of the unevenness along the rim, over the area."""
+        return self.rim_integral(self.on_rim(self.unevenness))
+
+    @cached_property
+    def unevenness(self) -> np.ndarray:
+        """|∇s|² + |s ∇²s|."""
         along_x, along_y = self.gradient(self.s)
-        uneven = along_x**2 + along_y**2 + np.abs(self.s * self.curvature)
-        return self.rim_integral(self.on_rim(uneven))
+        return np.abs(along_x) ** 2 + np.abs(along_y) ** 2 + np.abs(self.s * self.curvature)
 
     @property
     def amplitude_remainder(self) -> np.ndarray:
         """Relative error of the second-order mean: of order ε².
 
         From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
-        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``).
+        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``). In
+        two phases twice that.
         """
         effective = self.decay_number / (1 + self.aspect**-2.0)
         free = 1 / (1 + (effective / FREE_SIGMA) ** 2)
-        return self.epsilon**2 * (STIFF + FREE * free) * self.depth ** (1 + 3.5 * free)
+        phases = 2 if np.iscomplexobj(self.s) else 1
+        return phases * self.epsilon**2 * (STIFF + FREE * free) * self.depth ** (1 + 3.5 * free)
 
 
 def films_of(

@@ -11,8 +11,9 @@ absolute error:
 
 Arguments they share:
     epsilon, sigma: excursion ratio and squeeze number, shape (B,).
-    amplitude: profile s on the nodes ``limit_axis(n).all_nodes`` along x and y, ends included,
-        shape (B, nx + 2, ny + 2); nx and ny odd, at least 5. See ``limit_points``.
+    amplitude: profile s, or s₁ + i s₂ of a vibration in two phases, on the nodes
+        ``limit_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2); nx and
+        ny odd, at least 5. See ``limit_points``. With inertia in one phase alone.
     aspect: finger's length along y over that along x, a number or shape (B,).
     slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
     reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
@@ -127,6 +128,8 @@ def boundary_layer_limit(
 ) -> LimitForces:
     """The fast limit with the rim's boundary layer, correct to 1/√σ (see boundary_layer.py).
 
+    In two phases the next order is ε²/σ: the film then drives gas along itself.
+
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
     inertia the next order is ε²/σ (inertial_layer.py), without it ε²/σ^(3/2).
     """
@@ -202,6 +205,7 @@ def _matched(films: Films) -> LimitForces:
     error = (
         2 * square * np.sqrt(films.depth) * np.abs(fine.change)
         + films.corner_remainder
+        + square * films.depth * films.streaming_remainder
         + INERTIA_SQUARE * square * films.depth * films.inertia_remainder
         + square * films.depth * films.slip_share * fine.gross
     )

@@ -26,7 +26,9 @@ static void set_gap(const Grid *g, Film *film, double excursion)
         film->power[i] = gap * sqrt(gap);
         film->potential[i] =
             1.5 * excursion * inverse *
-            (film->laplacian[i] + 0.5 * excursion * inverse * film->gradient_squared[i]);
+            (film->laplacian[i] + 0.5 * excursion * inverse *
+                                      (film->slope_x[i] * film->slope_x[i] +
+                                       film->slope_y[i] * film->slope_y[i]));
     }
 }
 

@@ -11,7 +11,7 @@ typedef struct {
     __global const Row *row;
     matrix values;
     double epsilon, sigma, excursion, diffusivity, stage;
-    matrix4 amplitude, gradient_squared, laplacian;
+    matrix4 amplitude, slope_x, slope_y, laplacian;
     field4 overpressure, inverse_gap, power, potential, response;
     field work_a, work_b;
 } Film;

@@ -133,7 +133,7 @@ def steps_for_stability(*, problems: Problems, grid: Grid, scheme: str) -> np.nd
     """
     limit = SCHEMES[scheme].real_limit
     steepest = -grid.x.modes[0].min() - grid.y.modes[0].min() / problems.aspect**2
-    highest = np.abs(problems.amplitude).max(axis=(1, 2))[problems.places]
+    highest = np.abs(problems.parts).max(axis=(1, 2, 3))[problems.places]
     rate = steepest * (1 + problems.epsilon * highest) ** 2
     for term in problems.terms:
         rate = rate + term.explicit_rate(problems.numbers, grid)

@@ -81,7 +81,8 @@ __kernel void march_films(const int scenes, const int periods, const int stages,
         const int steps = given->steps;
         const double h = 2.0 * M_PI / steps;
         film.amplitude = (matrix4)ARRAY(&film, amplitude);
-        film.gradient_squared = (matrix4)ARRAY(&film, gradient_squared);
+        film.slope_x = (matrix4)ARRAY(&film, slope_x);
+        film.slope_y = (matrix4)ARRAY(&film, slope_y);
         film.laplacian = (matrix4)ARRAY(&film, laplacian);
         field y = state + (ulong)scene * g.count;
         field4 mean = (field4)(mean_overpressure + (ulong)scene * g.count);

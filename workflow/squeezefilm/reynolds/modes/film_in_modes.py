@@ -14,9 +14,9 @@ class FilmInModes:
 
     def __init__(self, scene: Scene, modes: PadModes, instants: np.ndarray) -> None:
         self.scene, self.modes = scene, modes
-        s = scene.amplitude(modes.x, modes.y)[:, None]
-        self.gap = scene.rest_gap(modes.x, modes.y)[:, None] + scene.epsilon * s * np.sin(instants)
-        squeeze = scene.sigma * scene.epsilon * s * np.cos(instants)
+        self.gap = scene.gap(modes.x, modes.y, instants)
+        ahead = scene.gap(modes.x, modes.y, instants + np.pi / 2)  # the motion's rate, and rest
+        squeeze = scene.sigma * (ahead - scene.rest_gap(modes.x, modes.y)[:, None])
         self.own = terms_of(scene)
         self.coefficients = np.atleast_1d(numbers_of(scene, self.own)["flow"])
         self.drive = -modes.project(squeeze)

@@ -1,6 +1,6 @@
 """The periodic state under any pad: Galerkin's method in the pad's modes, in NumPy.
 
-For what the kernels' grid does not know, elliptical outlines and gaps that are not flat at rest.
+For what the kernels' grid does not know, elliptical outlines.
 
 Unknown: the mass excess m = H(ρ − 1), zero on the rim, as a sum of modes φ_i (pad_modes.py) at
 equidistant instants. With the flux's terms c_k H^(3−k) ∇g_k(P), dg_k/dP = ρ^(1−k), and the product
@@ -31,8 +31,8 @@ from squeezefilm.reynolds.error_estimate import (
 )
 from squeezefilm.reynolds.modes.film_in_modes import FilmInModes
 from squeezefilm.reynolds.modes.pad_modes import PadGrid, PadModes, pad_modes
-from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
-from squeezefilm.reynolds.periodic.resolution import MOST_TIME, first_grid
+from squeezefilm.reynolds.needs import Needs, needs_of
+from squeezefilm.reynolds.periodic.resolution import MOST_TIME, first_grid, gap_numbers
 from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.reynolds.terms import (
@@ -134,8 +134,7 @@ def pressure_at(
     are refined until none of these values changes by more than ``tolerance`` of the largest.
     """
     times = period(instants)
-    excursion = scene.epsilon * scene.amplitude(x, y)
-    gap = scene.rest_gap(x, y)[:, None] + excursion[:, None] * np.sin(times.nodes)
+    gap = scene.gap(x, y, times.nodes)
     needs = needs_of(scene)
     terms = needs.terms
     resolution = first_resolution(scene, needs, tolerance=tolerance)
@@ -157,7 +156,7 @@ def pressure_at(
 
 def wants_modes(scene: Scene) -> bool:
     """Whether the kernels' grid does not know this finger."""
-    return scene.finger.shape != "rectangle" or not scene.finger.gap.flat
+    return scene.finger.shape != "rectangle"
 
 
 def refused(scene: Scene, needs: Needs, *, tolerance: float) -> str:
@@ -181,27 +180,10 @@ def too_many(resolution: Resolution) -> str:
 
 def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolution:
     """As fine as the rectangle's first grid: a degree for each node across."""
-    gap, bulge = scene.finger.gap, 8 * abs(scene.finger.gap.bulge_m) / scene.h0_m
-    narrowest = float(scene.rest_gap(*scene.inside()).min())
-    bent = bulge / scene.epsilon if scene.epsilon else 0.0
-    grid = first_grid(
-        epsilon=scene.closure(),
-        sigma=scene.sigma / min(1.0, narrowest) ** 2,
-        aspect=scene.aspect,
-        needs=needs,
-        tolerance=tolerance,
-        bend=bent,
-    )
+    grid = first_grid(**gap_numbers(scene), aspect=scene.aspect, needs=needs, tolerance=tolerance)
     degree = max(8, 2 * round(max(grid.x.full_points, grid.y.full_points) / 2))
-    fold_x, fold_y = needs.fold_x and gap.tilt_x_m == 0, needs.fold_y and gap.tilt_y_m == 0
-    pad = PadGrid(scene.finger.shape, degree, scene.aspect, fold_x, fold_y)
+    pad = PadGrid(scene.finger.shape, degree, scene.aspect, needs.fold_x, needs.fold_y)
     return Resolution(pad, grid.nt)
-
-
-def halves_left_out(resolution: Resolution, needs: Needs) -> tuple[LeftOut, ...]:
-    """Mirror images of what is solved; a tilt breaks the symmetry along it."""
-    pad = resolution.pad
-    return replace(needs, fold_x=pad.fold_x, fold_y=pad.fold_y).halves_left_out
 
 
 def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
@@ -252,7 +234,7 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
         scene,
         mean=force,
         error=error,
-        left_out=halves_left_out(resolution, needs) + needs.terms_left_out,
+        left_out=needs.halves_left_out + needs.terms_left_out,
         status=status,
         method=METHOD,
         nx=resolution.pad.points[0],

@@ -53,12 +53,13 @@ static void set_gap(const Grid *g, Film *film)
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = gap_at(g, film, row, t);
-            const double4 relative = film->epsilon * g->sine[t] / gap;
+            const double4 along_x = beyond_even(g, film, film->slope_x, row, t) / gap;
+            const double4 along_y = beyond_even(g, film, film->slope_y, row, t) / gap;
             const double4 power = half_power(gap, k);
             const double4 potential =
-                half_exponent * relative *
-                (film->laplacian[row] +
-                 (half_exponent - 1.0) * film->gradient_squared[row] * relative);
+                half_exponent *
+                (beyond_even(g, film, film->laplacian, row, t) / gap +
+                 (half_exponent - 1.0) * (along_x * along_x + along_y * along_y));
             film->gap_power[k][i] = power;
             film->potential[k][i] = potential;
             store4(power, i, film->power[k]);
@@ -166,7 +167,7 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
     FOR_EACH_POINT(g, row, t, i)
     {
         work4[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
-        r4[i] -= film->sigma * film->epsilon * film->amplitude[row] * g->cosine[t];
+        r4[i] -= film->sigma * rate_by(g, film, film->amplitude, row, t);
     }
     SYNC;
     along_t(g, g->time_derivative, work, v, 0);

@@ -24,7 +24,7 @@ typedef struct {
     __global const Row *row;
     matrix values;
     double epsilon, sigma, diffusivity;
-    matrix amplitude, gradient_squared, laplacian;
+    matrix amplitude, slope_x, slope_y, laplacian;
     field4 gap_power[FLOW_TERMS], potential[FLOW_TERMS];
     field4 p;
     field work_a, work_b, work_c;
@@ -122,9 +122,31 @@ static void from_modal(const Grid *g, constant_vector modal, vector work, vector
     along_t(g, g->linear.time_modes, work, values, 0);
 }
 
+/* What the gap is more than 1 at some place and four instants, by its parts there: s or, behind each
+ * other, s₁, s₂ and what it is at rest (problems.py). By their slopes, the gap's slope. */
+static double4 beyond_even(const Grid *g, const Film *film, matrix parts, int row, int t)
+{
+#ifdef HAS_any_gap
+    return parts[2 * g->rows + row] +
+           film->epsilon * (parts[row] * g->sine[t] + parts[g->rows + row] * g->cosine[t]);
+#else
+    return film->epsilon * parts[row] * g->sine[t];
+#endif
+}
+
+/* How fast the gap grows there. */
+static double4 rate_by(const Grid *g, const Film *film, matrix parts, int row, int t)
+{
+#ifdef HAS_any_gap
+    return film->epsilon * (parts[row] * g->cosine[t] - parts[g->rows + row] * g->sine[t]);
+#else
+    return film->epsilon * parts[row] * g->cosine[t];
+#endif
+}
+
 static double4 gap_at(const Grid *g, const Film *film, int row, int t)
 {
-    return 1.0 + film->epsilon * film->amplitude[row] * g->sine[t];
+    return 1.0 + beyond_even(g, film, film->amplitude, row, t);
 }
 
 /* A field of the coarser grid of another row on g, by the matrices from axis to axis. */

@@ -15,7 +15,7 @@ from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, aligned,
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
 from squeezefilm.reynolds.periodic.time_modes import time_modes
-from squeezefilm.reynolds.problems import Problems, mean_amplitude, problems_of, profile_fields
+from squeezefilm.reynolds.problems import Problems, mean_motion, problems_of, profile_fields
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
 
 # What stands for no offset.
@@ -264,7 +264,7 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
                     },
                     problems.numbers,
                     # A mass error w moves the pressure by w/H.
-                    tolerance=problems.tolerance * (1 - problems.epsilon),
+                    tolerance=problems.tolerance * problems.narrowest,
                 )
             )
             end = at_state + batch.scenes * batch.fields * grid.count
@@ -298,11 +298,10 @@ def _nothing_to_carry(terms: Terms) -> dict[str, int]:
 
 def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
     """Where each scene's modes in time lie in the pile, which they are put on once for all."""
-    variations = problems.epsilon * mean_amplitude(problems, grid)
     each = [
-        time_modes(grid.nt, variation=variation, lag=lag, slow=slow).parts
-        for variation, lag, slow in zip(
-            variations.tolist(),
+        time_modes(grid.nt, variation=variation, lagging=lagging, lag=lag, slow=slow).parts
+        for (variation, lagging), lag, slow in zip(
+            mean_motion(problems, grid).tolist(),
             problems.numbers["lag"].tolist(),
             problems.numbers["slow"].tolist(),
             strict=True,
@@ -338,6 +337,7 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
             f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",
             "#define SINGLE" if single else "",
+            *(f"#define HAS_{term.NAME}" for term in terms),
             c_struct("Row", row),
             c_struct("Said", SAID),
             c_enum(ENDINGS),

@@ -185,7 +185,8 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             film.epsilon = row->epsilon;
             film.sigma = row->sigma;
             film.amplitude = ARRAY(&film, amplitude);
-            film.gradient_squared = ARRAY(&film, gradient_squared);
+            film.slope_x = ARRAY(&film, slope_x);
+            film.slope_y = ARRAY(&film, slope_y);
             film.laplacian = ARRAY(&film, laplacian);
             film.p = (field4)(results + row->state);
             film.own = results + row->state + g.count;

@@ -34,6 +34,7 @@ from squeezefilm.reynolds.periodic.resolution import (
     at_least_judged,
     finer_grid,
     first_grid,
+    gap_numbers,
     judged_grids,
     nodes_for_profile,
     profile_fall,
@@ -180,8 +181,7 @@ def grid_for(
 ) -> Grid:
     """A grid that is to leave a share of the tolerance."""
     return first_grid(
-        epsilon=scene.epsilon,
-        sigma=scene.sigma,
+        **gap_numbers(scene),
         bearing=abs(scene.bearing_number),
         aspect=scene.aspect,
         needs=needs,
@@ -247,7 +247,7 @@ def _judge(
         for profile, needs in profiles.items()
     }
     of_profile = [falls[progress.needs.profile] for progress in group]
-    narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
+    narrowest = np.array([progress.scene.narrowest for progress in group])
     # A mass error w moves the pressure by about n w/H.
     stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
     found = estimate(

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 
-from squeezefilm.film.scene import Finger
+from squeezefilm.film.scene import Finger, Scene
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.under_finger import Probe
@@ -77,6 +77,22 @@ def unseen_profile(needs: Needs, finger: Finger, *, tolerance: float) -> str | N
         f"{1e6 * apart_m:.2g} µm apart, does not show it to {share:.1g} of the profile's largest "
         "value, as this tolerance asks"
     )
+
+
+def gap_numbers(scene: Scene) -> dict[str, float]:
+    """A scene's gap in numbers that a first grid goes by, arguments of ``first_grid``.
+
+    A gap that is shaped at rest is as hard as its narrowest place, and as closed, is everywhere.
+    """
+    if scene.finger.gap.flat:
+        return {"epsilon": scene.epsilon, "sigma": scene.sigma, "bend": 0.0}
+    least = float(scene.rest_gap(*scene.inside()).min())
+    bulge = 8 * abs(scene.finger.gap.bulge_m) / scene.h0_m
+    return {
+        "epsilon": scene.closure(),
+        "sigma": scene.sigma / min(1.0, least) ** 2,
+        "bend": bulge / scene.epsilon if scene.epsilon else 0.0,
+    }
 
 
 def first_grid(

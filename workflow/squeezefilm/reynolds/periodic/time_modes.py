@@ -3,7 +3,7 @@
 Where the film is compressed its gas flows more easily in proportion to the gap, and where the gas
 has inertia its flow lags. Averaged over the finger, a change w of the mass obeys
 
-    D Δw − σ A dw/dT = A r,      A = 1/h + lag L d/dT,      h = 1 + variation sin T,
+    D Δw − σ A dw/dT = A r,      A = 1/h + lag L d/dT,      h = 1 + variation sin T + lagging cos T,
 
 with the right-hand side r of the film's linear system, h the mean gap, D the mean of what diffuses
 the mass over h and L the part of a force that inertia is given (``slow_part``). In the eigenvectors
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import log10
+from math import hypot, log10
 
 import numpy as np
 
@@ -86,31 +86,38 @@ def _beside(instants: int) -> np.ndarray:
     return np.arange(instants).reshape(2, -1).T.ravel()
 
 
-def time_modes(instants: int, *, variation: float, lag: float, slow: float) -> TimeModes:
+def time_modes(
+    instants: int, *, variation: float, lagging: float = 0.0, lag: float, slow: float
+) -> TimeModes:
     """The modes of a film, to the next of the steps that are told apart.
 
     Args:
-        variation: of the mean gap, above −1 and below 1.
+        variation, lagging: of the mean gap, both together below 1.
         lag: of the flow behind what drives it, in units of 1/ω; 0 without inertia.
         slow: share of the harmonics that lag (``slow_part``).
     """
-    near = VARIATION_STEP * round(variation / VARIATION_STEP)
+    near = [VARIATION_STEP * round(part / VARIATION_STEP) for part in (variation, lagging)]
     most = 1 - VARIATION_STEP
+    size = max(hypot(*near), most)
+    sine, cosine = (part * most / size for part in near)
     step = round(LAGS_PER_DECADE * log10(lag)) if lag > 0 else None
     share = SLOW_STEP * round(slow / SLOW_STEP)
-    return _time_modes(instants, min(max(near, -most), most), step, share)
+    return _time_modes(instants, sine, cosine, step, share)
 
 
 @lru_cache(maxsize=4096)
-def _time_modes(instants: int, variation: float, lag_step: int | None, share: float) -> TimeModes:
+def _time_modes(
+    instants: int, variation: float, lagging: float, lag_step: int | None, share: float
+) -> TimeModes:
     lag = 0.0 if lag_step is None else 10 ** (lag_step / LAGS_PER_DECADE)
     rate = period(instants).derivative
-    mean_gap = 1 + variation * np.sin(period(instants).nodes)
+    nodes = period(instants).nodes
+    mean_gap = 1 + variation * np.sin(nodes) + lagging * np.cos(nodes)
     slow = slow_part(instants, share)
     resistance = np.diag(1 / mean_gap) + lag * slow @ rate
     pairs = _pairs(resistance @ rate, mean_gap)
     if pairs is None:
-        return _time_modes(instants, 0.0, lag_step, share)
+        return _time_modes(instants, 0.0, 0.0, lag_step, share)
     vectors, decays, speeds = pairs
     settling = np.linalg.inv(np.eye(instants) + lag * slow @ (mean_gap[:, None] * rate))
     return TimeModes(

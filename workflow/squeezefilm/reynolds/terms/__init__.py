@@ -10,6 +10,7 @@ from functools import lru_cache
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.bearing import Bearing
+from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.polytropic import Polytropic
@@ -18,7 +19,7 @@ from squeezefilm.reynolds.terms.term import HOOKS, LeftOut, Numbers, Term
 
 __all__ = ["HOOKS", "TERMS", "LeftOut", "Term", "Terms"]
 
-TERMS: tuple[type[Term], ...] = (Bearing, Rarefaction, Polytropic, Inertia, Heat)
+TERMS: tuple[type[Term], ...] = (AnyGap, Bearing, Rarefaction, Polytropic, Inertia, Heat)
 Terms = tuple[Term, ...]
 
 

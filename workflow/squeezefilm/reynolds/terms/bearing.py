@@ -43,9 +43,6 @@ class Bearing(Term):
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         return {"derivative_x": grid.x.first_derivative}
 
-    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
-        return {"slope_x": (grid.x.derivative @ s)[:, 1 : grid.nx + 1, 1 : grid.ny + 1]}
-
     def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
         """Real Schur form of d²/dX² − (Λ/D) d/dX, each (scenes, nx, nx).
 

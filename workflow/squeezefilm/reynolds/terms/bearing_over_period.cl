@@ -12,10 +12,9 @@ static void response_bearing(const Grid *g, const Film *film, field mass, field 
 /* The same for all of the mass: that of the gap at ambient density is known. */
 static void residual_bearing(const Grid *g, const Film *film, field excess, field work, field out)
 {
-    const double speed = film->row->bearing * film->epsilon;
-    matrix slope_x = ARRAY(film, slope_x);
+    const double speed = film->row->bearing;
     field4 out4 = (field4)out;
-    FOR_EACH_POINT(g, row, t, i) out4[i] -= speed * slope_x[row] * g->sine[t];
+    FOR_EACH_POINT(g, row, t, i) out4[i] -= speed * beyond_even(g, film, film->slope_x, row, t);
     SYNC;
     response_bearing(g, film, excess, work, out);
 }

@@ -103,8 +103,8 @@ class Heat(Term):
         """Velocities lie where inertia has them."""
         return Inertia().matrices(grid, aspect=aspect)
 
-    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
-        return Inertia().profile_fields(s, grid)
+    def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
+        return Inertia().profile_fields(parts, grid)
 
     def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
         rate = grid.t.derivative

@@ -92,7 +92,7 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
         along_axis(g, axis, ON_AXIS(axis, flux_slope), (field)film->p, u, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
-            const double4 gap = 1.0 + film->epsilon * amplitude[row] * g->sine[t];
+            const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);
             const double4 density = 1.0 + ((matrix4)pressure)[i];
             u4[i] *= -gap * (gap + slip / density) / film->sigma;
 #if UNKNOWN_FIELDS > 1 /* what it falls short by inertia */
@@ -145,7 +145,7 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
         along_t(g, g->time_derivative, u, fourth, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
-            const double4 gap = 1.0 + film->epsilon * amplitude[row] * g->sine[t];
+            const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);
             const double4 density = 1.0 + pressure[i];
             const double4 own = ((matrix4)u)[i], hot = warmer[i], cold = cooler[i];
             const double4 lag = film->row->lag * gap * (density * gap + slip / 1.5);

@@ -102,7 +102,7 @@ class Inertia(Term):
     def numbers(self, scene: Scene) -> Numbers:
         reynolds = scene.modified_reynolds
         lag = LAG_PER_REYNOLDS * reynolds
-        inflow = scene.epsilon * _largest_on_rim(scene) / max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
+        inflow = _excursion_at_rim(scene) / max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
         slow = LEAST_SLOW * max(1.0, STEEP / max(steepness(scene), NEGLIGIBLE)) ** 3
         return {
             "reynolds": reynolds,
@@ -137,12 +137,12 @@ class Inertia(Term):
             parts[f"flux_across_{axis}"] = np.stack([points.across(each) / length for each in most])
         return parts
 
-    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
+    def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
         along_x, along_y = _points(grid)
         inner_x, inner_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
         return {
-            "flux_amplitude_x": along_x.from_all_nodes @ s[:, :, inner_y],
-            "flux_amplitude_y": s[:, inner_x] @ along_y.from_all_nodes.T,
+            "flux_amplitude_x": along_x.from_all_nodes @ parts[..., inner_y],
+            "flux_amplitude_y": parts[:, :, inner_x] @ along_y.from_all_nodes.T,
         }
 
     def size_share(self, scene: Scene) -> float:
@@ -172,11 +172,11 @@ def steepness(scene: Scene) -> float:
     return float(scene.epsilon * (scene.modified_reynolds / 5) ** 0.5)
 
 
-def _largest_on_rim(scene: Scene) -> float:
-    """Largest |s| at the corners of the finger and amid its sides."""
+def _excursion_at_rim(scene: Scene) -> float:
+    """Largest excursion over h0 at the corners of the finger and amid its sides."""
     x, y = np.meshgrid(RIM, RIM)
     on_rim = (x != 0.5) | (y != 0.5)
-    return float(np.abs(scene.amplitude(x[on_rim], y[on_rim])).max())
+    return scene.epsilon * float(scene.magnitude(x[on_rim], y[on_rim]).max())
 
 
 def _points(grid: Grid) -> tuple[FluxPoints, FluxPoints]:

@@ -84,7 +84,7 @@ static void velocity_across(const Grid *g, const Film *film, field along, field 
 
 /* Gap and density at a point of a direction. */
 #define EACH_OF(d)                                                                               \
-    const double4 gap = 1.0 + film->epsilon * d.amplitude[row] * g->sine[t];                     \
+    const double4 gap = 1.0 + beyond_even(g, film, d.amplitude, row, t);                         \
     const double4 density = 1.0 + density_rise(film, p[i]);
 
 static void residual_inertia(const Grid *g, const Film *film, field mass, field work, field out)
@@ -111,8 +111,8 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
         along_t(g, g->time_derivative, spare, (field)filling, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
-            const double4 excursion = film->epsilon * d.amplitude[row];
-            filling[i] += excursion * g->cosine[t] / (1.0 + excursion * g->sine[t]);
+            EACH_OF(d)
+            filling[i] += rate_by(g, film, d.amplitude, row, t) / gap;
         }
         SYNC;
         along_axis(g, axis, d.along, (field)u, state_field(g, film, axis, ALONG_RATE), 0);

@@ -129,10 +129,10 @@ class Term:
         """
         return {}
 
-    def profile_fields(self, s: np.ndarray, grid: Grid) -> Arrays:
-        """What its lines need of profiles s (places, full nx + 2, full ny + 2), ends included.
+    def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
+        """What its lines need of gaps' parts (problems.py), shape (places, parts, nx, ny) each.
 
-        Each has the shape (places, nx, ny).
+        ``parts`` have the shape (places, parts, full nx + 2, full ny + 2), ends included.
         """
         return {}
 

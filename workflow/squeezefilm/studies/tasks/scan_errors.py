@@ -36,7 +36,7 @@ class ScanErrors:
         spread_n: standard deviation over profiles with other noise.
         noise_n: half of the interval that holds the noise's part with COVERAGE: the spread's, and
             all that was taken off the profile's maximum as the noise's, or lost by averaging.
-        out_of_phase_n: by what the force is low without the motion out of phase.
+        out_of_phase_n: by what the force is low without motion out of phase that was left out.
         lowest_n, highest_n: over the profiles with other noise.
     """
 
@@ -68,7 +68,7 @@ def scan_errors(
     """
     from scipy.special import stdtrit
 
-    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=seed)]
+    profiles = [smoothed.vibration, *smoothed.residual_bootstrap(count=draws, seed=seed)]
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
         for profile in profiles
@@ -85,7 +85,9 @@ def scan_errors(
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     share = smoothed.profile.largest - 1 + smoothed.averaging_loss
     bias = np.array([2 * share / (1 - scene.epsilon) for scene in scenes])
-    effect = np.array([out_of_phase_effect(scene, smoothed) for scene in scenes])
+    effect = np.zeros(len(scenes))
+    if not smoothed.two_phases:  # what is left out
+        effect[:] = [out_of_phase_effect(scene, smoothed) for scene in scenes]
     return ScanErrors(
         force_n=forces[0],
         spread_n=spread,

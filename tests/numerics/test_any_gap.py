@@ -1,0 +1,259 @@
+"""Gaps of any shape on the device: H = G(x, y) + ε (s₁ sin T + s₂ cos T)."""
+
+from dataclasses import dataclass, replace
+from math import cos, log, pi, sin
+
+import numpy as np
+import pytest
+from films import film, mean_overpressure, periodic_state
+
+from squeezefilm.film.scene import GapShape, Scene, check_scene
+from squeezefilm.film.vibration.choice import make_profile
+from squeezefilm.film.vibration.shapes import Formula, StandingWave, TwoPhases, Vibration
+from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds.dynamics.scenes import refused
+from squeezefilm.reynolds.effects.budget import budgets
+from squeezefilm.reynolds.effects.derivatives import moved, with_derivatives
+from squeezefilm.reynolds.modes.galerkin import solve_in_modes
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.solver import solve
+
+DISC = Disc(0.01)
+WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
+OTHER = StandingWave(wavelength_m=0.014, direction_deg=60.0, crest_m=0.004)
+TWO_MODES = TwoPhases(WAVE, OTHER, shares=(0.7, 0.7))
+FLAT = GapShape()
+SHAPE = GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, bulge_m=0.5e-6)
+
+
+def travelling(direction_deg: float = 0.0) -> Vibration:
+    return make_profile(
+        kind="travelling-wave", surface=DISC, wavelength_m=0.02, direction_deg=direction_deg
+    )
+
+
+def begun_later(angle: float) -> TwoPhases:
+    """The wave that stands, at another instant called the first."""
+    return TwoPhases(WAVE, WAVE, shares=(cos(angle), sin(angle)))
+
+
+def shaped(scene: Scene, gap: GapShape = SHAPE) -> Scene:
+    return replace(scene, finger=replace(scene.finger, gap=gap))
+
+
+def mean(scene: Scene, *, tolerance: float = 1e-6, method: str = "periodic") -> float:
+    (solution,) = solve([scene], tolerance=tolerance, method=method)
+    assert solution.status == "ok"
+    return solution.force_n / scene.force_scale_n
+
+
+@dataclass(frozen=True)
+class Raised(GapShape):
+    """A gap that is wider by the same everywhere."""
+
+    rise: float = 1e-6
+
+    @property
+    def flat(self) -> bool:
+        return False
+
+    def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return self.rise + 0 * x
+
+
+TERMS = [
+    {},
+    {"rarefaction": "fukui-kaneko"},
+    {"polytropic_exponent": 1.4},
+    {"bearing": 8.0},
+    {"inertia": "included", "heat": "included"},
+]
+
+
+@pytest.mark.parametrize("terms", TERMS, ids=lambda terms: "-".join(terms) or "squeeze")
+def test_a_gap_raised_everywhere_is_that_of_a_film_so_much_thicker(terms):
+    """With every term, whose own lines must all know of the gap at rest."""
+    scene = film(epsilon=0.3, sigma=400.0, x=0.1, y=0.05, **terms)
+    raised = shaped(scene, Raised(rise=0.2 * scene.h0_m))
+    thicker = replace(scene, h0_m=1.2 * scene.h0_m)
+    assert mean(raised, tolerance=1e-5) == pytest.approx(mean(thicker, tolerance=1e-5), rel=2e-6)
+
+
+@pytest.mark.parametrize("terms", TERMS, ids=lambda terms: "-".join(terms) or "squeeze")
+def test_a_standing_wave_may_begin_at_any_instant(terms):
+    """s₁ and s₂ of one wave are that wave; begun on an instant of the grid even to rounding."""
+    scene = film(epsilon=0.3, sigma=400.0, x=0.1, profile=WAVE, **terms)
+    expected = mean_overpressure(scene, points=16, instants=12)
+    for angle in (0.0, pi / 6, 0.7):
+        later = replace(scene, actuator=replace(scene.actuator, profile=begun_later(angle)))
+        found = mean_overpressure(later, points=16, instants=12)
+        assert found == pytest.approx(expected, rel=1e-5 if angle == 0.7 else 1e-8)
+
+
+def test_two_phases_that_begin_elsewhere_give_the_same_force():
+    scene = film(epsilon=0.4, sigma=300.0, profile=TWO_MODES)
+    turned = [
+        Formula("cos(0.5)*cos(300*x) - sin(0.5)*cos(450*y)", DISC),
+        Formula("sin(0.5)*cos(300*x) + cos(0.5)*cos(450*y)", DISC),
+    ]
+    settings = {"kind": "formula", "surface": DISC}
+    first = make_profile(**settings, expression="cos(300*x)", quadrature="cos(450*y)")
+    second = make_profile(
+        **settings, expression=turned[0].expression, quadrature=turned[1].expression
+    )
+    forces = [
+        mean(replace(scene, actuator=replace(scene.actuator, profile=each)))
+        for each in (first, second)
+    ]
+    assert forces[0] == pytest.approx(forces[1], rel=2e-6)
+
+
+def test_a_travelling_wave_may_travel_along_either_axis_and_either_way():
+    forces = [
+        mean(film(epsilon=0.4, sigma=583.0, profile=travelling(angle)))
+        for angle in (0.0, 90.0, 180.0)
+    ]
+    assert forces == pytest.approx([forces[0]] * 3, rel=1e-6)
+    standing = film(epsilon=0.4, sigma=583.0, profile=replace(WAVE, crest_m=0.0))
+    assert forces[0] > 1.5 * mean(standing)  # it moves as much everywhere
+
+
+def test_halves_are_left_out_only_where_both_parts_and_the_gap_are_even():
+    def halves(profile: Vibration, gap: GapShape = FLAT) -> tuple[bool, bool]:
+        needs = needs_of(shaped(film(epsilon=0.4, sigma=583.0, profile=profile), gap))
+        return needs.fold_x, needs.fold_y
+
+    even = replace(WAVE, crest_m=0.0)
+    assert halves(even) == (True, True)
+    assert halves(travelling()) == (False, True)
+    assert halves(TwoPhases(even, OTHER)) == (False, False)
+    assert halves(TwoPhases(even, replace(even, direction_deg=90.0), (0.7, 0.7))) == (True, True)
+    assert halves(even, GapShape(tilt_x_m=1e-6)) == (False, True)
+    assert halves(even, GapShape(tilt_y_m=1e-6)) == (True, False)
+    assert halves(even, GapShape(bulge_m=1e-6)) == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "gap"),
+    [
+        ({}, GapShape(tilt_x_m=2e-6)),
+        ({"x": 0.1, "aspect": 0.7}, SHAPE),
+        ({"profile": travelling()}, GapShape()),
+        ({"profile": TWO_MODES, "bearing": 5.0, "aspect": 1.3}, SHAPE),
+        ({"profile": TWO_MODES, "rarefaction": "slip", "polytropic_exponent": 1.4}, SHAPE),
+    ],
+)
+def test_the_grid_gives_the_forces_of_the_pad_s_modes(numbers, gap):
+    """Two methods that share no more than the equation."""
+    scene = shaped(film(epsilon=0.3, sigma=200.0, **numbers), gap)
+    (modes,) = solve_in_modes([scene], [needs_of(scene)], tolerance=1e-5)
+    assert modes.status == "ok"
+    assert modes.force_n / scene.force_scale_n == pytest.approx(mean(scene), rel=1.1e-5)
+
+
+@dataclass(frozen=True)
+class AsTheGap:
+    """A surface that moves most where the gap is wide, s = gap at rest / h0."""
+
+    scene: Scene
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        finger = self.scene.finger
+        return self.scene.rest_gap(x_m / finger.length_x_m + 0.5, y_m / finger.length_y_m + 0.5)
+
+
+def test_a_gap_that_breathes_keeps_its_mean_square():
+    """H = G(x, y) (1 + ε sin T): div(G³ ∇⟨(1 + ε sin T)³ P²⟩) = 0 makes that mean 1 + 3ε²/2."""
+    epsilon = 0.4
+    still = shaped(film(epsilon=epsilon, sigma=50.0))
+    scene = replace(still, actuator=replace(still.actuator, profile=AsTheGap(still)))
+    grid, states = periodic_state(scene, points=24, instants=24)
+    pressure = 1 + states.overpressure[0]
+    mean_square = ((1 + epsilon * np.sin(grid.t.nodes)) ** 3 * pressure**2).mean(axis=-1)
+    assert mean_square == pytest.approx(1 + 1.5 * epsilon**2, rel=1e-6)
+    assert np.ptp(pressure.mean(axis=-1)) > 0.01
+
+
+def test_shaped_gaps_cost_at_most_three_times_a_flat_one():
+    """At 1e-4 and at the same place, by the products that iterations take."""
+    flat = film(epsilon=0.3, sigma=583.0, x=0.1, y=0.05)
+    shapes = GapShape(), GapShape(tilt_x_m=2e-6), GapShape(bulge_m=1.5e-6), SHAPE
+    plain, *others = solve([shaped(flat, each) for each in shapes], tolerance=1e-4)
+    assert all(each.status == "ok" and each.method == "periodic" for each in others)
+    assert max(each.work for each in others) < 3 * plain.work
+
+
+@pytest.mark.parametrize("aspect", [1.0, 8.0], ids=["square", "strip"])
+@pytest.mark.parametrize("profile", [travelling(), TWO_MODES], ids=["travelling", "two modes"])
+def test_the_fast_limit_of_two_phases_is_that_of_the_sum_of_squares(aspect, profile):
+    """What is left falls as σ^(−1/2), and with the rim's layer at least as 1/σ."""
+    sigma = 1e3, 1e5
+    left = {"fast-limit": [], "boundary-layer": []}
+    for each in sigma:
+        scene = film(epsilon=0.4, sigma=each, profile=profile, aspect=aspect)
+        (exact,) = solve([scene], tolerance=1e-7, method="periodic")
+        for method, errors in left.items():
+            (found,) = solve([scene], tolerance=1e-5, method=method)
+            errors.append(abs(found.force_n / exact.force_n - 1))
+            assert abs(found.force_n - exact.force_n) <= found.force_error_n
+    order = {name: log(few / many) / log(1e-2) for name, (many, few) in left.items()}
+    assert order["fast-limit"] == pytest.approx(0.5, abs=0.1)
+    assert order["boundary-layer"] > 0.9
+
+
+def test_small_motion_in_two_phases_has_its_second_order():
+    for sigma in (5.0, 583.0):
+        scene = film(epsilon=0.01, sigma=sigma, profile=TWO_MODES)
+        (found,) = solve([scene], tolerance=1e-6, method="small-amplitude")
+        assert found.force_n / scene.force_scale_n == pytest.approx(mean(scene), rel=3e-4)
+
+
+def test_derivatives_are_those_of_forces_solved_again():
+    scene = shaped(film(epsilon=0.3, sigma=300.0, x=0.1, y=0.05, profile=TWO_MODES))
+    (found,) = with_derivatives([scene], solve([scene], tolerance=1e-5), tolerance=1e-5)
+    assert found.derivatives.status == "ok"
+    units = {"h0_m": scene.h0_m, "hv_m": scene.h0_m, "x_m": 0.01, "y_m": 0.01}
+    for name in units:
+        step = 1e-3 * units[name]
+        more, less = solve([moved(scene, name, step), moved(scene, name, -step)], tolerance=1e-8)
+        quotient = (more.force_n - less.force_n) / (2 * step)
+        assert found.derivatives.value[name] == pytest.approx(quotient, rel=1e-4)
+
+
+def test_the_budget_is_of_the_scene_itself():
+    """Inertia by the adjoint beside inertia solved for, where it is small."""
+    scene = shaped(film(epsilon=0.3, sigma=300.0, x=0.1, profile=TWO_MODES))
+    scene = replace(scene, gas=replace(scene.gas, density_kg_per_m3=0.05))
+    (budget,) = budgets([scene])
+    assert (budget.status, budget.basis) == ("ok", "")
+    inert = replace(scene, gas=replace(scene.gas, inertia="included"))
+    change = mean(inert, tolerance=1e-5) / mean(scene) - 1
+    assert budget.inertia.percent == pytest.approx(100 * change, rel=0.03)
+
+
+def test_what_is_not_derived_for_such_gaps_is_refused():
+    two, tilted = (
+        film(epsilon=0.3, sigma=300.0, profile=TWO_MODES),
+        shaped(film(epsilon=0.3, sigma=300.0)),
+    )
+    for scene, label in ((two, "vibration in two phases"), (tilted, "gap that is shaped at rest")):
+        (march,) = solve([scene], tolerance=1e-3, method="march")
+        assert march.status == f"march does not know {label}"
+        assert refused(scene).startswith("the response is known of")
+    (limit,) = solve([tilted], tolerance=1e-3, method="boundary-layer")
+    inert = replace(two, gas=replace(two.gas, inertia="included"))
+    (with_inertia,) = solve([inert], tolerance=1e-3, method="matched-limit")
+    assert "does not know" in limit.status
+    assert "does not know" in with_inertia.status
+
+
+def test_contact_is_found_with_both_parts():
+    """A wave that stands has its nodes where the tilted pad comes near; one that travels not."""
+    standing = film(epsilon=0.85, sigma=300.0, profile=replace(WAVE, crest_m=0.0))
+    standing = shaped(standing, GapShape(tilt_x_m=2e-6))
+    standing = replace(standing, actuator=replace(standing.actuator, surface=Disc(1.0)))
+    check_scene(standing)
+    moving = replace(standing, actuator=replace(standing.actuator, profile=travelling()))
+    with pytest.raises(InputError, match="touches the surface"):
+        check_scene(moving)
