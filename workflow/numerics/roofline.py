@@ -17,7 +17,7 @@ from numerics.films import Film
 from numerics.peers.fixed_grid import problems_on_grid
 from squeezefilm.reynolds.device import SPARE, Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
-from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
+from squeezefilm.reynolds.layout import Columns, Pile, c_struct, rows_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import iteration_flops
 from squeezefilm.reynolds.periodic.time_modes import time_modes
@@ -125,9 +125,12 @@ def _solve_rate(grid: Grid, device: Device) -> float:
 def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The grid as kernels take it: a row of sizes and places, and the matrices."""
     pile = Pile()
-    starts = pile.add(grid_matrices(grid, aspect=1.0, terms=()))
-    starts |= pile.add(time_modes(grid.nt, variation=0.0, lag=0.0, slow=1.0).parts)
-    row = rows_of({"nx": grid.nx, "ny": grid.ny, "nt": grid.nt, **starts}, np.empty(1, dtype=[]))
+    row = rows_of(
+        Columns(("nx", "ny", "nt"), np.array(grid.shape)),
+        pile.add(grid_matrices(grid, aspect=1.0, terms=())),
+        pile.add(time_modes(grid.nt, variation=0.0, lag=0.0, slow=1.0).parts),
+        numbers=np.empty(1, dtype=[]),
+    )
     return row, pile.values
 
 

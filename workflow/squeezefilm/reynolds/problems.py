@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import AtPlace, Scene
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of
+
+# Nodes up to which the profile at a place is kept: there it is asked for many gaps and amplitudes.
+MOST_KEPT = 10_000
 
 
 @dataclass(frozen=True)
@@ -91,16 +95,25 @@ def _amplitudes(
     """The profile on all nodes of each grid at each place of the finger, and each scene's place."""
     known: dict[object, tuple[int, Scene]] = {}
     places = [known.setdefault(scene.place, (len(known), scene))[0] for scene in scenes]
-    # On all grids at once: a profile is asked as rarely as can be.
+    nodes = sum(grid.positions[0].size for grid in grids)
+    ask = _profile_kept if nodes <= MOST_KEPT else _profile_on
+    found = [ask(AtPlace(scene), tuple(grids)) for _, scene in known.values()]
+    return [np.stack(on_grid) for on_grid in zip(*found, strict=True)], np.array(places)
+
+
+def _profile_on(at: AtPlace, grids: tuple[Grid, ...]) -> list[np.ndarray]:
+    """The profile on all nodes of each grid; asked at once, as rarely as can be."""
     x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids), strict=True))
-    values = np.stack([scene.amplitude(x, y) for _, scene in known.values()])
-    amplitudes, begin = [], 0
+    values, found, begin = at.scene.amplitude(x, y), [], 0
     for grid in grids:
         shape = grid.x.full_points + 2, grid.y.full_points + 2
         end = begin + shape[0] * shape[1]
-        amplitudes.append(values[:, begin:end].reshape(-1, *shape))
+        found.append(values[begin:end].reshape(shape))
         begin = end
-    return amplitudes, np.array(places)
+    return found
+
+
+_profile_kept = lru_cache(maxsize=256)(_profile_on)
 
 
 def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:

@@ -12,7 +12,15 @@ import numpy as np
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, aligned, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
-from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
+from squeezefilm.reynolds.layout import (
+    Columns,
+    Pile,
+    c_enum,
+    c_struct,
+    c_terms,
+    rows_of,
+    scene_by_scene,
+)
 from squeezefilm.reynolds.periodic.time_modes import time_modes
 from squeezefilm.reynolds.problems import Problems, mean_amplitude, problems_of, profile_fields
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
@@ -242,17 +250,13 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
         of_batch = []
         coarser = None
         for grid, problems in zip(batch.grids, batch.problems, strict=True):
+            states = at_state + batch.fields * grid.count * np.arange(batch.scenes)
             of_batch.append(
                 rows_of(
-                    {
-                        "nx": grid.nx,
-                        "ny": grid.ny,
-                        "nt": grid.nt,
-                        "most_krylov": most_krylov(grid, batch.terms),
-                        "state": at_state + batch.fields * grid.count * np.arange(batch.scenes),
-                        **_offsets(pile, problems, grid, coarser=coarser),
-                    },
-                    problems.numbers,
+                    _sizes(grid, batch.terms),
+                    Columns(("state",), states[:, None]),
+                    *_offsets(pile, problems, grid, coarser=coarser),
+                    numbers=problems.numbers,
                     # A mass error w moves the pressure by w/H.
                     tolerance=problems.tolerance * (1 - problems.epsilon),
                 )
@@ -265,28 +269,36 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
     return _Inputs(begins.astype(np.int32), scene_by_scene(rows), pile.values, results)
 
 
-def _offsets(
-    pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None
-) -> dict[str, int | np.ndarray]:
+@lru_cache(maxsize=256)
+def _sizes(grid: Grid, terms: Terms) -> Columns:
+    sizes = np.array([*grid.shape, most_krylov(grid, terms)])
+    return Columns(("nx", "ny", "nt", "most_krylov"), sizes)
+
+
+def _offsets(pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None) -> list[Columns]:
     """Where what a batch needs on one grid lies in the pile, which it is put on."""
-    offsets: dict[str, int | np.ndarray] = {**_nothing_to_carry(problems.terms)}
-    if coarser:
-        offsets |= pile.add(carrying_matrices(coarser, grid, terms=problems.terms))
-    offsets |= pile.add(grid_matrices(grid, aspect=problems.aspect, terms=problems.terms))
-    offsets |= pile.add_each(profile_fields(problems, grid), problems.places)
-    offsets |= _time_modes(pile, problems, grid)
-    for term in problems.terms:
-        offsets |= pile.add_each(term.operators(problems.numbers, grid, aspect=problems.aspect))
+    terms, aspect = problems.terms, problems.aspect
+    offsets = [
+        pile.add(carrying_matrices(coarser, grid, terms=terms))
+        if coarser
+        else _nothing_to_carry(terms),
+        pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
+        pile.add_each(profile_fields(problems, grid), problems.places),
+        _time_modes(pile, problems, grid),
+    ]
+    for term in terms:
+        if operators := term.operators(problems.numbers, grid, aspect=aspect):
+            offsets.append(pile.add_each(operators))
     return offsets
 
 
 @lru_cache(maxsize=64)
-def _nothing_to_carry(terms: Terms) -> dict[str, int]:
-    carrying = (*CARRYING, *(name for term in terms for name in term.CARRYING))
-    return dict.fromkeys(carrying, NOTHING)
+def _nothing_to_carry(terms: Terms) -> Columns:
+    names = (*CARRYING, *(name for term in terms for name in term.CARRYING))
+    return Columns(names, np.full(len(names), NOTHING))
 
 
-def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
+def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> Columns:
     """Where each scene's modes in time lie in the pile, which they are put on once for all."""
     variations = problems.epsilon * mean_amplitude(problems, grid)
     each = [
@@ -300,7 +312,8 @@ def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> dict[str, np.ndar
     ]
     begins = {parts: pile.put(parts.values) for parts in dict.fromkeys(each)}
     begin = np.array([begins[parts] for parts in each])
-    return {name: begin + start for name, start in each[0].starts.items()}
+    starts = each[0].columns
+    return Columns(starts.names, begin[:, None] + starts.values)
 
 
 def in_single(terms: Terms) -> bool:
