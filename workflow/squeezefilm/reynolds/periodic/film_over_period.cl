@@ -139,6 +139,9 @@ static void add_flow(const Grid *g, const Film *film, int k, field v, field work
     SYNC;
 }
 
+/* Relative change of the diffusivity up to which a preconditioner stays as it is. */
+#define NEAR 0.02
+
 /* Residual of the equation at the state p, in modal coefficients; behind it, preconditioned, those of
  * the terms' own unknowns. Also sets the response of each flow term to a mass perturbation and the
  * mean diffusivity for the Jacobian at this state. */
@@ -146,7 +149,7 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
     field4 v4 = (field4)v, work4 = (field4)work, r4 = (field4)r;
-    matrix4 mean_gap = (matrix4)g->mean_gap;
+    matrix4 mean_resistance = (matrix4)g->mean_resistance;
     double4 diffusivity = (double4)(0.0);
     for (int k = 0; k < FLOW_TERMS; k++) {
         FOR_EACH_POINT(g, row, t, i)
@@ -157,12 +160,12 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
                                      (gap * density_slope(film, p));
             v4[i] = film->row->flow[k] * power * flow_potential(film, p, k);
             store4(response, i, film->response[k]);
-            diffusivity += response * power / mean_gap[t];
+            diffusivity += response * power * mean_resistance[t];
         }
         SYNC;
         add_flow(g, film, k, v, work, r);
     }
-    film->diffusivity = sum_over_group(sum_of(diffusivity), scratch) / g->count;
+    const double mean_diffusivity = sum_over_group(sum_of(diffusivity), scratch) / g->count;
     FOR_EACH_POINT(g, row, t, i)
     {
         work4[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
@@ -177,7 +180,10 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
     FOR_EACH(i, g->count4) store4(r4[i], i, nodal);
     SYNC;
     to_modal(g, nodal, modal);
-    set_preconditioner(g, film);
+    if (!(fabs(mean_diffusivity - film->diffusivity) <= NEAR * film->diffusivity)) {
+        film->diffusivity = mean_diffusivity;
+        set_preconditioner(g, film);
+    }
 }
 
 /* out = preconditioned Jacobian times w, both modal, and both with the terms' own unknowns behind. */

@@ -13,7 +13,7 @@ typedef struct {
     int nx, ny, nt, rows, count, nt4, count4, length, length4;
     Operators linear;
     matrix laplace_x, laplace_y, eigenvalues, eigenvalues_y, weights;
-    matrix time_derivative, mean_gap, speeds, decays;
+    matrix time_derivative, mean_resistance, speeds, decays;
     matrix4 sine, cosine;
 } Grid;
 
@@ -72,7 +72,7 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     g.linear.to_modes_y = taken(values + row->to_modes_y, g.ny * g.ny, room);
     g.linear.to_time_modes = taken(values + row->to_time_modes, g.nt * g.nt, room);
     g.linear.time_modes = taken(values + row->time_modes, g.nt * g.nt, room);
-    g.mean_gap = values + row->mean_gap;
+    g.mean_resistance = values + row->mean_resistance;
     g.time_derivative = values + row->time_derivative;
     g.eigenvalues = values + row->eigenvalues;
     g.eigenvalues_y = values + row->eigenvalues_y;

@@ -103,8 +103,8 @@ class States:
         mean: mean of p over film and period, the force in units of p0 × area.
         residual: preconditioned residual, an estimate of the mass error left by the iteration.
         largest: largest |p|.
-        lowest: smallest pressure P.
-        thinnest: smallest product ρ H, by which the local Knudsen number grows.
+        lowest: smallest pressure P, on the last grid of a launch; NaN on others.
+        thinnest: smallest product ρ H, by which the local Knudsen number grows, likewise.
         status: index into STATUS.
         newton_steps, krylov_iterations: work done.
     """

@@ -2,36 +2,43 @@
  * film_over_period.cl, which has the equation, and krylov.cl. Row, Said and how an iteration ends
  * are defined in periodic.py. */
 
-/* Mean overpressure over film and period, in units of ambient pressure. */
-static double mean_overpressure(const Grid *g, const Film *film, __local double *scratch)
+/* Mean overpressure over film and period, in units of ambient pressure, and the largest |p|; before
+ * that p takes a share of a step, if there is one. */
+static double2 size_after(const Grid *g, const Film *film, matrix4 step, double share,
+                          __local double *scratch)
 {
-    double4 sum = (double4)(0.0);
+    double4 sum = (double4)(0.0), above = (double4)(0.0), below = (double4)(0.0);
     FOR_EACH(row, g->rows)
     {
         double4 over_period = (double4)(0.0);
-        for (int t = 0; t < g->nt4; t++)
-            over_period += film->p[row * g->nt4 + t];
+        for (int i = row * g->nt4; i < (row + 1) * g->nt4; i++) {
+            double4 p = film->p[i];
+            if (step)
+                film->p[i] = p = p + share * step[i];
+            over_period += p;
+            /* What is no number shows in the mean. */
+            above = p > above ? p : above;
+            below = p < below ? p : below;
+        }
         sum += g->weights[row] * over_period;
     }
-    return sum_over_group(sum_of(sum), scratch) / g->nt;
+    const double mean = sum_over_group(sum_of(sum), scratch) / g->nt;
+    const double largest = max_over_group(max_of(larger(above, -below)), scratch);
+    return (double2)(mean, largest + 0.0 * mean);
 }
 
-/* Largest |p|. */
-static double largest_overpressure(const Grid *g, const Film *film, __local double *scratch)
-{
-    double4 size = (double4)(0.0);
-    /* No fabs, which PoCL calls. */
-    FOR_EACH(i, g->count4) size = larger(size, larger(film->p[i], -film->p[i]));
-    return max_over_group(max_of(size), scratch);
-}
-
-/* Largest fall and rise of the pressure in a step, relative to what it is. */
-static double2 extremes(const Grid *g, const Film *film, matrix4 step, __local double *scratch)
+/* A change of the mass as a step of p; its largest fall and rise, relative to the pressure. */
+static double2 step_of(const Grid *g, const Film *film, constant_vector mass, field4 step,
+                       __local double *scratch)
 {
     double4 fall = (double4)(0.0), rise = (double4)(0.0);
-    FOR_EACH(i, g->count4)
+    FOR_EACH_POINT(g, row, t, i)
     {
-        const double4 relative = step[i] / (1.0 + film->p[i]);
+        const double4 p = film->p[i], pressure = 1.0 + p;
+        const double4 slope = gap_at(g, film, row, t) * density_slope(film, p);
+        const double4 relative =
+            -in_double(((__global const JOIN(real, 4) *)mass)[i]) / (slope * pressure);
+        step[i] = relative * pressure;
         fall = larger(fall, -relative);
         rise = larger(rise, relative);
     }
@@ -67,7 +74,8 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
                   vector basis, field small, __local double *scratch)
 {
-    Said s = {.mean = mean_overpressure(g, film, scratch), .status = STALLED};
+    const double2 first = size_after(g, film, 0, 0.0, scratch);
+    Said s = {.mean = first.x, .largest = first.y, .status = STALLED};
     double least = INFINITY;
     int patience = PATIENCE;
     for (; s.newton_steps <= most_newton; s.newton_steps++) {
@@ -79,8 +87,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
             break;
         }
         /* The force answers to an error w with at most its mean, so this bounds its error. */
-        const double goal = fmax(tolerance * fabs(s.mean),
-                                 ROUNDING * largest_overpressure(g, film, scratch));
+        const double goal = fmax(tolerance * fabs(s.mean), ROUNDING * s.largest);
         if (s.residual <= goal || s.residual == 0.0) {
             s.status = CONVERGED;
             break;
@@ -98,18 +105,14 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         field4 step = (field4)film->work_b;
         vector nodal = (vector)film->work_a;
         from_modal(g, basis, (vector)film->work_c, nodal);
-        FOR_EACH_POINT(g, row, t, i)
-            step[i] = -in_double(((__global const JOIN(real, 4) *)nodal)[i]) /
-                      (gap_at(g, film, row, t) * density_slope(film, film->p[i]));
-        SYNC;
         /* No more than 9/10 of the pressure anywhere. */
-        const double2 change = extremes(g, film, step, scratch);
+        const double2 change = step_of(g, film, nodal, step, scratch);
         const double share = change.x > 0.9 ? 0.9 / change.x : 1.0;
         film->own_in = basis + g->count;
         TERMS_STEP(g, film, film->work_b, share)
-        FOR_EACH(i, g->count4) film->p[i] += share * step[i];
-        SYNC;
-        s.mean = mean_overpressure(g, film, scratch);
+        const double2 size = size_after(g, film, (matrix4)step, share, scratch);
+        s.mean = size.x;
+        s.largest = size.y;
         /* A short step needs no residual behind it to be known as the last one. */
         const double bent = fmax(change.x, change.y) * norm(basis, g->length4, g->nt, scratch);
         left += LINEAR_ROUNDING * s.residual + NONLINEARITY * bent;
@@ -182,6 +185,7 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             film.other_share = basis + 2 * g.count;
             basis += 3 * g.count;
             field small = (field)(basis + (most_krylov + 1) * g.length);
+            film.diffusivity = 0.0;
             film.epsilon = row->epsilon;
             film.sigma = row->sigma;
             film.amplitude = ARRAY(&film, amplitude);
@@ -199,16 +203,18 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             Said said =
                 solve(&g, &film, row->tolerance, most_newton, most_krylov, basis, small, scratch);
             status = said.status;
-            double4 deficit = (double4)(-INFINITY), thinness = deficit;
-            FOR_EACH_POINT(&g, place, t, i)
-            {
-                const double4 p = film.p[i], density = 1.0 + density_rise(&film, p);
-                deficit = larger(deficit, -(1.0 + p));
-                thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
+            said.lowest = said.thinnest = NAN;
+            if (k + 1 == begins[scene + 1]) {
+                double4 deficit = (double4)(-INFINITY), thinness = deficit;
+                FOR_EACH_POINT(&g, place, t, i)
+                {
+                    const double4 p = film.p[i], density = 1.0 + density_rise(&film, p);
+                    deficit = larger(deficit, -(1.0 + p));
+                    thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
+                }
+                said.lowest = -max_over_group(max_of(deficit), scratch);
+                said.thinnest = -max_over_group(max_of(thinness), scratch);
             }
-            said.largest = largest_overpressure(&g, &film, scratch);
-            said.lowest = -max_over_group(max_of(deficit), scratch);
-            said.thinnest = -max_over_group(max_of(thinness), scratch);
             if (get_local_id(0) == 0)
                 ((__global Said *)results)[k] = said;
             SYNC;

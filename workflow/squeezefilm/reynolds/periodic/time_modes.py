@@ -74,7 +74,7 @@ class TimeModes:
                 "time_modes": self.from_modes[:, _beside(instants)].T,
                 "speeds": self.speeds,
                 "decays": self.decays,
-                "mean_gap": self.mean_gap,
+                "mean_resistance": 1 / self.mean_gap,
                 "settling": self.settling.T,
                 "settling_of_slow": self.settling_of_slow.T,
             }
