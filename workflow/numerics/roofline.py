@@ -17,9 +17,9 @@ from numerics.films import Film
 from numerics.peers.fixed_grid import problems_on_grid
 from squeezefilm.reynolds.device import SPARE, Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
-from squeezefilm.reynolds.layout import Columns, Pile, c_struct, rows_of
-from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.refinement import iteration_flops
+from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
+from squeezefilm.reynolds.periodic.launch import sizes_of, solve_batch
+from squeezefilm.reynolds.periodic.refinement import iteration_flops, space_products
 from squeezefilm.reynolds.periodic.time_modes import time_modes
 
 SOURCES = ("linear_algebra.cl", "vectors.cl", "periodic/grid_over_period.cl", "roofline.cl")
@@ -86,7 +86,9 @@ def measure(device: Device) -> list[Rate]:
         row, matrices = (device.sent(values) for values in _row(grid))
         nx, ny, nt = grid.shape
         workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups + SPARE))
-        for which, (part, inner) in enumerate((("along x", nx), ("along y", ny), ("along t", nt))):
+        inner_x, inner_y = space_products(grid)
+        inner_of = (("along x", inner_x), ("along y", inner_y), ("along t", nt))
+        for which, (part, inner) in enumerate(inner_of):
             flops = 2.0 * nx * ny * nt * inner
             turns = int(PRODUCT_FLOPS / flops)
             time_s = seconds("panel_products", which, turns, row, matrices, workspace)
@@ -126,7 +128,7 @@ def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The grid as kernels take it: a row of sizes and places, and the matrices."""
     pile = Pile()
     row = rows_of(
-        Columns(("nx", "ny", "nt"), np.array(grid.shape)),
+        sizes_of(grid, ()),
         pile.add(grid_matrices(grid, aspect=1.0, terms=())),
         pile.add(time_modes(grid.nt, variation=0.0, lag=0.0, slow=1.0).parts),
         numbers=np.empty(1, dtype=[]),

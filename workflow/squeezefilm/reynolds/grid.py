@@ -75,13 +75,13 @@ def _positions(x: Axis, y: Axis) -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=256)
 def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
     """The matrices of a grid over the period, under the names that kernels know them by."""
-    values_x, vectors_x, inverse_x = grid.x.modes
-    values_y, vectors_y, inverse_y = grid.y.modes
+    values_x, vectors_x, inverse_x = grid.x.modes_in_parts
+    values_y, vectors_y, inverse_y = grid.y.modes_in_parts
     parts = {
-        "laplace_x": grid.x.second_derivative,
+        "laplace_x": grid.x.in_parts,
         "modes_x": vectors_x,
         "to_modes_x": inverse_x,
-        "laplace_y": grid.y.second_derivative / aspect**2,
+        "laplace_y": grid.y.in_parts / aspect**2,
         "modes_y": vectors_y,
         "to_modes_y": inverse_y,
         "time_derivative": grid.t.derivative.T,

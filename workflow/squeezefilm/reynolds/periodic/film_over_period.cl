@@ -127,8 +127,7 @@ static void precondition_with_time_term(const Grid *g, const Film *film, constan
 /* r = Σ_k H^(a/2) (Δv − q v), one term: v is given, `work` is overwritten. */
 static void add_flow(const Grid *g, const Film *film, int k, field v, field work, field r)
 {
-    along_x(g, g->laplace_x, v, work, 0);
-    along_y(g, g->laplace_y, v, work, 1);
+    laplacian(g, g->laplace_x, g->laplace_y, v, work);
     matrix4 power = film->gap_power[k], q = film->potential[k];
     matrix4 v4 = (matrix4)v, curvature = (matrix4)work;
     field4 r4 = (field4)r;
@@ -201,8 +200,7 @@ static void apply_jacobian(const Grid *g, Film *film, vector w, vector out)
         __global const lanes *bend = (__global const lanes *)film->bend[k];
         FOR_EACH(i, g->count / LANES) values[i] = response[i] * nodal[i];
         SYNC;
-        along_x(g, g->linear.laplace_x, v, work, 0);
-        along_y(g, g->linear.laplace_y, v, work, 1);
+        laplacian(g, g->linear.laplace_x, g->linear.laplace_y, v, work);
         if (k == 0)
             FOR_EACH(i, g->count / LANES)
                 sum[i] = power[i] * (curvature[i] - bend[i] * values[i]);

@@ -253,7 +253,7 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
             states = at_state + batch.fields * grid.count * np.arange(batch.scenes)
             of_batch.append(
                 rows_of(
-                    _sizes(grid, batch.terms),
+                    sizes_of(grid, batch.terms),
                     Columns(("state",), states[:, None]),
                     *_offsets(pile, problems, grid, coarser=coarser),
                     numbers=problems.numbers,
@@ -270,9 +270,19 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
 
 
 @lru_cache(maxsize=256)
-def _sizes(grid: Grid, terms: Terms) -> Columns:
-    sizes = np.array([*grid.shape, most_krylov(grid, terms)])
-    return Columns(("nx", "ny", "nt", "most_krylov"), sizes)
+def sizes_of(grid: Grid, terms: Terms) -> Columns:
+    """What a kernel must know of a grid before it can find anything."""
+    whole_x, whole_y = not grid.fold_x, not grid.fold_y
+    sizes = {
+        "nx": grid.nx,
+        "ny": grid.ny,
+        "nt": grid.nt,
+        "most_krylov": most_krylov(grid, terms),
+        "whole_x": whole_x,
+        "whole_y": whole_y,
+        "whole_modes_x": whole_x and not any("x" in term.BREAKS for term in terms),
+    }
+    return Columns(tuple(sizes), np.array(list(sizes.values()), dtype=np.int64))
 
 
 def _offsets(pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None) -> list[Columns]:
