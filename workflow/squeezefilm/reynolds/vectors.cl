@@ -93,6 +93,12 @@
         }                                                                                         \
         WIDE_##registers(ROWS_##rows, STORE_PARTS)                                                \
     }
+/* Registers beside each other whose columns stay in the first cache for all rows. */
+#ifdef MANY_REGISTERS
+#define STRIPE 2
+#else
+#define STRIPE 1
+#endif
 /* What such a matrix takes to what. */
 #define NODES_TO_NODES 0
 #define NODES_TO_MODES 1
@@ -253,8 +259,10 @@ OF_BOTH_TYPES inline void multiply_parts(constant_vector a, int half_rows, const
     const int panel = 2 * half_rows * columns;
 #if WORK_ITEMS == 1
     for (int p = 0; p < panels; p++, b += panel, c += panel)
-        for (int row = 0; row < half_rows; row += 4)
-            mirrored_rows(a, half_rows, row, b, c, columns, 0, columns, of_nodes, to_nodes, add);
+        for (int column = 0; column < columns; column += STRIPE * LANES)
+            for (int row = 0; row < half_rows; row += 4)
+                mirrored_rows(a, half_rows, row, b, c, columns, column,
+                              min(column + STRIPE * LANES, columns), of_nodes, to_nodes, add);
 #else
     const int row_blocks = (half_rows + 3) / 4, column_blocks = (columns + LANES - 1) / LANES;
     FOR_EACH(task, panels * row_blocks * column_blocks)
