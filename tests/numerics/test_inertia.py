@@ -20,7 +20,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.flux_points import flux_points
-from squeezefilm.reynolds.periodic.time_modes import slow_part, time_modes
+from squeezefilm.reynolds.periodic.time_modes import slow_part, steps_of, time_modes
 from squeezefilm.reynolds.spectral import axis, period
 from squeezefilm.reynolds.terms.inertia import Inertia
 
@@ -242,7 +242,9 @@ def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(variation: float, la
     instants = 16
     half = instants // 2
     near = 10 ** (round(20 * np.log10(lag)) / 20) if lag else 0.0
-    modes = time_modes(instants, variation=variation, lag=lag, slow=0.5)
+    one = np.ones(1)
+    (steps,) = steps_of(variation=variation * one, lag=lag * one, slow=0.5 * one)
+    modes = time_modes(instants, steps)
     rate = period(instants).derivative
     gap = 1 + variation * np.sin(period(instants).nodes)
     assert modes.mean_gap == pytest.approx(gap, abs=1e-12)

@@ -20,7 +20,7 @@ from squeezefilm.reynolds.grid import Grid, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
 from squeezefilm.reynolds.periodic.launch import sizes_of, solve_batch
 from squeezefilm.reynolds.periodic.refinement import iteration_flops, space_products
-from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.periodic.time_modes import steps_of, time_modes
 
 SOURCES = ("linear_algebra.cl", "vectors.cl", "periodic/grid_over_period.cl", "roofline.cl")
 REPEATS = 5
@@ -127,10 +127,12 @@ def _solve_rate(grid: Grid, device: Device) -> float:
 def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The grid as kernels take it: a row of sizes and places, and the matrices."""
     pile = Pile()
+    rest = np.zeros(1)
+    (steps,) = steps_of(variation=rest, lag=rest, slow=rest + 1)
     row = rows_of(
         sizes_of(grid, ()),
         pile.add(grid_matrices(grid, aspect=1.0, terms=())),
-        pile.add(time_modes(grid.nt, variation=0.0, lag=0.0, slow=1.0).parts),
+        pile.add(time_modes(grid.nt, steps).parts),
         numbers=np.empty(1, dtype=[]),
     )
     return row, pile.values

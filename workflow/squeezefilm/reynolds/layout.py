@@ -41,7 +41,7 @@ def c_terms(terms: Terms) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Whole numbers of rows: of each name one for all scenes, shape (names,), or (scenes, names)."""
+    """Whole numbers in rows: of each name one for all scenes, shape (names,), or (scenes, names)."""
 
     names: tuple[str, ...]
     values: np.ndarray

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
@@ -45,10 +46,19 @@ class Needs:
         """Terms of the full equation that are zero for this scene."""
         return left_out_of(self.terms)
 
+    @cached_property
+    def left_out(self) -> str:
+        """Both, for a table."""
+        return "; ".join(part.what for part in self.halves_left_out + self.terms_left_out)
+
 
 def needs_of(scene: Scene) -> Needs:
     """What the scene needs, found from its profile, motion and gas."""
-    profile, terms = under_finger(scene), terms_of(scene)
+    return _needs(under_finger(scene), terms_of(scene))
+
+
+@lru_cache(maxsize=4096)
+def _needs(profile: UnderFinger, terms: Terms) -> Needs:
     broken = {axis for term in terms for axis in term.BREAKS}
     return Needs(
         fold_x=profile.even_x and "x" not in broken,

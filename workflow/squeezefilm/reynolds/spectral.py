@@ -113,7 +113,7 @@ class Axis:
     def in_parts(self) -> np.ndarray:
         """D2; of an axis that is not folded as it acts on even and odd functions' first halves.
 
-        Shape (n, n), or (2, n/2, n/2): halved, for the sum and the difference of a function's values
+        Shape (n, n), or (2, n/2, n/2): halved, for sum and difference of a function's values
         at a node and at its mirror image stand for twice its even and odd part.
         """
         return self.second_derivative if self.folded else self._even_and_odd() / 2

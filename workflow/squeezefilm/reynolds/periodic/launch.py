@@ -21,7 +21,7 @@ from squeezefilm.reynolds.layout import (
     rows_of,
     scene_by_scene,
 )
-from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
 from squeezefilm.reynolds.problems import Problems, mean_amplitude, problems_of, profile_fields
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
 
@@ -249,13 +249,14 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
     for batch in batches:
         of_batch = []
         coarser = None
+        films = _film_steps(batch.problems[-1], batch.grids[-1])
         for grid, problems in zip(batch.grids, batch.problems, strict=True):
             states = at_state + batch.fields * grid.count * np.arange(batch.scenes)
             of_batch.append(
                 rows_of(
                     sizes_of(grid, batch.terms),
                     Columns(("state",), states[:, None]),
-                    *_offsets(pile, problems, grid, coarser=coarser),
+                    *_offsets(pile, problems, films, grid, coarser=coarser),
                     numbers=problems.numbers,
                     # A mass error w moves the pressure by w/H.
                     tolerance=problems.tolerance * (1 - problems.epsilon),
@@ -285,7 +286,9 @@ def sizes_of(grid: Grid, terms: Terms) -> Columns:
     return Columns(tuple(sizes), np.array(list(sizes.values()), dtype=np.int64))
 
 
-def _offsets(pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None) -> list[Columns]:
+def _offsets(
+    pile: Pile, problems: Problems, films: Sequence[Steps], grid: Grid, *, coarser: Grid | None
+) -> list[Columns]:
     """Where what a batch needs on one grid lies in the pile, which it is put on."""
     terms, aspect = problems.terms, problems.aspect
     offsets = [
@@ -294,7 +297,7 @@ def _offsets(pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None
         else _nothing_to_carry(terms),
         pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
         pile.add_each(profile_fields(problems, grid), problems.places),
-        _time_modes(pile, problems, grid),
+        _time_modes(pile, films, grid),
     ]
     for term in terms:
         if operators := term.operators(problems.numbers, grid, aspect=aspect):
@@ -308,22 +311,20 @@ def _nothing_to_carry(terms: Terms) -> Columns:
     return Columns(names, np.full(len(names), NOTHING))
 
 
-def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> Columns:
-    """Where each scene's modes in time lie in the pile, which they are put on once for all."""
-    variations = problems.epsilon * mean_amplitude(problems, grid)
-    each = [
-        time_modes(grid.nt, variation=variation, lag=lag, slow=slow).parts
-        for variation, lag, slow in zip(
-            variations.tolist(),
-            problems.numbers["lag"].tolist(),
-            problems.numbers["slow"].tolist(),
-            strict=True,
-        )
-    ]
-    begins = {parts: pile.put(parts.values) for parts in dict.fromkeys(each)}
-    begin = np.array([begins[parts] for parts in each])
-    starts = each[0].columns
+def _time_modes(pile: Pile, films: Sequence[Steps], grid: Grid) -> Columns:
+    """Where each film's modes in time lie in the pile, which they are put on once for all."""
+    found = {steps: time_modes(grid.nt, steps).parts for steps in dict.fromkeys(films)}
+    begins = {steps: pile.put(parts.values) for steps, parts in found.items()}
+    begin = np.array([begins[steps] for steps in films])
+    starts = found[films[0]].columns
     return Columns(starts.names, begin[:, None] + starts.values)
+
+
+def _film_steps(problems: Problems, grid: Grid) -> list[Steps]:
+    """What tells the films' modes in time, which are alike on all grids."""
+    numbers = problems.numbers
+    variation = problems.epsilon * mean_amplitude(problems, grid)
+    return steps_of(variation=variation, lag=numbers["lag"], slow=numbers["slow"])
 
 
 def in_single(terms: Terms) -> bool:

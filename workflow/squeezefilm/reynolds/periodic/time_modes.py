@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import log10
 
 import numpy as np
 
@@ -26,6 +25,8 @@ from squeezefilm.reynolds.spectral import period
 VARIATION_STEP = 0.05
 LAGS_PER_DECADE = 20
 SLOW_STEP = 0.125
+# What a film without inertia has for a lag.
+LEAST_LAG = 1e-12
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.
 SLOWEST = 1e-3
 
@@ -86,31 +87,37 @@ def _beside(instants: int) -> np.ndarray:
     return np.arange(instants).reshape(2, -1).T.ravel()
 
 
-def time_modes(instants: int, *, variation: float, lag: float, slow: float) -> TimeModes:
-    """The modes of a film, to the next of the steps that are told apart.
+# Variation, lag and share of slow harmonics of a film, in the steps that are told apart.
+Steps = tuple[float, float, float]
+
+
+def steps_of(*, variation: np.ndarray, lag: np.ndarray, slow: np.ndarray) -> list[Steps]:
+    """What tells the modes of films from each other.
 
     Args:
-        variation: of the mean gap, above −1 and below 1.
+        variation: of the mean gap, above −1 and below 1, shape (films,).
         lag: of the flow behind what drives it, in units of 1/ω; 0 without inertia.
         slow: share of the harmonics that lag (``slow_part``).
     """
-    near = VARIATION_STEP * round(variation / VARIATION_STEP)
-    most = 1 - VARIATION_STEP
-    step = round(LAGS_PER_DECADE * log10(lag)) if lag > 0 else None
-    share = SLOW_STEP * round(slow / SLOW_STEP)
-    return _time_modes(instants, min(max(near, -most), most), step, share)
+    most = round(1 / VARIATION_STEP) - 1
+    near = np.clip(np.rint(variation / VARIATION_STEP), -most, most).tolist()
+    lags = np.rint(LAGS_PER_DECADE * np.log10(np.maximum(lag, LEAST_LAG))).tolist()
+    return list(zip(near, lags, np.rint(slow / SLOW_STEP).tolist(), strict=True))
 
 
 @lru_cache(maxsize=4096)
-def _time_modes(instants: int, variation: float, lag_step: int | None, share: float) -> TimeModes:
-    lag = 0.0 if lag_step is None else 10 ** (lag_step / LAGS_PER_DECADE)
+def time_modes(instants: int, steps: Steps) -> TimeModes:
+    """The modes of films whose numbers are within such steps."""
+    variation, share = VARIATION_STEP * steps[0], SLOW_STEP * steps[2]
+    lag = 10 ** (steps[1] / LAGS_PER_DECADE)
+    lag = lag if lag > LEAST_LAG else 0.0
     rate = period(instants).derivative
     mean_gap = 1 + variation * np.sin(period(instants).nodes)
     slow = slow_part(instants, share)
     resistance = np.diag(1 / mean_gap) + lag * slow @ rate
     pairs = _pairs(resistance @ rate, mean_gap)
     if pairs is None:
-        return _time_modes(instants, 0.0, lag_step, share)
+        return time_modes(instants, (0.0, *steps[1:]))
     vectors, decays, speeds = pairs
     settling = np.linalg.inv(np.eye(instants) + lag * slow @ (mean_gap[:, None] * rate))
     return TimeModes(
