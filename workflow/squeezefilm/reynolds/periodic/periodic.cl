@@ -4,9 +4,10 @@
 
 /* Mean overpressure over film and period, in units of ambient pressure, and the largest |p|; before
  * that p takes a share of a step, if there is one. */
-static double2 size_after(const Grid *g, const Film *film, matrix4 step, double share,
+static double2 size_after(const Grid *whole_grid, const Film *whole_film, matrix4 step, double share,
                           __local double *scratch)
 {
+    AS_COPIES(whole_grid, whole_film)
     double4 sum = (double4)(0.0), above = (double4)(0.0), below = (double4)(0.0);
     FOR_EACH(row, g->rows)
     {
@@ -28,9 +29,10 @@ static double2 size_after(const Grid *g, const Film *film, matrix4 step, double 
 }
 
 /* A change of the mass as a step of p; its largest fall and rise, relative to the pressure. */
-static double2 step_of(const Grid *g, const Film *film, constant_vector mass, field4 step,
+static double2 step_of(const Grid *whole_grid, const Film *whole_film, constant_vector mass, field4 step,
                        __local double *scratch)
 {
+    AS_COPIES(whole_grid, whole_film)
     double4 fall = (double4)(0.0), rise = (double4)(0.0);
     FOR_EACH_POINT(g, row, t, i)
     {
@@ -39,8 +41,9 @@ static double2 step_of(const Grid *g, const Film *film, constant_vector mass, fi
         const double4 relative =
             -in_double(((__global const JOIN(real, 4) *)mass)[i]) / (slope * pressure);
         step[i] = relative * pressure;
-        fall = larger(fall, -relative);
-        rise = larger(rise, relative);
+        /* What is no number shows in the mean of p behind the step. */
+        fall = -relative > fall ? -relative : fall;
+        rise = relative > rise ? relative : rise;
     }
     return (double2)(max_over_group(max_of(fall), scratch), max_over_group(max_of(rise), scratch));
 }
