@@ -41,7 +41,12 @@ def c_terms(terms: Terms) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Whole numbers in rows: of each name one for all scenes, shape (names,), or (scenes, names)."""
+    """Whole numbers in rows.
+
+    Attributes:
+        names: of the columns.
+        values: one of each for all scenes, shape (names,), or for each, (scenes, names).
+    """
 
     names: tuple[str, ...]
     values: np.ndarray

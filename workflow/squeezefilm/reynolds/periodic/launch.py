@@ -48,11 +48,13 @@ class Batch:
         problems: the scenes as they are on each of the grids.
         guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
             film at rest if left out.
+        every: whether the states on all grids are asked for, and not that on the last alone.
     """
 
     grids: Sequence[Grid]
     problems: Sequence[Problems]
     guess: np.ndarray | None = None
+    every: bool = True
 
     @cached_property
     def scenes(self) -> int:
@@ -68,9 +70,14 @@ class Batch:
         return unknown_fields(self.terms)
 
     @cached_property
-    def count(self) -> int:
-        """Number of unknowns, of all scenes on all grids."""
-        return self.scenes * self.fields * sum(grid.count for grid in self.grids)
+    def largest_state(self) -> int:
+        """Numbers of a scene's largest state."""
+        return self.fields * max(grid.count for grid in self.grids)
+
+    def returns(self, stage: int) -> bool:
+        """Whether the states on a grid come back, or a first guess lies where they do."""
+        guess = stage == 0 and self.guess is not None
+        return self.every or guess or stage == len(self.grids) - 1
 
     @cached_property
     def workspace_size(self) -> int:
@@ -83,7 +90,7 @@ class Batch:
             linear = 3 * flow_terms + 3 + (most + 1) * self.fields
             matrices = 3 * (grid.nx**2 + grid.ny**2) + 2 * grid.nt**2
             sizes.append(grid.count * (fields + linear) + matrices + (most + 4) * (most + 1))
-        return max(sizes)
+        return max(sizes) + 2 * self.largest_state
 
 
 @lru_cache(maxsize=256)
@@ -99,7 +106,8 @@ class States:
 
     Attributes:
         unknowns: the overpressure p = P − 1 on the grid and the terms' own unknowns, shape
-            (scenes, fields, nx, ny, nt).
+            (scenes, fields, nx, ny, nt); none where the batch does not ask for them.
+        mean_in_time: overpressure averaged over the period, shape (scenes, nx, ny).
         mean: mean of p over film and period, the force in units of p0 × area.
         residual: preconditioned residual, an estimate of the mass error left by the iteration.
         largest: largest |p|.
@@ -109,7 +117,8 @@ class States:
         newton_steps, krylov_iterations: work done.
     """
 
-    unknowns: np.ndarray
+    unknowns: np.ndarray | None
+    mean_in_time: np.ndarray
     mean: np.ndarray
     residual: np.ndarray
     largest: np.ndarray
@@ -122,25 +131,50 @@ class States:
     @property
     def overpressure(self) -> np.ndarray:
         """p = P − 1 on the grid, shape (scenes, nx, ny, nt)."""
+        if self.unknowns is None:
+            raise ValueError("the batch did not ask for the states on this grid")
         return self.unknowns[:, 0]
-
-    @property
-    def mean_in_time(self) -> np.ndarray:
-        """Overpressure averaged over the period, shape (scenes, nx, ny)."""
-        instants = self.overpressure.shape[-1]
-        return np.asarray(self.overpressure @ np.full(instants, 1 / instants))
 
 
 # What the device says of a scene on a grid beside its overpressure: a row of its results.
 COUNTS = {"status", "newton_steps", "krylov_iterations"}
 SAID = np.dtype(
-    [(each.name, np.int64 if each.name in COUNTS else np.float64) for each in fields(States)[1:]]
+    [(each.name, np.int64 if each.name in COUNTS else np.float64) for each in fields(States)[2:]]
 )
 
 
-def _said_numbers(rows: int) -> int:
-    """Numbers that results begin with, before the states, which kernels read in vectors."""
-    return -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+@dataclass(frozen=True)
+class _Place:
+    """Where a launch's results have what is said of a batch on a grid: slices of them.
+
+    Attributes:
+        means: means in time of all scenes, one behind the other.
+        states: the states likewise; none where they do not come back.
+    """
+
+    means: slice
+    states: slice | None
+
+
+def _places(batches: Sequence[Batch]) -> tuple[list[list[_Place]], int]:
+    """The places of each batch on each grid, and the size of the results.
+
+    They begin with what is said in rows; kernels read states in vectors.
+    """
+    rows = sum(batch.scenes * len(batch.grids) for batch in batches)
+    end = -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+    places: list[list[_Place]] = []
+    for batch in batches:
+        places.append([])
+        for stage, grid in enumerate(batch.grids):
+            means = slice(end, end + batch.scenes * grid.nx * grid.ny)
+            end = means.stop
+            states = None
+            if batch.returns(stage):
+                states = slice(end, end + batch.scenes * batch.fields * grid.count)
+                end = states.stop
+            places[-1].append(_Place(means, states))
+    return places, end
 
 
 def solve_batch(
@@ -166,21 +200,22 @@ class Launch:
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
         self.device.fetch(self.results, self.buffer, after=self.done)
+        places, _ = _places(self.batches)
         rows = sum(batch.scenes * len(batch.grids) for batch in self.batches)
-        at_state = _said_numbers(rows)
         said = self.results[: rows * SAID.itemsize // 8].view(SAID)
         states: list[list[States]] = []
         first = 0
-        for batch in self.batches:
+        for batch, of_batch in zip(self.batches, places, strict=True):
             stages = len(batch.grids)
             last = first + batch.scenes * stages
             states.append([])
-            for stage, grid in enumerate(batch.grids):
-                end = at_state + batch.scenes * batch.fields * grid.count
-                unknowns = self.results[at_state:end].reshape(-1, batch.fields, *grid.shape)
+            for stage, (grid, place) in enumerate(zip(batch.grids, of_batch, strict=True)):
+                shape = batch.scenes, batch.fields, *grid.shape
+                unknowns = self.results[place.states].reshape(shape) if place.states else None
+                means = self.results[place.means].reshape(batch.scenes, grid.nx, grid.ny)
                 own = said[first + stage : last : stages]
-                states[-1].append(States(unknowns, *(own[name] for name in SAID.names or ())))
-                at_state = end
+                rest = (own[name] for name in SAID.names or ())
+                states[-1].append(States(unknowns, means, *rest))
             first = last
         return states
 
@@ -242,30 +277,39 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = np.concatenate([np.full(batch.scenes, len(batch.grids)) for batch in batches])
     begins = np.concatenate([[0], np.cumsum(stages)])
-    at_state = _said_numbers(int(begins[-1]))
-    results = aligned(at_state + sum(batch.count for batch in batches) + SPARE)
+    places, size = _places(batches)
+    results = aligned(size + SPARE)
     pile = Pile()
     rows = []
-    for batch in batches:
+    for batch, of_batch_at in zip(batches, places, strict=True):
         of_batch = []
         coarser = None
         films = _film_steps(batch.problems[-1], batch.grids[-1])
-        for grid, problems in zip(batch.grids, batch.problems, strict=True):
-            states = at_state + batch.fields * grid.count * np.arange(batch.scenes)
+        scenes = np.arange(batch.scenes)
+        for grid, problems, place in zip(batch.grids, batch.problems, of_batch_at, strict=True):
+            guess = batch.guess if coarser is None else None
+            if place.states and guess is not None:
+                results[place.states] = guess.ravel()
+            begin = place.states.start if place.states else NOTHING
+            step = batch.fields * grid.count if place.states else 0
+            where = (
+                place.means.start + grid.nx * grid.ny * scenes,
+                begin + step * scenes,
+                np.full(batch.scenes, guess is not None),
+                np.full(batch.scenes, batch.largest_state),
+            )
+            names = ("means", "state", "guessed", "largest_state")
             of_batch.append(
                 rows_of(
                     sizes_of(grid, batch.terms),
-                    Columns(("state",), states[:, None]),
+                    Columns(names, np.stack(where, axis=1)),
                     *_offsets(pile, problems, films, grid, coarser=coarser),
                     numbers=problems.numbers,
                     # A mass error w moves the pressure by w/H.
                     tolerance=problems.tolerance * (1 - problems.epsilon),
                 )
             )
-            end = at_state + batch.scenes * batch.fields * grid.count
-            if coarser is None:
-                results[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
-            at_state, coarser = end, grid
+            coarser = grid
         rows.append(of_batch)
     return _Inputs(begins.astype(np.int32), scene_by_scene(rows), pile.values, results)
 

@@ -2,8 +2,8 @@
  * film_over_period.cl, which has the equation, and krylov.cl. Row, Said and how an iteration ends
  * are defined in periodic.py. */
 
-/* Mean overpressure over film and period, in units of ambient pressure, and the largest |p|; before
- * that p takes a share of a step, if there is one. */
+/* Mean overpressure over film and period, in units of ambient pressure, and the largest |p|; the means
+ * over the period are kept. Before that p takes a share of a step, if there is one. */
 static double2 size_after(const Grid *whole_grid, const Film *whole_film, matrix4 step, double share,
                           __local double *scratch)
 {
@@ -21,6 +21,7 @@ static double2 size_after(const Grid *whole_grid, const Film *whole_film, matrix
             above = p > above ? p : above;
             below = p < below ? p : below;
         }
+        film->means[row] = sum_of(over_period) / g->nt;
         sum += g->weights[row] * over_period;
     }
     const double mean = sum_over_group(sum_of(sum), scratch) / g->nt;
@@ -134,10 +135,12 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
  * state is the first guess of the next, if it was found.
  *
  * begins:  per scene its first row in rows and results; a row is the scene on a grid.
- * rows:    sizes, numbers and where the scene's parts lie; carry_t is negative on its first grid.
+ * rows:    sizes, numbers and where the scene's parts lie; carry_t is negative on its first grid, and
+ *          state on those whose state stays in the workspace.
  * values:  those parts: matrices, profiles, operators.
- * results: per row what is said of it; then, where the row says, its state, the first guess on
- *          entry: p (nx, ny, nt) and the terms' own unknowns. One array, for each that the host
+ * results: per row what is said of it; then, where the row says, the mean of p over the period
+ *          (nx, ny) and the state, a first guess on entry if there is one: p (nx, ny, nt) and the
+ *          terms' own unknowns. One array, for each that the host
  *          waits for costs it as much as a small solve. */
 __kernel void periodic_state(const int scenes, const int most_newton, __global const int *begins,
                              __global const Row *rows, matrix values, field results,
@@ -155,10 +158,12 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
         if (scene >= scenes)
             break;
         int status = CONVERGED;
+        field coarser = 0;
         for (int k = begins[scene]; k < begins[scene + 1]; k++) {
             __global const Row *row = rows + k;
             const int most_krylov = row->most_krylov;
-            field space = workspace + get_group_id(0) * workspace_size;
+            field states = workspace + get_group_id(0) * workspace_size;
+            field space = states + 2 * row->largest_state;
             vector room = (vector)space;
             Grid g = make_grid(row, values, &room);
             space = (field)room;
@@ -194,14 +199,18 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             film.amplitude = ARRAY(&film, amplitude);
             film.gradient_squared = ARRAY(&film, gradient_squared);
             film.laplacian = ARRAY(&film, laplacian);
-            film.p = (field4)(results + row->state);
-            film.own = results + row->state + g.count;
+            field state = row->state >= 0 ? results + row->state
+                                          : states + (k - begins[scene]) % 2 * row->largest_state;
+            film.p = (field4)state;
+            film.own = state + g.count;
+            film.means = results + row->means;
             if (row->carry_t >= 0 && status == CONVERGED) {
-                carry(&g, &film, row - 1, results + (row - 1)->state);
-            } else if (row->carry_t >= 0) {
+                carry(&g, &film, row - 1, coarser);
+            } else if (!row->guessed) {
                 FOR_EACH(i, g.length4) film.p[i] = (double4)(0.0);
                 SYNC;
             }
+            coarser = state;
             set_gap(&g, &film);
             Said said =
                 solve(&g, &film, row->tolerance, most_newton, most_krylov, basis, small, scratch);

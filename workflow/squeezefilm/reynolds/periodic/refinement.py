@@ -223,7 +223,8 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
         shares[-telling] = shares[-telling + 1] = TIMELY * left
     problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     known = [progress.state for progress in group if progress.state is not None]
-    return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
+    guess = np.stack(known) if known else None
+    return Batch(grids=grids, problems=problems, guess=guess, every=False)
 
 
 def _judge(
@@ -363,6 +364,7 @@ def _judge_scene(
         finer = replace(finer, nt=grid.nt)
     elif progress.change:
         progress.change, progress.in_time = progress.change + progress.in_time, 0.0
+    assert states.unknowns is not None
     progress.grids, progress.state = (grid, finer), states.unknowns[position].copy()
     return None
 
