@@ -34,6 +34,8 @@
  * `a*b + c` is contracted to a fused multiply-add; an explicit fma() is slow on PoCL. */
 #define ROWS_4(STEP, w) STEP(0, w) STEP(1, w) STEP(2, w) STEP(3, w)
 #define ROWS_8(STEP, w) ROWS_4(STEP, w) STEP(4, w) STEP(5, w) STEP(6, w) STEP(7, w)
+#define ROWS_16(STEP, w) ROWS_8(STEP, w) STEP(8, w) STEP(9, w) STEP(10, w) STEP(11, w) \
+    STEP(12, w) STEP(13, w) STEP(14, w) STEP(15, w)
 #define ONE_ROW(STEP, w) STEP(0, w)
 #define WIDE_1(ROWS, STEP) ROWS(STEP, 0)
 #define WIDE_2(ROWS, STEP) WIDE_1(ROWS, STEP) ROWS(STEP, 1)
@@ -146,6 +148,7 @@ BLOCK(block_4_4, 4, 4)
 #ifdef MANY_REGISTERS
 BLOCK(block_8_1, 8, 1)
 BLOCK(block_8_2, 8, 2)
+BLOCK(block_16_1, 16, 1)
 #endif
 
 /* Four rows of a panel from column `from` up to `to`. */
@@ -192,6 +195,9 @@ OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vec
     for (int p = 0; p < panels; p++, b += panel_b, c += panel_c) {
         int row = 0;
 #ifdef MANY_REGISTERS
+        if (columns <= LANES)
+            for (; rows - row >= 16; row += 16)
+                block_16_1(a + row * inner, inner, b, c + row * columns, columns, columns, add);
         for (; rows - row >= 8; row += 8)
             eight_rows(a + row * inner, inner, b, c + row * columns, columns, add);
 #endif
@@ -215,6 +221,7 @@ OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vec
 MIRRORED_BLOCK(mirrored_4_1, 4, 1)
 MIRRORED_BLOCK(mirrored_2_1, 2, 1)
 #ifdef MANY_REGISTERS
+MIRRORED_BLOCK(mirrored_8_1, 8, 1)
 MIRRORED_BLOCK(mirrored_4_2, 4, 2)
 MIRRORED_BLOCK(mirrored_2_2, 2, 2)
 #endif
@@ -259,10 +266,19 @@ OF_BOTH_TYPES inline void multiply_parts(constant_vector a, int half_rows, const
     const int panel = 2 * half_rows * columns;
 #if WORK_ITEMS == 1
     for (int p = 0; p < panels; p++, b += panel, c += panel)
-        for (int column = 0; column < columns; column += STRIPE * LANES)
-            for (int row = 0; row < half_rows; row += 4)
+        for (int column = 0; column < columns; column += STRIPE * LANES) {
+            int row = 0;
+#ifdef MANY_REGISTERS
+            if (columns <= LANES)
+                for (; half_rows - row >= 8; row += 8)
+                    mirrored_8_1(a + row * half_rows, a + (half_rows + row) * half_rows, half_rows, b,
+                                 c + row * columns, c + (2 * half_rows - 1 - row) * columns, columns,
+                                 columns, of_nodes, to_nodes, add);
+#endif
+            for (; row < half_rows; row += 4)
                 mirrored_rows(a, half_rows, row, b, c, columns, column,
                               min(column + STRIPE * LANES, columns), of_nodes, to_nodes, add);
+        }
 #else
     const int row_blocks = (half_rows + 3) / 4, column_blocks = (columns + LANES - 1) / LANES;
     FOR_EACH(task, panels * row_blocks * column_blocks)
