@@ -29,6 +29,13 @@
 #define MANY_REGISTERS
 #endif
 #define OF_BOTH_TYPES static __attribute__((overloadable))
+/* Functions without barriers that every product calls: where PoCL copies those with barriers to each of
+ * their calls, these are not copied with them, which took minutes. */
+#if WORK_ITEMS == 1
+#define BLOCKS_OF_BOTH_TYPES OF_BOTH_TYPES inline
+#else
+#define BLOCKS_OF_BOTH_TYPES OF_BOTH_TYPES __attribute__((noinline))
+#endif
 
 /* c = a b (+ c) for 4 or 8 rows over 1 to 4 registers, of the last of which `last` numbers are stored.
  * `a*b + c` is contracted to a fused multiply-add; an explicit fma() is slow on PoCL. */
@@ -152,7 +159,7 @@ BLOCK(block_16_1, 16, 1)
 #endif
 
 /* Four rows of a panel from column `from` up to `to`. */
-OF_BOTH_TYPES inline void four_rows(constant_vector a, int inner, constant_vector b, vector c,
+BLOCKS_OF_BOTH_TYPES void four_rows(constant_vector a, int inner, constant_vector b, vector c,
                                     int columns, int from, int to, int add)
 {
     for (int column = from; column < to;) {
@@ -228,7 +235,7 @@ MIRRORED_BLOCK(mirrored_2_2, 2, 2)
 
 /* Four rows of the first half of a panel, or the last two, and their mirror images, from column `from`
  * up to `to`. */
-OF_BOTH_TYPES inline void mirrored_rows(constant_vector a, int half_rows, int row, constant_vector b,
+BLOCKS_OF_BOTH_TYPES void mirrored_rows(constant_vector a, int half_rows, int row, constant_vector b,
                                         vector c, int columns, int from, int to, const int of_nodes,
                                         const int to_nodes, int add)
 {

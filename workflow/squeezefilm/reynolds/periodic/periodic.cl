@@ -101,8 +101,10 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         if (s.newton_steps == most_newton || patience == 0)
             break;
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
-        const double target = fmax(fmax(0.3 * goal, LINEAR_ROUNDING / 10 * s.residual),
-                                   fmin(0.1 * s.residual, s.residual * s.residual));
+        const double bend = s.residual * s.residual;
+        const double last = bend < 0.01 * goal ? 0.7 : 0.3;
+        const double target = fmax(fmax(last * goal, LINEAR_ROUNDING / 10 * s.residual),
+                                   fmin(0.1 * s.residual, bend));
         double left;
         s.krylov_iterations +=
             gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, &left, scratch);
