@@ -18,8 +18,9 @@ from numerics.peers.fixed_grid import problems_on_grid
 from squeezefilm.reynolds.device import SPARE, Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
-from squeezefilm.reynolds.periodic.launch import sizes_of, solve_batch
-from squeezefilm.reynolds.periodic.refinement import iteration_flops, space_products
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.refinement import iteration_flops
+from squeezefilm.reynolds.periodic.sizes import sizes_of
 from squeezefilm.reynolds.periodic.time_modes import steps_of, time_modes
 
 SOURCES = ("linear_algebra.cl", "vectors.cl", "periodic/grid_over_period.cl", "roofline.cl")
@@ -86,7 +87,7 @@ def measure(device: Device) -> list[Rate]:
         row, matrices = (device.sent(values) for values in _row(grid))
         nx, ny, nt = grid.shape
         workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups + SPARE))
-        inner_x, inner_y = space_products(grid)
+        inner_x, inner_y = grid.space_products
         inner_of = (("along x", inner_x), ("along y", inner_y), ("along t", nt))
         for which, (part, inner) in enumerate(inner_of):
             flops = 2.0 * nx * ny * nt * inner

@@ -57,6 +57,11 @@ class Grid:
         """Number of unknowns."""
         return self.nx * self.ny * self.nt
 
+    @property
+    def space_products(self) -> tuple[int, int]:
+        """Multiply-adds along x and y for each number: half of a row where an axis is whole."""
+        return self.nx if self.fold_x else self.nx // 2, self.ny if self.fold_y else self.ny // 2
+
     def sees(self, nodes_x: int, nodes_y: int) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y

@@ -21,6 +21,7 @@ from squeezefilm.reynolds.layout import (
     rows_of,
     scene_by_scene,
 )
+from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
 from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
 from squeezefilm.reynolds.problems import Problems, mean_amplitude, problems_of, profile_fields
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
@@ -35,8 +36,6 @@ ENDINGS = {
 }
 STATUS = tuple(ENDINGS.values())
 MOST_NEWTON = 40
-LEAST_KRYLOV, MOST_KRYLOV = 20, 80
-LARGEST_WORKSPACE_BYTES = 256 * 2**20
 
 
 @dataclass(frozen=True)
@@ -91,13 +90,6 @@ class Batch:
             matrices = 3 * (grid.nx**2 + grid.ny**2) + 2 * grid.nt**2
             sizes.append(grid.count * (fields + linear) + matrices + (most + 4) * (most + 1))
         return max(sizes) + 2 * self.largest_state
-
-
-@lru_cache(maxsize=256)
-def most_krylov(grid: Grid, terms: Terms) -> int:
-    """Krylov iterations that a Newton step may take: as many as there is room for."""
-    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
-    return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
 
 
 @dataclass(frozen=True)
@@ -312,22 +304,6 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
             coarser = grid
         rows.append(of_batch)
     return _Inputs(begins.astype(np.int32), scene_by_scene(rows), pile.values, results)
-
-
-@lru_cache(maxsize=256)
-def sizes_of(grid: Grid, terms: Terms) -> Columns:
-    """What a kernel must know of a grid before it can find anything."""
-    whole_x, whole_y = not grid.fold_x, not grid.fold_y
-    sizes = {
-        "nx": grid.nx,
-        "ny": grid.ny,
-        "nt": grid.nt,
-        "most_krylov": most_krylov(grid, terms),
-        "whole_x": whole_x,
-        "whole_y": whole_y,
-        "whole_modes_x": whole_x and not any("x" in term.BREAKS for term in terms),
-    }
-    return Columns(tuple(sizes), np.array(list(sizes.values()), dtype=np.int64))
 
 
 def _offsets(

@@ -386,16 +386,10 @@ def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: fl
 def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
     nx, ny, nt = grid.shape
-    in_space = 3 * sum(space_products(grid))
+    in_space = 3 * sum(grid.space_products)
     in_space += (nx + ny) * sum(term.SPACE_PRODUCTS for term in terms)
     in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
     return 2.0 * nx * ny * nt * (in_space + in_time * nt)
-
-
-def space_products(grid: Grid) -> tuple[int, int]:
-    """Multiply-adds of a product along x and y for each number: halves where an axis is whole."""
-    nx, ny, _ = grid.shape
-    return nx if grid.fold_x else nx // 2, ny if grid.fold_y else ny // 2
 
 
 def _size(grid: Grid) -> str:
