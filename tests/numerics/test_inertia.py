@@ -24,7 +24,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.flux_points import flux_points
-from squeezefilm.reynolds.periodic.time_modes import slow_part, time_modes
+from squeezefilm.reynolds.periodic.time_modes import slow_part, steps_of, time_modes
 from squeezefilm.reynolds.spectral import axis, period
 from squeezefilm.reynolds.terms.inertia import Inertia
 
@@ -240,15 +240,25 @@ def test_inertia_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene:
     assert 1e-3 < moved.max() < 1e-2
 
 
-@pytest.mark.parametrize(("variation", "lag"), [(0.0, 0.0), (0.4, 0.0), (0.4, 0.2), (-0.6, 1.0)])
-def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(variation: float, lag: float) -> None:
+@pytest.mark.parametrize(
+    ("variation", "lagging", "lag"),
+    [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (0.4, 0.0, 0.2), (-0.6, 0.0, 1.0), (0.3, -0.5, 0.2)],
+)
+def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(
+    variation: float, lagging: float, lag: float
+) -> None:
     """A d/dT with A = 1/h + lag L d/dT; numbers on the steps that are told apart."""
     instants = 16
     half = instants // 2
     near = 10 ** (round(20 * np.log10(lag)) / 20) if lag else 0.0
-    modes = time_modes(instants, variation=variation, lag=lag, slow=0.5)
+    one = np.ones(1)
+    (steps,) = steps_of(
+        variation=variation * one, lagging=lagging * one, lag=lag * one, slow=0.5 * one
+    )
+    modes = time_modes(instants, steps)
     rate = period(instants).derivative
-    gap = 1 + variation * np.sin(period(instants).nodes)
+    nodes = period(instants).nodes
+    gap = 1 + variation * np.sin(nodes) + lagging * np.cos(nodes)
     assert modes.mean_gap == pytest.approx(gap, abs=1e-12)
     slow = slow_part(instants, 0.5)
     resistance = np.diag(1 / gap) + near * slow @ rate

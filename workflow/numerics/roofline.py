@@ -20,7 +20,8 @@ from squeezefilm.reynolds.grid import Grid, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import iteration_flops
-from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.periodic.sizes import sizes_of
+from squeezefilm.reynolds.periodic.time_modes import steps_of, time_modes
 
 SOURCES = ("linear_algebra.cl", "vectors.cl", "periodic/grid_over_period.cl", "roofline.cl")
 REPEATS = 5
@@ -86,7 +87,9 @@ def measure(device: Device) -> list[Rate]:
         row, matrices = (device.sent(values) for values in _row(grid))
         nx, ny, nt = grid.shape
         workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups + SPARE))
-        for which, (part, inner) in enumerate((("along x", nx), ("along y", ny), ("along t", nt))):
+        inner_x, inner_y = grid.space_products
+        inner_of = (("along x", inner_x), ("along y", inner_y), ("along t", nt))
+        for which, (part, inner) in enumerate(inner_of):
             flops = 2.0 * nx * ny * nt * inner
             turns = int(PRODUCT_FLOPS / flops)
             time_s = seconds("panel_products", which, turns, row, matrices, workspace)
@@ -125,9 +128,14 @@ def _solve_rate(grid: Grid, device: Device) -> float:
 def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The grid as kernels take it: a row of sizes and places, and the matrices."""
     pile = Pile()
-    starts = pile.add(grid_matrices(grid, aspect=1.0, terms=()))
-    starts |= pile.add(time_modes(grid.nt, variation=0.0, lag=0.0, slow=1.0).parts)
-    row = rows_of({"nx": grid.nx, "ny": grid.ny, "nt": grid.nt, **starts}, np.empty(1, dtype=[]))
+    rest = np.zeros(1)
+    (steps,) = steps_of(variation=rest, lagging=rest, lag=rest, slow=rest + 1)
+    row = rows_of(
+        sizes_of(grid, ()),
+        pile.add(grid_matrices(grid, aspect=1.0, terms=())),
+        pile.add(time_modes(grid.nt, steps).parts),
+        numbers=np.empty(1, dtype=[]),
+    )
     return row, pile.values
 
 

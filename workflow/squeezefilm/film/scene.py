@@ -296,6 +296,22 @@ class Scene:
         return x, y
 
 
+class AtPlace:
+    """A scene as far as the profile under the finger goes: scenes at one place are equal."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._hash = hash(scene.place)
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, AtPlace) and (
+            self.scene is other.scene or self.scene.place == other.scene.place
+        )
+
+
 def check_scene(scene: Scene) -> None:
     """Refuse a scene that has no solution or lies off the actuator.
 

@@ -65,7 +65,7 @@ class Change:
         """With a change of the whole film beside it."""
         return Change(self.largest + more, self.size + more)
 
-    def __getitem__(self, film: int) -> Change:
+    def __getitem__(self, film: int | list[int]) -> Change:
         return Change(self.largest[film], self.size[film])
 
 

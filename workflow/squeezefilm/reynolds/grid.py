@@ -57,6 +57,11 @@ class Grid:
         """Number of unknowns."""
         return self.nx * self.ny * self.nt
 
+    @property
+    def space_products(self) -> tuple[int, int]:
+        """Multiply-adds along x and y for each number: half of a row where an axis is whole."""
+        return self.nx if self.fold_x else self.nx // 2, self.ny if self.fold_y else self.ny // 2
+
     def sees(self, nodes_x: int, nodes_y: int) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
@@ -75,13 +80,13 @@ def _positions(x: Axis, y: Axis) -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=256)
 def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
     """The matrices of a grid over the period, under the names that kernels know them by."""
-    values_x, vectors_x, inverse_x = grid.x.modes
-    values_y, vectors_y, inverse_y = grid.y.modes
+    values_x, vectors_x, inverse_x = grid.x.modes_in_parts
+    values_y, vectors_y, inverse_y = grid.y.modes_in_parts
     parts = {
-        "laplace_x": grid.x.second_derivative,
+        "laplace_x": grid.x.in_parts,
         "modes_x": vectors_x,
         "to_modes_x": inverse_x,
-        "laplace_y": grid.y.second_derivative / aspect**2,
+        "laplace_y": grid.y.in_parts / aspect**2,
         "modes_y": vectors_y,
         "to_modes_y": inverse_y,
         "time_derivative": grid.t.derivative.T,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import accumulate
 from typing import Any
 
@@ -39,30 +39,36 @@ def c_terms(terms: Terms) -> str:
     return "\n".join(lines)
 
 
-def rows_of(
-    whole: Mapping[str, int | np.ndarray], numbers: np.ndarray, **more: np.ndarray
-) -> np.ndarray:
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Whole numbers in rows.
+
+    Attributes:
+        names: of the columns.
+        values: one of each for all scenes, shape (names,), or for each, (scenes, names).
+    """
+
+    names: tuple[str, ...]
+    values: np.ndarray
+
+
+def rows_of(*whole: Columns, numbers: np.ndarray, **more: np.ndarray) -> np.ndarray:
     """One row per scene for a kernel: whole numbers, the scene's own numbers, and more of them.
 
     Args:
-        whole: for each name one for all scenes, or one for each.
+        whole: of names that there are twice the last counts.
         numbers: with a row per scene.
     """
-    kind = _row_type(tuple(whole), numbers.dtype, tuple(more))
+    kind, places = _row_type(tuple(each.names for each in whole), numbers.dtype, tuple(more))
+    # As plain numbers, and many columns at once: a row has some thirty.
     table = np.empty((len(numbers), kind.itemsize // 8), dtype=np.int64)
-    # As plain numbers, and at once what is one for all: a row has some thirty columns.
-    table[:, : len(whole)] = [
-        0 if isinstance(each, np.ndarray) else each for each in whole.values()
-    ]
-    for column, each in enumerate(whole.values()):
-        if isinstance(each, np.ndarray):
-            table[:, column] = each
+    for place, columns in zip(places, whole, strict=False):
+        table[:, place] = columns.values
     reals = table.view(np.float64)
-    own = numbers.dtype.itemsize // 8
-    if own:
-        reals[:, len(whole) : len(whole) + own] = numbers.view(np.float64).reshape(-1, own)
-    for column, each in enumerate(more.values(), start=len(whole) + own):
-        reals[:, column] = each
+    if numbers.dtype.itemsize:
+        reals[:, places[-1]] = numbers.view(np.float64).reshape(len(numbers), -1)
+    for column, values in enumerate(more.values(), start=reals.shape[1] - len(more)):
+        reals[:, column] = values
     return table.view(kind)[:, 0]
 
 
@@ -79,14 +85,22 @@ def scene_by_scene(batches: Iterable[Sequence[np.ndarray]]) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _row_type(
-    whole: tuple[str, ...], numbers: np.dtype[Any], more: tuple[str, ...]
-) -> np.dtype[Any]:
+    whole: tuple[tuple[str, ...], ...], numbers: np.dtype[Any], more: tuple[str, ...]
+) -> tuple[np.dtype[Any], list[slice | list[int]]]:
+    """The rows' type, and where among their plain numbers each of ``whole`` lies, then numbers."""
+    names = list(dict.fromkeys(name for some in whole for name in some))
     kinds = (
-        [(name, np.int64) for name in whole],
-        numbers.descr,
+        [(name, np.int64) for name in names],
+        numbers.descr if numbers.itemsize else [],
         [(name, np.float64) for name in more],
     )
-    return np.dtype([kind for some in kinds for kind in some])
+    places: list[slice | list[int]] = []
+    for some in whole:
+        found = [names.index(name) for name in some]
+        together = found == list(range(found[0], found[0] + len(found)))
+        places.append(slice(found[0], found[0] + len(found)) if together else found)
+    places.append(slice(len(names), len(names) + numbers.itemsize // 8))
+    return np.dtype([kind for some in kinds for kind in some]), places
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +109,10 @@ class Joined:
 
     values: np.ndarray
     starts: dict[str, int]
+
+    @cached_property
+    def columns(self) -> Columns:
+        return Columns(tuple(self.starts), np.array(list(self.starts.values())))
 
 
 def joined(parts: Mapping[str, np.ndarray]) -> Joined:
@@ -117,21 +135,16 @@ class Pile:
         self.end += values.size
         return begin
 
-    def add(self, more: Joined) -> dict[str, int]:
+    def add(self, more: Joined) -> Columns:
         """Where each of some arrays begins."""
-        begin = self.put(more.values)
-        return {name: begin + start for name, start in more.starts.items()}
+        return Columns(more.columns.names, more.columns.values + self.put(more.values))
 
-    def add_each(
-        self, parts: Mapping[str, np.ndarray], which: np.ndarray | None = None
-    ) -> dict[str, np.ndarray]:
+    def add_each(self, parts: Mapping[str, np.ndarray], which: np.ndarray | None = None) -> Columns:
         """Where each scene's part begins of arrays with a row for each scene, or for ``which``."""
-        starts = self.add(joined(parts)) if parts else {}
-        places = {}
-        for name, part in parts.items():
-            rows = np.arange(len(part)) if which is None else which
-            places[name] = starts[name] + part[0].size * rows
-        return places
+        first = self.add(joined(parts))
+        sizes = np.array([part[0].size for part in parts.values()])
+        rows = np.arange(len(next(iter(parts.values())))) if which is None else which
+        return Columns(first.names, first.values + rows[:, None] * sizes)
 
     @property
     def values(self) -> np.ndarray:

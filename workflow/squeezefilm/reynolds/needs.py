@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import GapShape, Scene
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
 from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
 
@@ -45,12 +46,20 @@ class Needs:
         """Terms of the full equation that are zero for this scene."""
         return left_out_of(self.terms)
 
+    @cached_property
+    def left_out(self) -> str:
+        """Both, for a table."""
+        return "; ".join(part.what for part in self.halves_left_out + self.terms_left_out)
+
 
 def needs_of(scene: Scene) -> Needs:
     """What the scene needs, found from its profile, motion and gas."""
-    profile, terms = under_finger(scene), terms_of(scene)
+    return _needs(under_finger(scene), terms_of(scene), scene.finger.gap)
+
+
+@lru_cache(maxsize=4096)
+def _needs(profile: UnderFinger, terms: Terms, gap: GapShape) -> Needs:
     broken = {axis for term in terms for axis in term.BREAKS}
-    gap = scene.finger.gap
     return Needs(
         fold_x=profile.even_x and "x" not in broken and gap.tilt_x_m == 0,
         fold_y=profile.even_y and "y" not in broken and gap.tilt_y_m == 0,

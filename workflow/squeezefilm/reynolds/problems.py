@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import AtPlace, Scene
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of
+
+# Nodes up to which the profile at a place is kept: there it is asked for many gaps and amplitudes.
+MOST_KEPT = 10_000
 
 
 @dataclass(frozen=True)
@@ -96,16 +100,13 @@ def _parts(scenes: Sequence[Scene], grids: Sequence[Grid]) -> tuple[list[np.ndar
     """The gap's parts on all nodes of each grid at each place of the finger, each scene's place."""
     known: dict[object, tuple[int, Scene]] = {}
     places = [known.setdefault(_place(scene), (len(known), scene))[0] for scene in scenes]
-    # On all grids at once: a profile is asked as rarely as can be.
-    x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids), strict=True))
-    values = np.stack([_parts_at(scene, x, y) for _, scene in known.values()])
-    parts, begin = [], 0
-    for grid in grids:
-        shape = grid.x.full_points + 2, grid.y.full_points + 2
-        end = begin + shape[0] * shape[1]
-        parts.append(values[..., begin:end].reshape(*values.shape[:2], *shape))
-        begin = end
-    return parts, np.array(places)
+    nodes = sum(grid.positions[0].size for grid in grids)
+    ask = _profile_kept if nodes <= MOST_KEPT else _profile_on
+    found = []
+    for _, scene in known.values():
+        moving = ask(AtPlace(scene), tuple(grids))
+        found.append([_with_rest(scene, *each) for each in zip(grids, moving, strict=True)])
+    return [np.stack(on_grid) for on_grid in zip(*found, strict=True)], np.array(places)
 
 
 def _place(scene: Scene) -> object:
@@ -113,13 +114,30 @@ def _place(scene: Scene) -> object:
     return scene.place if scene.finger.gap.flat else (scene.place, scene.h0_m)
 
 
-def _parts_at(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """The parts of a scene's gap, shape (parts, …)."""
-    moving = scene.parts(x, y)
+def _profile_on(at: AtPlace, grids: tuple[Grid, ...]) -> list[np.ndarray]:
+    """The profile's parts on all nodes of each grid; asked at once, as rarely as can be."""
+    x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids), strict=True))
+    values = at.scene.parts(x, y)
+    ends = np.cumsum([grid.positions[0].size for grid in grids])[:-1]
+    each = zip(np.split(values, ends, axis=1), grids, strict=True)
+    return [part.reshape(len(part), *_whole(grid)) for part, grid in each]
+
+
+_profile_kept = lru_cache(maxsize=256)(_profile_on)
+
+
+def _with_rest(scene: Scene, grid: Grid, moving: np.ndarray) -> np.ndarray:
+    """The parts of a scene's gap, shape (parts, full nx + 2, full ny + 2)."""
     if scene.plain:
         return moving
     second = moving[1] if scene.two_phases else np.zeros_like(moving[0])
-    return np.stack([moving[0], second, scene.rest_gap(x, y) - 1])
+    at_rest = scene.rest_gap(*grid.positions).reshape(_whole(grid))
+    return np.stack([moving[0], second, at_rest - 1])
+
+
+def _whole(grid: Grid) -> tuple[int, int]:
+    """Nodes of a grid, ends and mirror images included."""
+    return grid.x.full_points + 2, grid.y.full_points + 2
 
 
 def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:

@@ -39,9 +39,9 @@ __kernel void panel_products(const int which, const int turns, __global const Ro
     field in = workspace + get_group_id(0) * (size_t)(2 * g.count), out = in + g.count;
     for (int turn = 0; turn < turns; turn++) {
         if (which == 0)
-            along_x(&g, g.laplace_x, in, out, 0);
+            mirrored_x(&g, g.whole_x, g.laplace_x, in, out, NODES_TO_NODES, 0);
         else if (which == 1)
-            along_y(&g, g.laplace_y, in, out, 0);
+            mirrored_y(&g, g.laplace_y, in, out, NODES_TO_NODES, 0);
         else
             along_t(&g, g.linear.time_modes, in, out, 0);
     }

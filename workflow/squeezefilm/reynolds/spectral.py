@@ -109,6 +109,38 @@ class Axis:
         vectors = vectors / np.sqrt(self.weights @ vectors**2)
         return values, vectors, np.linalg.inv(vectors)
 
+    @cached_property
+    def in_parts(self) -> np.ndarray:
+        """D2; of an axis that is not folded as it acts on even and odd functions' first halves.
+
+        Shape (n, n), or (2, n/2, n/2): halved, for sum and difference of a function's values
+        at a node and at its mirror image stand for twice its even and odd part.
+        """
+        return self.second_derivative if self.folded else self._even_and_odd() / 2
+
+    @cached_property
+    def modes_in_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``modes`` likewise: eigenvalues (n,), even and odd vectors, and their inverse.
+
+        An even mode has its place as far from the first as an odd one from the last.
+        """
+        if self.folded:
+            return self.modes
+        values, vectors = np.linalg.eig(self._even_and_odd())
+        order = np.argsort(-values.real, axis=-1)
+        values = np.take_along_axis(values.real, order, axis=-1)
+        vectors = np.take_along_axis(vectors.real, order[:, None], axis=-1)
+        half = self.points // 2
+        vectors /= np.sqrt(2 * self.weights[:half] @ vectors**2)[:, None]
+        return np.append(values[0], values[1, ::-1]), vectors, np.linalg.inv(vectors) / 2
+
+    def _even_and_odd(self) -> np.ndarray:
+        """D2 of even and of odd functions on the first half of the nodes, shape (2, n/2, n/2)."""
+        half = self.points // 2
+        rows = self.second_derivative[:half]
+        near, far = rows[:, :half], rows[:, : half - 1 : -1]
+        return np.stack([near + far, near - far])
+
     @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def moments(self, count: int) -> np.ndarray:
         """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import AtPlace, Scene
 from squeezefilm.film.vibration.landmarks import landmarks_of
 from squeezefilm.reynolds.grid import MOST_SPACE
 from squeezefilm.reynolds.spectral import axis
@@ -108,24 +108,11 @@ class UnderFinger:
 
 def under_finger(scene: Scene) -> UnderFinger:
     """The profile under a scene's finger; one for all scenes at one place."""
-    return _at_place(_Place(scene))
-
-
-class _Place:
-    """A scene as far as the profile under the finger goes: scenes at one place are equal."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-
-    def __hash__(self) -> int:
-        return hash(self.scene.place)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Place) and self.scene.place == other.scene.place
+    return _at_place(AtPlace(scene))
 
 
 @lru_cache(maxsize=4096)
-def _at_place(place: _Place) -> UnderFinger:
+def _at_place(place: AtPlace) -> UnderFinger:
     return UnderFinger(place.scene)
 
 

@@ -29,11 +29,20 @@
 #define MANY_REGISTERS
 #endif
 #define OF_BOTH_TYPES static __attribute__((overloadable))
+/* Functions without barriers that every product calls: where PoCL copies those with barriers to each of
+ * their calls, these are not copied with them, which took minutes. */
+#if WORK_ITEMS == 1
+#define BLOCKS_OF_BOTH_TYPES OF_BOTH_TYPES inline
+#else
+#define BLOCKS_OF_BOTH_TYPES OF_BOTH_TYPES __attribute__((noinline))
+#endif
 
 /* c = a b (+ c) for 4 or 8 rows over 1 to 4 registers, of the last of which `last` numbers are stored.
  * `a*b + c` is contracted to a fused multiply-add; an explicit fma() is slow on PoCL. */
 #define ROWS_4(STEP, w) STEP(0, w) STEP(1, w) STEP(2, w) STEP(3, w)
 #define ROWS_8(STEP, w) ROWS_4(STEP, w) STEP(4, w) STEP(5, w) STEP(6, w) STEP(7, w)
+#define ROWS_16(STEP, w) ROWS_8(STEP, w) STEP(8, w) STEP(9, w) STEP(10, w) STEP(11, w) \
+    STEP(12, w) STEP(13, w) STEP(14, w) STEP(15, w)
 #define ONE_ROW(STEP, w) STEP(0, w)
 #define WIDE_1(ROWS, STEP) ROWS(STEP, 0)
 #define WIDE_2(ROWS, STEP) WIDE_1(ROWS, STEP) ROWS(STEP, 1)
@@ -58,6 +67,51 @@
         }                                                                                      \
         WIDE_##registers(ROWS_##rows, STORE)                                                   \
     }
+
+/* Products with a matrix that commutes with mirroring, kept as its even and its odd part of half the
+ * size. Of b and c the values at a node and at its mirror image are the k-th row from the first and
+ * the k-th from the last on; the coefficients of an even and an odd mode likewise. */
+#define NONE(i, w) lanes e##i##w = (lanes)(0), o##i##w = (lanes)(0);
+#define PARTS(i, w)                                                               \
+    const lanes x##w = loaded(row + w * LANES), y##w = loaded(image + w * LANES); \
+    const lanes s##w = of_nodes ? x##w + y##w : x##w, d##w = of_nodes ? x##w - y##w : y##w;
+#define ENTRIES(i, w) const real a##i = even[i * half_rows + k], b##i = odd[i * half_rows + k];
+#define MULTIPLY_PARTS(i, w) e##i##w += a##i * s##w; o##i##w += b##i * d##w;
+#define STORE_PARTS(i, w)                                                                       \
+    {                                                                                           \
+        vector top = c + i * columns + w * LANES, bottom = mirrored - i * columns + w * LANES; \
+        const int count = w < wide - 1 ? LANES : last;                                          \
+        const lanes first = to_nodes ? e##i##w + o##i##w : e##i##w;                             \
+        const lanes second = to_nodes ? e##i##w - o##i##w : o##i##w;                            \
+        store(add ? loaded(top) + first : first, top, count);                                   \
+        store(add ? loaded(bottom) + second : second, bottom, count);                           \
+    }
+#define ROWS_2(STEP, w) STEP(0, w) STEP(1, w)
+#define MIRRORED_BLOCK(name, rows, registers)                                                     \
+    OF_BOTH_TYPES inline void name(constant_vector even, constant_vector odd, int half_rows,           \
+                                   constant_vector b, vector c, vector mirrored, int columns,     \
+                                   int last, const int of_nodes, const int to_nodes, int add)     \
+    {                                                                                             \
+        const int wide = registers;                                                               \
+        WIDE_##registers(ROWS_##rows, NONE)                                                       \
+        for (int k = 0; k < half_rows; k++) {                                                          \
+            constant_vector row = b + k * columns, image = b + (2 * half_rows - 1 - k) * columns;      \
+            WIDE_##registers(ONE_ROW, PARTS)                                                      \
+            ROWS_##rows(ENTRIES, 0)                                                               \
+            WIDE_##registers(ROWS_##rows, MULTIPLY_PARTS)                                         \
+        }                                                                                         \
+        WIDE_##registers(ROWS_##rows, STORE_PARTS)                                                \
+    }
+/* Registers beside each other whose columns stay in the first cache for all rows. */
+#ifdef MANY_REGISTERS
+#define STRIPE 2
+#else
+#define STRIPE 1
+#endif
+/* What such a matrix takes to what. */
+#define NODES_TO_NODES 0
+#define NODES_TO_MODES 1
+#define MODES_TO_NODES 2
 #endif
 
 typedef __global real *vector;
@@ -101,10 +155,11 @@ BLOCK(block_4_4, 4, 4)
 #ifdef MANY_REGISTERS
 BLOCK(block_8_1, 8, 1)
 BLOCK(block_8_2, 8, 2)
+BLOCK(block_16_1, 16, 1)
 #endif
 
 /* Four rows of a panel from column `from` up to `to`. */
-OF_BOTH_TYPES inline void four_rows(constant_vector a, int inner, constant_vector b, vector c,
+BLOCKS_OF_BOTH_TYPES void four_rows(constant_vector a, int inner, constant_vector b, vector c,
                                     int columns, int from, int to, int add)
 {
     for (int column = from; column < to;) {
@@ -147,6 +202,9 @@ OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vec
     for (int p = 0; p < panels; p++, b += panel_b, c += panel_c) {
         int row = 0;
 #ifdef MANY_REGISTERS
+        if (columns <= LANES)
+            for (; rows - row >= 16; row += 16)
+                block_16_1(a + row * inner, inner, b, c + row * columns, columns, columns, add);
         for (; rows - row >= 8; row += 8)
             eight_rows(a + row * inner, inner, b, c + row * columns, columns, add);
 #endif
@@ -165,6 +223,97 @@ OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vec
     }
 #endif
     SYNC;
+}
+
+MIRRORED_BLOCK(mirrored_4_1, 4, 1)
+MIRRORED_BLOCK(mirrored_2_1, 2, 1)
+#ifdef MANY_REGISTERS
+MIRRORED_BLOCK(mirrored_8_1, 8, 1)
+MIRRORED_BLOCK(mirrored_4_2, 4, 2)
+MIRRORED_BLOCK(mirrored_2_2, 2, 2)
+#endif
+
+/* Four rows of the first half of a panel, or the last two, and their mirror images, from column `from`
+ * up to `to`. */
+BLOCKS_OF_BOTH_TYPES void mirrored_rows(constant_vector a, int half_rows, int row, constant_vector b,
+                                        vector c, int columns, int from, int to, const int of_nodes,
+                                        const int to_nodes, int add)
+{
+    constant_vector even = a + row * half_rows, odd = even + half_rows * half_rows;
+    vector top = c + row * columns, bottom = c + (2 * half_rows - 1 - row) * columns;
+    int column = from;
+#ifdef MANY_REGISTERS
+    for (; to - column > LANES; column += 2 * LANES) {
+        const int last = to - column - LANES;
+        if (half_rows - row >= 4)
+            mirrored_4_2(even, odd, half_rows, b + column, top + column, bottom + column, columns, last,
+                         of_nodes, to_nodes, add);
+        else
+            mirrored_2_2(even, odd, half_rows, b + column, top + column, bottom + column, columns, last,
+                         of_nodes, to_nodes, add);
+    }
+#endif
+    for (; column < to; column += LANES) {
+        const int last = to - column;
+        if (half_rows - row >= 4)
+            mirrored_4_1(even, odd, half_rows, b + column, top + column, bottom + column, columns, last,
+                         of_nodes, to_nodes, add);
+        else
+            mirrored_2_1(even, odd, half_rows, b + column, top + column, bottom + column, columns, last,
+                         of_nodes, to_nodes, add);
+    }
+}
+
+/* c = a b (+ c) as by `multiply`, for a matrix of twice so many rows and columns that commutes with
+ * mirroring: a is (2, half_rows, half_rows). Half as many multiplications. */
+OF_BOTH_TYPES inline void multiply_parts(constant_vector a, int half_rows, constant_vector b, vector c,
+                                         int columns, int panels, const int of_nodes,
+                                         const int to_nodes, int add)
+{
+    const int panel = 2 * half_rows * columns;
+#if WORK_ITEMS == 1
+    for (int p = 0; p < panels; p++, b += panel, c += panel)
+        for (int column = 0; column < columns; column += STRIPE * LANES) {
+            int row = 0;
+#ifdef MANY_REGISTERS
+            if (columns <= LANES)
+                for (; half_rows - row >= 8; row += 8)
+                    mirrored_8_1(a + row * half_rows, a + (half_rows + row) * half_rows, half_rows, b,
+                                 c + row * columns, c + (2 * half_rows - 1 - row) * columns, columns,
+                                 columns, of_nodes, to_nodes, add);
+#endif
+            for (; row < half_rows; row += 4)
+                mirrored_rows(a, half_rows, row, b, c, columns, column,
+                              min(column + STRIPE * LANES, columns), of_nodes, to_nodes, add);
+        }
+#else
+    const int row_blocks = (half_rows + 3) / 4, column_blocks = (columns + LANES - 1) / LANES;
+    FOR_EACH(task, panels * row_blocks * column_blocks)
+    {
+        const int p = task / (row_blocks * column_blocks);
+        const int row = 4 * (task / column_blocks % row_blocks);
+        const int column = LANES * (task % column_blocks);
+        mirrored_rows(a, half_rows, row, b + p * panel, c + p * panel, columns, column,
+                      min(column + LANES, columns), of_nodes, to_nodes, add);
+    }
+#endif
+    SYNC;
+}
+
+OF_BOTH_TYPES void multiply_mirrored(constant_vector a, int half_rows, constant_vector b, vector c,
+                                     int columns, int panels, int kind, int add)
+{
+#if WORK_ITEMS == 1
+    switch (kind) {
+    case NODES_TO_NODES: multiply_parts(a, half_rows, b, c, columns, panels, 1, 1, add); break;
+    case NODES_TO_MODES: multiply_parts(a, half_rows, b, c, columns, panels, 1, 0, add); break;
+    default: multiply_parts(a, half_rows, b, c, columns, panels, 0, 1, add);
+    }
+#else
+    /* One of them: what compilers inline is as long as it must be. */
+    multiply_parts(a, half_rows, b, c, columns, panels, kind != MODES_TO_NODES,
+                   kind != NODES_TO_MODES, add);
+#endif
 }
 
 /* Four numbers as doubles, and doubles in a vector: PoCL's own conversions are calls, too. */

@@ -14,7 +14,7 @@ import numpy as np
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device, aligned, kernel
 from squeezefilm.reynolds.grid import Grid, instant_matrices
-from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of
+from squeezefilm.reynolds.layout import Columns, Pile, c_enum, c_struct, c_terms, rows_of
 from squeezefilm.reynolds.march.schemes import SCHEMES, Scheme, steps_for_stability
 from squeezefilm.reynolds.problems import Problems, profile_fields
 from squeezefilm.reynolds.terms import Terms
@@ -137,14 +137,11 @@ def march(
     endings = np.empty(scenes, dtype=ENDING)
     pile = Pile()
     rows = rows_of(
-        {
-            "nx": grid.nx,
-            "ny": grid.ny,
-            "steps": steps.astype(int),
-            **pile.add(instant_matrices(grid, aspect=problems.aspect, terms=problems.terms)),
-            **pile.add_each(profile_fields(problems, grid), problems.places),
-        },
-        problems.numbers,
+        Columns(("nx", "ny"), np.array([grid.nx, grid.ny])),
+        Columns(("steps",), steps.astype(int)[:, None]),
+        pile.add(instant_matrices(grid, aspect=problems.aspect, terms=problems.terms)),
+        pile.add_each(profile_fields(problems, grid), problems.places),
+        numbers=problems.numbers,
         tolerance=_stage_tolerance(problems, steps),
         depth=np.full(scenes, modulation.depth),
         modulations=np.full(scenes, modulation.modulations),

@@ -80,9 +80,18 @@ def changes_of(
     ]
     if telling > 2:
         in_time = left_after(UNKNOWN_FALL) * changes[0].largest
-    for at, change in enumerate(known):
-        before = changes[-2][at] if telling > 3 else change
-        if before and margin_of(terms) == 1:
-            seen = fall_of(before, changes[-1][at], coarse=grids[-2], fine=grids[-1])
-            fall[at] = seen if judged else max(seen, UNKNOWN_FALL)
+    if margin_of(terms) == 1:
+        which = [at for at, change in enumerate(known) if telling > 3 or change]
+        if which:
+            before = changes[-2][which] if telling > 3 else _stacked([known[at] for at in which])
+            seen = fall_of(before, changes[-1][which], coarse=grids[-2], fine=grids[-1])
+            fall[which] = seen if judged else np.maximum(seen, UNKNOWN_FALL)
     return changes[-1], fall, in_time
+
+
+def _stacked(changes: Sequence[Change | None]) -> Change:
+    """Those of several films as one."""
+    some = [change for change in changes if change]
+    return Change(
+        np.array([change.largest for change in some]), np.array([change.size for change in some])
+    )

@@ -45,9 +45,16 @@ static double4 flow_slope(const Film *film, double4 p, int k)
 }
 #endif
 
+/* Copies of what is pointed to: compilers know that no loop stores into them, and keep their members in
+ * registers. */
+#define AS_COPIES(whole_grid, whole_film)                                \
+    const Grid grid_copy = *(whole_grid), *const g = &grid_copy;         \
+    const Film film_copy = *(whole_film), *const film = &film_copy;
+
 /* What depends on the gap alone: H^(a/2) and the potential q of each flow term. */
-static void set_gap(const Grid *g, Film *film)
+static void set_gap(const Grid *whole_grid, const Film *whole_film)
 {
+    AS_COPIES(whole_grid, whole_film)
     for (int k = 0; k < FLOW_TERMS; k++) {
         const double half_exponent = 0.5 * (3 - k);
         FOR_EACH_POINT(g, row, t, i)
@@ -75,8 +82,9 @@ static void set_gap(const Grid *g, Film *film)
  * harmonics. */
 #ifndef PRECONDITIONER
 /* What solves (D Δ − σ A d/dT) u = (c, s) at this state: two unknowns by two, for each pair. */
-static void set_preconditioner(const Grid *g, const Film *film)
+static void set_preconditioner(const Grid *whole_grid, const Film *whole_film)
 {
+    AS_COPIES(whole_grid, whole_film)
     FOR_EACH_POINT(g, row, t, i)
     {
         const double2 decay = film->sigma * (double2)(g->decays[2 * t], g->decays[2 * t + 1]);
@@ -128,8 +136,7 @@ static void precondition_with_time_term(const Grid *g, const Film *film, constan
 /* r = Σ_k H^(a/2) (Δv − q v), one term: v is given, `work` is overwritten. */
 static void add_flow(const Grid *g, const Film *film, int k, field v, field work, field r)
 {
-    along_x(g, g->laplace_x, v, work, 0);
-    along_y(g, g->laplace_y, v, work, 1);
+    laplacian(g, g->laplace_x, g->laplace_y, v, work);
     matrix4 power = film->gap_power[k], q = film->potential[k];
     matrix4 v4 = (matrix4)v, curvature = (matrix4)work;
     field4 r4 = (field4)r;
@@ -140,6 +147,41 @@ static void add_flow(const Grid *g, const Film *film, int k, field v, field work
     SYNC;
 }
 
+/* v of one flow term, and its response to a mass perturbation; what it adds to the diffusivity. */
+static double4 flow_from(const Grid *whole_grid, const Film *whole_film, int k, field4 v)
+{
+    AS_COPIES(whole_grid, whole_film)
+    matrix4 mean_resistance = (matrix4)g->mean_resistance, gap_power = film->gap_power[k];
+    const double factor = film->row->flow[k];
+    double4 diffusivity = (double4)(0.0);
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        const double4 gap = gap_at(g, film, row, t), p = film->p[i];
+        const double4 power = factor * gap_power[i];
+        const double4 response = power * flow_slope(film, p, k) / (gap * density_slope(film, p));
+        v[i] = power * flow_potential(film, p, k);
+        store4(response, i, film->response[k]);
+        diffusivity += response * gap_power[i] * mean_resistance[t];
+    }
+    SYNC;
+    return diffusivity;
+}
+
+/* r −= σ ∂H/∂T, and the mass that the overpressure adds. */
+static void add_squeeze(const Grid *whole_grid, const Film *whole_film, field4 mass, field4 r)
+{
+    AS_COPIES(whole_grid, whole_film)
+    FOR_EACH_POINT(g, row, t, i)
+    {
+        mass[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
+        r[i] -= film->sigma * rate_by(g, film, film->amplitude, row, t);
+    }
+    SYNC;
+}
+
+/* Relative change of the diffusivity up to which a preconditioner stays as it is. */
+#define NEAR 0.02
+
 /* Residual of the equation at the state p, in modal coefficients; behind it, preconditioned, those of
  * the terms' own unknowns. Also sets the response of each flow term to a mass perturbation and the
  * mean diffusivity for the Jacobian at this state. */
@@ -147,29 +189,13 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
     field4 v4 = (field4)v, work4 = (field4)work, r4 = (field4)r;
-    matrix4 mean_gap = (matrix4)g->mean_gap;
     double4 diffusivity = (double4)(0.0);
     for (int k = 0; k < FLOW_TERMS; k++) {
-        FOR_EACH_POINT(g, row, t, i)
-        {
-            const double4 gap = gap_at(g, film, row, t), p = film->p[i];
-            const double4 power = film->gap_power[k][i];
-            const double4 response = film->row->flow[k] * power * flow_slope(film, p, k) /
-                                     (gap * density_slope(film, p));
-            v4[i] = film->row->flow[k] * power * flow_potential(film, p, k);
-            store4(response, i, film->response[k]);
-            diffusivity += response * power / mean_gap[t];
-        }
-        SYNC;
+        diffusivity += flow_from(g, film, k, v4);
         add_flow(g, film, k, v, work, r);
     }
-    film->diffusivity = sum_over_group(sum_of(diffusivity), scratch) / g->count;
-    FOR_EACH_POINT(g, row, t, i)
-    {
-        work4[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
-        r4[i] -= film->sigma * rate_by(g, film, film->amplitude, row, t);
-    }
-    SYNC;
+    const double mean_diffusivity = sum_over_group(sum_of(diffusivity), scratch) / g->count;
+    add_squeeze(g, film, work4, r4);
     along_t(g, g->time_derivative, work, v, 0);
     subtract(r, film->sigma, v, g->count4);
     film->own_out = modal + g->count;
@@ -178,7 +204,10 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
     FOR_EACH(i, g->count4) store4(r4[i], i, nodal);
     SYNC;
     to_modal(g, nodal, modal);
-    set_preconditioner(g, film);
+    if (!(fabs(mean_diffusivity - film->diffusivity) <= NEAR * film->diffusivity)) {
+        film->diffusivity = mean_diffusivity;
+        set_preconditioner(g, film);
+    }
 }
 
 /* out = preconditioned Jacobian times w, both modal, and both with the terms' own unknowns behind. */
@@ -196,8 +225,7 @@ static void apply_jacobian(const Grid *g, Film *film, vector w, vector out)
         __global const lanes *bend = (__global const lanes *)film->bend[k];
         FOR_EACH(i, g->count / LANES) values[i] = response[i] * nodal[i];
         SYNC;
-        along_x(g, g->linear.laplace_x, v, work, 0);
-        along_y(g, g->linear.laplace_y, v, work, 1);
+        laplacian(g, g->linear.laplace_x, g->linear.laplace_y, v, work);
         if (k == 0)
             FOR_EACH(i, g->count / LANES)
                 sum[i] = power[i] * (curvature[i] - bend[i] * values[i]);

@@ -11,9 +11,11 @@ typedef struct {
 /* Sizes and matrices. */
 typedef struct {
     int nx, ny, nt, rows, count, nt4, count4, length, length4;
+    /* Axes that stand for all of the finger, and so have their mirror image in them. */
+    int whole_x, whole_y, whole_modes_x;
     Operators linear;
     matrix laplace_x, laplace_y, eigenvalues, eigenvalues_y, weights;
-    matrix time_derivative, mean_gap, speeds, decays;
+    matrix time_derivative, mean_resistance, speeds, decays;
     matrix4 sine, cosine;
 } Grid;
 
@@ -27,6 +29,7 @@ typedef struct {
     matrix amplitude, slope_x, slope_y, laplacian;
     field4 gap_power[FLOW_TERMS], potential[FLOW_TERMS];
     field4 p;
+    field means;
     field work_a, work_b, work_c;
     /* The linear system at the state: per flow term H^(a/2), q and the response to a mass, and what
      * its preconditioner takes each coefficient and its pair's other one by. */
@@ -47,7 +50,7 @@ static constant_vector taken(matrix values, int count, vector *room)
 #ifdef SINGLE
     vector copy = *room;
     FOR_EACH(i, count / 4) store4(((matrix4)values)[i], i, copy);
-    *room += count;
+    *room += (count + 15) / 16 * 16; /* vectors behind it begin where registers do */
     return copy;
 #else
     return values;
@@ -62,17 +65,20 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     g.rows = g.nx * g.ny; g.count = g.rows * g.nt;
     g.length = UNKNOWN_FIELDS * g.count; g.length4 = g.length / 4;
     g.nt4 = g.nt / 4; g.count4 = g.count / 4;
+    g.whole_x = row->whole_x; g.whole_y = row->whole_y; g.whole_modes_x = row->whole_modes_x;
     g.laplace_x = values + row->laplace_x;
     g.laplace_y = values + row->laplace_y;
-    g.linear.laplace_x = taken(g.laplace_x, g.nx * g.nx, room);
-    g.linear.modes_x = taken(values + row->modes_x, g.nx * g.nx, room);
-    g.linear.to_modes_x = taken(values + row->to_modes_x, g.nx * g.nx, room);
-    g.linear.laplace_y = taken(g.laplace_y, g.ny * g.ny, room);
-    g.linear.modes_y = taken(values + row->modes_y, g.ny * g.ny, room);
-    g.linear.to_modes_y = taken(values + row->to_modes_y, g.ny * g.ny, room);
+    const int on_x = g.nx * g.nx >> g.whole_x, on_y = g.ny * g.ny >> g.whole_y;
+    const int modes_x = g.nx * g.nx >> g.whole_modes_x;
+    g.linear.laplace_x = taken(g.laplace_x, on_x, room);
+    g.linear.modes_x = taken(values + row->modes_x, modes_x, room);
+    g.linear.to_modes_x = taken(values + row->to_modes_x, modes_x, room);
+    g.linear.laplace_y = taken(g.laplace_y, on_y, room);
+    g.linear.modes_y = taken(values + row->modes_y, on_y, room);
+    g.linear.to_modes_y = taken(values + row->to_modes_y, on_y, room);
     g.linear.to_time_modes = taken(values + row->to_time_modes, g.nt * g.nt, room);
     g.linear.time_modes = taken(values + row->time_modes, g.nt * g.nt, room);
-    g.mean_gap = values + row->mean_gap;
+    g.mean_resistance = values + row->mean_resistance;
     g.time_derivative = values + row->time_derivative;
     g.eigenvalues = values + row->eigenvalues;
     g.eigenvalues_y = values + row->eigenvalues_y;
@@ -100,6 +106,31 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
                                __global const type *in, __global type *out, int add)              \
     {                                                                                             \
         multiply(in, g->rows, g->nt, transposed, out, g->nt, 1, add);                             \
+    }                                                                                             \
+    /* The same by matrices that commute with mirroring, where the axis has its image in it. */   \
+    OF_BOTH_TYPES void mirrored_x(const Grid *g, int whole, __global const type *a,               \
+                                  __global const type *in, __global type *out, int kind, int add) \
+    {                                                                                             \
+        if (whole)                                                                                \
+            multiply_mirrored(a, g->nx / 2, in, out, g->ny * g->nt, 1, kind, add);                \
+        else                                                                                      \
+            along_x(g, a, in, out, add);                                                          \
+    }                                                                                             \
+    OF_BOTH_TYPES void mirrored_y(const Grid *g, __global const type *a,                          \
+                                  __global const type *in, __global type *out, int kind, int add) \
+    {                                                                                             \
+        if (g->whole_y)                                                                           \
+            multiply_mirrored(a, g->ny / 2, in, out, g->nt, g->nx, kind, add);                    \
+        else                                                                                      \
+            along_y(g, a, in, out, add);                                                          \
+    }                                                                                             \
+    /* out = Δ in. */                                                                             \
+    OF_BOTH_TYPES void laplacian(const Grid *g, __global const type *in_x,                        \
+                                 __global const type *in_y, __global const type *in,              \
+                                 __global type *out)                                              \
+    {                                                                                             \
+        mirrored_x(g, g->whole_x, in_x, in, out, NODES_TO_NODES, 0);                              \
+        mirrored_y(g, in_y, in, out, NODES_TO_NODES, 1);                                          \
     }
 ALONG_AXES(double)
 #ifdef SINGLE
@@ -110,15 +141,15 @@ ALONG_AXES(float)
 static void to_modal(const Grid *g, vector values, vector modal)
 {
     along_t(g, g->linear.to_time_modes, values, modal, 0);
-    along_x(g, g->linear.to_modes_x, modal, values, 0);
-    along_y(g, g->linear.to_modes_y, values, modal, 0);
+    mirrored_x(g, g->whole_modes_x, g->linear.to_modes_x, modal, values, NODES_TO_MODES, 0);
+    mirrored_y(g, g->linear.to_modes_y, values, modal, NODES_TO_MODES, 0);
 }
 
 /* values = (modes_x ⊗ modes_y ⊗ time_modes) modal, by way of `work`. */
 static void from_modal(const Grid *g, constant_vector modal, vector work, vector values)
 {
-    along_x(g, g->linear.modes_x, modal, values, 0);
-    along_y(g, g->linear.modes_y, values, work, 0);
+    mirrored_x(g, g->whole_modes_x, g->linear.modes_x, modal, values, MODES_TO_NODES, 0);
+    mirrored_y(g, g->linear.modes_y, values, work, MODES_TO_NODES, 0);
     along_t(g, g->linear.time_modes, work, values, 0);
 }
 

@@ -13,8 +13,17 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, aligned, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
-from squeezefilm.reynolds.layout import Pile, c_enum, c_struct, c_terms, rows_of, scene_by_scene
-from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.layout import (
+    Columns,
+    Pile,
+    c_enum,
+    c_struct,
+    c_terms,
+    rows_of,
+    scene_by_scene,
+)
+from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
+from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
 from squeezefilm.reynolds.problems import Problems, mean_motion, problems_of, profile_fields
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
 
@@ -28,8 +37,6 @@ ENDINGS = {
 }
 STATUS = tuple(ENDINGS.values())
 MOST_NEWTON = 40
-LEAST_KRYLOV, MOST_KRYLOV = 20, 80
-LARGEST_WORKSPACE_BYTES = 256 * 2**20
 
 
 @dataclass(frozen=True)
@@ -41,11 +48,13 @@ class Batch:
         problems: the scenes as they are on each of the grids.
         guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
             film at rest if left out.
+        every: whether the states on all grids are asked for, and not that on the last alone.
     """
 
     grids: Sequence[Grid]
     problems: Sequence[Problems]
     guess: np.ndarray | None = None
+    every: bool = True
 
     @cached_property
     def scenes(self) -> int:
@@ -61,9 +70,14 @@ class Batch:
         return unknown_fields(self.terms)
 
     @cached_property
-    def count(self) -> int:
-        """Number of unknowns, of all scenes on all grids."""
-        return self.scenes * self.fields * sum(grid.count for grid in self.grids)
+    def largest_state(self) -> int:
+        """Numbers of a scene's largest state."""
+        return self.fields * max(grid.count for grid in self.grids)
+
+    def returns(self, stage: int) -> bool:
+        """Whether the states on a grid come back, or a first guess lies where they do."""
+        guess = stage == 0 and self.guess is not None
+        return self.every or guess or stage == len(self.grids) - 1
 
     @cached_property
     def workspace_size(self) -> int:
@@ -76,14 +90,7 @@ class Batch:
             linear = 3 * flow_terms + 3 + (most + 1) * self.fields
             matrices = 3 * (grid.nx**2 + grid.ny**2) + 2 * grid.nt**2
             sizes.append(grid.count * (fields + linear) + matrices + (most + 4) * (most + 1))
-        return max(sizes)
-
-
-@lru_cache(maxsize=256)
-def most_krylov(grid: Grid, terms: Terms) -> int:
-    """Krylov iterations that a Newton step may take: as many as there is room for."""
-    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
-    return min(max(room, LEAST_KRYLOV), MOST_KRYLOV)
+        return max(sizes) + 2 * self.largest_state
 
 
 @dataclass(frozen=True)
@@ -91,18 +98,19 @@ class States:
     """What the device returns, one entry per scene.
 
     Attributes:
-        unknowns: the overpressure p = P − 1 on the grid and the terms' own unknowns, shape
-            (scenes, fields, nx, ny, nt).
+        kept: the unknowns, or none where the batch does not ask for them.
+        mean_in_time: overpressure averaged over the period, shape (scenes, nx, ny).
         mean: mean of p over film and period, the force in units of p0 × area.
         residual: preconditioned residual, an estimate of the mass error left by the iteration.
         largest: largest |p|.
-        lowest: smallest pressure P.
-        thinnest: smallest product ρ H, by which the local Knudsen number grows.
+        lowest: smallest pressure P, on the last grid of a launch; NaN on others.
+        thinnest: smallest product ρ H, by which the local Knudsen number grows, likewise.
         status: index into STATUS.
         newton_steps, krylov_iterations: work done.
     """
 
-    unknowns: np.ndarray
+    kept: np.ndarray | None
+    mean_in_time: np.ndarray
     mean: np.ndarray
     residual: np.ndarray
     largest: np.ndarray
@@ -113,27 +121,57 @@ class States:
     krylov_iterations: np.ndarray
 
     @property
-    def overpressure(self) -> np.ndarray:
-        """p = P − 1 on the grid, shape (scenes, nx, ny, nt)."""
-        return self.unknowns[:, 0]
+    def unknowns(self) -> np.ndarray:
+        """p = P − 1 on the grid and the terms' own unknowns, shape (scenes, fields, nx, ny, nt)."""
+        if self.kept is None:
+            raise ValueError("the batch did not ask for the states on this grid")
+        return self.kept
 
     @property
-    def mean_in_time(self) -> np.ndarray:
-        """Overpressure averaged over the period, shape (scenes, nx, ny)."""
-        instants = self.overpressure.shape[-1]
-        return np.asarray(self.overpressure @ np.full(instants, 1 / instants))
+    def overpressure(self) -> np.ndarray:
+        """p, shape (scenes, nx, ny, nt)."""
+        return self.unknowns[:, 0]
 
 
 # What the device says of a scene on a grid beside its overpressure: a row of its results.
 COUNTS = {"status", "newton_steps", "krylov_iterations"}
 SAID = np.dtype(
-    [(each.name, np.int64 if each.name in COUNTS else np.float64) for each in fields(States)[1:]]
+    [(each.name, np.int64 if each.name in COUNTS else np.float64) for each in fields(States)[2:]]
 )
 
 
-def _said_numbers(rows: int) -> int:
-    """Numbers that results begin with, before the states, which kernels read in vectors."""
-    return -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+@dataclass(frozen=True)
+class _Place:
+    """Where a launch's results have what is said of a batch on a grid: slices of them.
+
+    Attributes:
+        means: means in time of all scenes, one behind the other.
+        states: the states likewise; none where they do not come back.
+    """
+
+    means: slice
+    states: slice | None
+
+
+def _places(batches: Sequence[Batch]) -> tuple[list[list[_Place]], int]:
+    """The places of each batch on each grid, and the size of the results.
+
+    They begin with what is said in rows; kernels read states in vectors.
+    """
+    rows = sum(batch.scenes * len(batch.grids) for batch in batches)
+    end = -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+    places: list[list[_Place]] = []
+    for batch in batches:
+        places.append([])
+        for stage, grid in enumerate(batch.grids):
+            means = slice(end, end + batch.scenes * grid.nx * grid.ny)
+            end = means.stop
+            states = None
+            if batch.returns(stage):
+                states = slice(end, end + batch.scenes * batch.fields * grid.count)
+                end = states.stop
+            places[-1].append(_Place(means, states))
+    return places, end
 
 
 def solve_batch(
@@ -159,21 +197,22 @@ class Launch:
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
         self.device.fetch(self.results, self.buffer, after=self.done)
+        places, _ = _places(self.batches)
         rows = sum(batch.scenes * len(batch.grids) for batch in self.batches)
-        at_state = _said_numbers(rows)
         said = self.results[: rows * SAID.itemsize // 8].view(SAID)
         states: list[list[States]] = []
         first = 0
-        for batch in self.batches:
+        for batch, of_batch in zip(self.batches, places, strict=True):
             stages = len(batch.grids)
             last = first + batch.scenes * stages
             states.append([])
-            for stage, grid in enumerate(batch.grids):
-                end = at_state + batch.scenes * batch.fields * grid.count
-                unknowns = self.results[at_state:end].reshape(-1, batch.fields, *grid.shape)
+            for stage, (grid, place) in enumerate(zip(batch.grids, of_batch, strict=True)):
+                shape = batch.scenes, batch.fields, *grid.shape
+                unknowns = self.results[place.states].reshape(shape) if place.states else None
+                means = self.results[place.means].reshape(batch.scenes, grid.nx, grid.ny)
                 own = said[first + stage : last : stages]
-                states[-1].append(States(unknowns, *(own[name] for name in SAID.names or ())))
-                at_state = end
+                rest = (own[name] for name in SAID.names or ())
+                states[-1].append(States(unknowns, means, *rest))
             first = last
         return states
 
@@ -244,72 +283,82 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = np.concatenate([np.full(batch.scenes, len(batch.grids)) for batch in batches])
     begins = np.concatenate([[0], np.cumsum(stages)])
-    at_state = _said_numbers(int(begins[-1]))
-    results = aligned(at_state + sum(batch.count for batch in batches) + SPARE)
+    places, size = _places(batches)
+    results = aligned(size + SPARE)
     pile = Pile()
     rows = []
-    for batch in batches:
+    for batch, of_batch_at in zip(batches, places, strict=True):
         of_batch = []
         coarser = None
-        for grid, problems in zip(batch.grids, batch.problems, strict=True):
+        films = _film_steps(batch.problems[-1], batch.grids[-1])
+        scenes = np.arange(batch.scenes)
+        for grid, problems, place in zip(batch.grids, batch.problems, of_batch_at, strict=True):
+            guess = batch.guess if coarser is None else None
+            if place.states and guess is not None:
+                results[place.states] = guess.ravel()
+            begin = place.states.start if place.states else NOTHING
+            step = batch.fields * grid.count if place.states else 0
+            where = (
+                place.means.start + grid.nx * grid.ny * scenes,
+                begin + step * scenes,
+                np.full(batch.scenes, guess is not None),
+                np.full(batch.scenes, batch.largest_state),
+            )
+            names = ("means", "state", "guessed", "largest_state")
             of_batch.append(
                 rows_of(
-                    {
-                        "nx": grid.nx,
-                        "ny": grid.ny,
-                        "nt": grid.nt,
-                        "most_krylov": most_krylov(grid, batch.terms),
-                        "state": at_state + batch.fields * grid.count * np.arange(batch.scenes),
-                        **_offsets(pile, problems, grid, coarser=coarser),
-                    },
-                    problems.numbers,
+                    sizes_of(grid, batch.terms),
+                    Columns(names, np.stack(where, axis=1)),
+                    *_offsets(pile, problems, films, grid, coarser=coarser),
+                    numbers=problems.numbers,
                     # A mass error w moves the pressure by w/H.
                     tolerance=problems.tolerance * problems.narrowest,
                 )
             )
-            end = at_state + batch.scenes * batch.fields * grid.count
-            if coarser is None:
-                results[at_state:end] = 0.0 if batch.guess is None else batch.guess.ravel()
-            at_state, coarser = end, grid
+            coarser = grid
         rows.append(of_batch)
     return _Inputs(begins.astype(np.int32), scene_by_scene(rows), pile.values, results)
 
 
 def _offsets(
-    pile: Pile, problems: Problems, grid: Grid, *, coarser: Grid | None
-) -> dict[str, int | np.ndarray]:
+    pile: Pile, problems: Problems, films: Sequence[Steps], grid: Grid, *, coarser: Grid | None
+) -> list[Columns]:
     """Where what a batch needs on one grid lies in the pile, which it is put on."""
-    offsets: dict[str, int | np.ndarray] = {**_nothing_to_carry(problems.terms)}
-    if coarser:
-        offsets |= pile.add(carrying_matrices(coarser, grid, terms=problems.terms))
-    offsets |= pile.add(grid_matrices(grid, aspect=problems.aspect, terms=problems.terms))
-    offsets |= pile.add_each(profile_fields(problems, grid), problems.places)
-    offsets |= _time_modes(pile, problems, grid)
-    for term in problems.terms:
-        offsets |= pile.add_each(term.operators(problems.numbers, grid, aspect=problems.aspect))
+    terms, aspect = problems.terms, problems.aspect
+    offsets = [
+        pile.add(carrying_matrices(coarser, grid, terms=terms))
+        if coarser
+        else _nothing_to_carry(terms),
+        pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
+        pile.add_each(profile_fields(problems, grid), problems.places),
+        _time_modes(pile, films, grid),
+    ]
+    for term in terms:
+        if operators := term.operators(problems.numbers, grid, aspect=aspect):
+            offsets.append(pile.add_each(operators))
     return offsets
 
 
 @lru_cache(maxsize=64)
-def _nothing_to_carry(terms: Terms) -> dict[str, int]:
-    carrying = (*CARRYING, *(name for term in terms for name in term.CARRYING))
-    return dict.fromkeys(carrying, NOTHING)
+def _nothing_to_carry(terms: Terms) -> Columns:
+    names = (*CARRYING, *(name for term in terms for name in term.CARRYING))
+    return Columns(names, np.full(len(names), NOTHING))
 
 
-def _time_modes(pile: Pile, problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
-    """Where each scene's modes in time lie in the pile, which they are put on once for all."""
-    each = [
-        time_modes(grid.nt, variation=variation, lagging=lagging, lag=lag, slow=slow).parts
-        for (variation, lagging), lag, slow in zip(
-            mean_motion(problems, grid).tolist(),
-            problems.numbers["lag"].tolist(),
-            problems.numbers["slow"].tolist(),
-            strict=True,
-        )
-    ]
-    begins = {parts: pile.put(parts.values) for parts in dict.fromkeys(each)}
-    begin = np.array([begins[parts] for parts in each])
-    return {name: begin + start for name, start in each[0].starts.items()}
+def _time_modes(pile: Pile, films: Sequence[Steps], grid: Grid) -> Columns:
+    """Where each film's modes in time lie in the pile, which they are put on once for all."""
+    found = {steps: time_modes(grid.nt, steps).parts for steps in dict.fromkeys(films)}
+    begins = {steps: pile.put(parts.values) for steps, parts in found.items()}
+    begin = np.array([begins[steps] for steps in films])
+    starts = found[films[0]].columns
+    return Columns(starts.names, begin[:, None] + starts.values)
+
+
+def _film_steps(problems: Problems, grid: Grid) -> list[Steps]:
+    """What tells the films' modes in time, which are alike on all grids."""
+    numbers = problems.numbers
+    variation, lagging = mean_motion(problems, grid).T
+    return steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=numbers["slow"])
 
 
 def in_single(terms: Terms) -> bool:

@@ -2,38 +2,49 @@
  * film_over_period.cl, which has the equation, and krylov.cl. Row, Said and how an iteration ends
  * are defined in periodic.py. */
 
-/* Mean overpressure over film and period, in units of ambient pressure. */
-static double mean_overpressure(const Grid *g, const Film *film, __local double *scratch)
+/* Mean overpressure over film and period, in units of ambient pressure, and the largest |p|; the means
+ * over the period are kept. Before that p takes a share of a step, if there is one. */
+static double2 size_after(const Grid *whole_grid, const Film *whole_film, matrix4 step, double share,
+                          __local double *scratch)
 {
-    double4 sum = (double4)(0.0);
+    AS_COPIES(whole_grid, whole_film)
+    double4 sum = (double4)(0.0), above = (double4)(0.0), below = (double4)(0.0);
     FOR_EACH(row, g->rows)
     {
         double4 over_period = (double4)(0.0);
-        for (int t = 0; t < g->nt4; t++)
-            over_period += film->p[row * g->nt4 + t];
+        for (int i = row * g->nt4; i < (row + 1) * g->nt4; i++) {
+            double4 p = film->p[i];
+            if (step)
+                film->p[i] = p = p + share * step[i];
+            over_period += p;
+            /* What is no number shows in the mean. */
+            above = p > above ? p : above;
+            below = p < below ? p : below;
+        }
+        film->means[row] = sum_of(over_period) / g->nt;
         sum += g->weights[row] * over_period;
     }
-    return sum_over_group(sum_of(sum), scratch) / g->nt;
+    const double mean = sum_over_group(sum_of(sum), scratch) / g->nt;
+    const double largest = max_over_group(max_of(larger(above, -below)), scratch);
+    return (double2)(mean, largest + 0.0 * mean);
 }
 
-/* Largest |p|. */
-static double largest_overpressure(const Grid *g, const Film *film, __local double *scratch)
+/* A change of the mass as a step of p; its largest fall and rise, relative to the pressure. */
+static double2 step_of(const Grid *whole_grid, const Film *whole_film, constant_vector mass, field4 step,
+                       __local double *scratch)
 {
-    double4 size = (double4)(0.0);
-    /* No fabs, which PoCL calls. */
-    FOR_EACH(i, g->count4) size = larger(size, larger(film->p[i], -film->p[i]));
-    return max_over_group(max_of(size), scratch);
-}
-
-/* Largest fall and rise of the pressure in a step, relative to what it is. */
-static double2 extremes(const Grid *g, const Film *film, matrix4 step, __local double *scratch)
-{
+    AS_COPIES(whole_grid, whole_film)
     double4 fall = (double4)(0.0), rise = (double4)(0.0);
-    FOR_EACH(i, g->count4)
+    FOR_EACH_POINT(g, row, t, i)
     {
-        const double4 relative = step[i] / (1.0 + film->p[i]);
-        fall = larger(fall, -relative);
-        rise = larger(rise, relative);
+        const double4 p = film->p[i], pressure = 1.0 + p;
+        const double4 slope = gap_at(g, film, row, t) * density_slope(film, p);
+        const double4 relative =
+            -in_double(((__global const JOIN(real, 4) *)mass)[i]) / (slope * pressure);
+        step[i] = relative * pressure;
+        /* What is no number shows in the mean of p behind the step. */
+        fall = -relative > fall ? -relative : fall;
+        rise = relative > rise ? relative : rise;
     }
     return (double2)(max_over_group(max_of(fall), scratch), max_over_group(max_of(rise), scratch));
 }
@@ -67,7 +78,8 @@ static void carry(const Grid *g, const Film *film, __global const Row *coarser, 
 static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, int most_krylov,
                   vector basis, field small, __local double *scratch)
 {
-    Said s = {.mean = mean_overpressure(g, film, scratch), .status = STALLED};
+    const double2 first = size_after(g, film, 0, 0.0, scratch);
+    Said s = {.mean = first.x, .largest = first.y, .status = STALLED};
     double least = INFINITY;
     int patience = PATIENCE;
     for (; s.newton_steps <= most_newton; s.newton_steps++) {
@@ -79,8 +91,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
             break;
         }
         /* The force answers to an error w with at most its mean, so this bounds its error. */
-        const double goal = fmax(tolerance * fabs(s.mean),
-                                 ROUNDING * largest_overpressure(g, film, scratch));
+        const double goal = fmax(tolerance * fabs(s.mean), ROUNDING * s.largest);
         if (s.residual <= goal || s.residual == 0.0) {
             s.status = CONVERGED;
             break;
@@ -90,26 +101,24 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         if (s.newton_steps == most_newton || patience == 0)
             break;
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
-        const double target = fmax(fmax(0.3 * goal, LINEAR_ROUNDING / 10 * s.residual),
-                                   fmin(0.1 * s.residual, s.residual * s.residual));
+        const double bend = s.residual * s.residual;
+        const double last = bend < 0.01 * goal ? 0.7 : 0.3;
+        const double target = fmax(fmax(last * goal, LINEAR_ROUNDING / 10 * s.residual),
+                                   fmin(0.1 * s.residual, bend));
         double left;
         s.krylov_iterations +=
             gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, &left, scratch);
         field4 step = (field4)film->work_b;
         vector nodal = (vector)film->work_a;
         from_modal(g, basis, (vector)film->work_c, nodal);
-        FOR_EACH_POINT(g, row, t, i)
-            step[i] = -in_double(((__global const JOIN(real, 4) *)nodal)[i]) /
-                      (gap_at(g, film, row, t) * density_slope(film, film->p[i]));
-        SYNC;
         /* No more than 9/10 of the pressure anywhere. */
-        const double2 change = extremes(g, film, step, scratch);
+        const double2 change = step_of(g, film, nodal, step, scratch);
         const double share = change.x > 0.9 ? 0.9 / change.x : 1.0;
         film->own_in = basis + g->count;
         TERMS_STEP(g, film, film->work_b, share)
-        FOR_EACH(i, g->count4) film->p[i] += share * step[i];
-        SYNC;
-        s.mean = mean_overpressure(g, film, scratch);
+        const double2 size = size_after(g, film, (matrix4)step, share, scratch);
+        s.mean = size.x;
+        s.largest = size.y;
         /* A short step needs no residual behind it to be known as the last one. */
         const double bent = fmax(change.x, change.y) * norm(basis, g->length4, g->nt, scratch);
         left += LINEAR_ROUNDING * s.residual + NONLINEARITY * bent;
@@ -128,10 +137,12 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
  * state is the first guess of the next, if it was found.
  *
  * begins:  per scene its first row in rows and results; a row is the scene on a grid.
- * rows:    sizes, numbers and where the scene's parts lie; carry_t is negative on its first grid.
+ * rows:    sizes, numbers and where the scene's parts lie; carry_t is negative on its first grid, and
+ *          state on those whose state stays in the workspace.
  * values:  those parts: matrices, profiles, operators.
- * results: per row what is said of it; then, where the row says, its state, the first guess on
- *          entry: p (nx, ny, nt) and the terms' own unknowns. One array, for each that the host
+ * results: per row what is said of it; then, where the row says, the mean of p over the period
+ *          (nx, ny) and the state, a first guess on entry if there is one: p (nx, ny, nt) and the
+ *          terms' own unknowns. One array, for each that the host
  *          waits for costs it as much as a small solve. */
 __kernel void periodic_state(const int scenes, const int most_newton, __global const int *begins,
                              __global const Row *rows, matrix values, field results,
@@ -149,10 +160,12 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
         if (scene >= scenes)
             break;
         int status = CONVERGED;
+        field coarser = 0;
         for (int k = begins[scene]; k < begins[scene + 1]; k++) {
             __global const Row *row = rows + k;
             const int most_krylov = row->most_krylov;
-            field space = workspace + get_group_id(0) * workspace_size;
+            field states = workspace + get_group_id(0) * workspace_size;
+            field space = states + 2 * row->largest_state;
             vector room = (vector)space;
             Grid g = make_grid(row, values, &room);
             space = (field)room;
@@ -182,34 +195,41 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             film.other_share = basis + 2 * g.count;
             basis += 3 * g.count;
             field small = (field)(basis + (most_krylov + 1) * g.length);
+            film.diffusivity = 0.0;
             film.epsilon = row->epsilon;
             film.sigma = row->sigma;
             film.amplitude = ARRAY(&film, amplitude);
             film.slope_x = ARRAY(&film, slope_x);
             film.slope_y = ARRAY(&film, slope_y);
             film.laplacian = ARRAY(&film, laplacian);
-            film.p = (field4)(results + row->state);
-            film.own = results + row->state + g.count;
+            field state = row->state >= 0 ? results + row->state
+                                          : states + (k - begins[scene]) % 2 * row->largest_state;
+            film.p = (field4)state;
+            film.own = state + g.count;
+            film.means = results + row->means;
             if (row->carry_t >= 0 && status == CONVERGED) {
-                carry(&g, &film, row - 1, results + (row - 1)->state);
-            } else if (row->carry_t >= 0) {
+                carry(&g, &film, row - 1, coarser);
+            } else if (!row->guessed) {
                 FOR_EACH(i, g.length4) film.p[i] = (double4)(0.0);
                 SYNC;
             }
+            coarser = state;
             set_gap(&g, &film);
             Said said =
                 solve(&g, &film, row->tolerance, most_newton, most_krylov, basis, small, scratch);
             status = said.status;
-            double4 deficit = (double4)(-INFINITY), thinness = deficit;
-            FOR_EACH_POINT(&g, place, t, i)
-            {
-                const double4 p = film.p[i], density = 1.0 + density_rise(&film, p);
-                deficit = larger(deficit, -(1.0 + p));
-                thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
+            said.lowest = said.thinnest = NAN;
+            if (k + 1 == begins[scene + 1]) {
+                double4 deficit = (double4)(-INFINITY), thinness = deficit;
+                FOR_EACH_POINT(&g, place, t, i)
+                {
+                    const double4 p = film.p[i], density = 1.0 + density_rise(&film, p);
+                    deficit = larger(deficit, -(1.0 + p));
+                    thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
+                }
+                said.lowest = -max_over_group(max_of(deficit), scratch);
+                said.thinnest = -max_over_group(max_of(thinness), scratch);
             }
-            said.largest = largest_overpressure(&g, &film, scratch);
-            said.lowest = -max_over_group(max_of(deficit), scratch);
-            said.thinnest = -max_over_group(max_of(thinness), scratch);
             if (get_local_id(0) == 0)
                 ((__global Said *)results)[k] = said;
             SYNC;

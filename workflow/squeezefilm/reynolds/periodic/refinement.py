@@ -41,7 +41,6 @@ from squeezefilm.reynolds.periodic.resolution import (
     start_grid,
 )
 from squeezefilm.reynolds.problems import problems_on
-from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.terms import Terms, numbers_of, size_share_of, state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
@@ -158,7 +157,7 @@ def first_grids(
 
 def _up_to(last: Grid, needs: Needs, *, tolerance: float) -> tuple[Grid, ...]:
     """The coarser grids that tell the error of the last one; none if none do."""
-    grids = judged_grids(last, seen=nodes_for_profile(needs, tolerance=tolerance))
+    grids = judged_grids(last, nodes_for_profile(needs, tolerance=tolerance))
     pays = bool(grids) and grids[0].count >= LEAST_STARTED
     start = _start(grids[0], needs, tolerance=tolerance) if pays else None
     return (start, *grids) if start else grids
@@ -187,7 +186,8 @@ def grid_for(
         needs=needs,
         tolerance=tolerance,
         share=share,
-        slow=float(numbers_of(scene, needs.terms)["slow"]),  # type: ignore[arg-type]
+        # Without terms nothing lags.
+        slow=float(numbers_of(scene, needs.terms)["slow"]) if needs.terms else 1.0,  # type: ignore[arg-type]
         room=room,
     )
 
@@ -223,7 +223,8 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
         shares[-telling] = shares[-telling + 1] = TIMELY * left
     problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     known = [progress.state for progress in group if progress.state is not None]
-    return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
+    guess = np.stack(known) if known else None
+    return Batch(grids=grids, problems=problems, guess=guess, every=False)
 
 
 def _judge(
@@ -263,21 +264,40 @@ def _judge(
     for at in np.flatnonzero(~found.holds).tolist():
         group[at].change, group[at].in_time = change and change[at], float(in_time[at])
     finer = finer_grid(grids[-1], room=room)
+    _add_work(group, stages)
+    telling = how_many_tell(grids)
+    # As plain numbers: entries of arrays are slow to take one by one.
+    failed = np.stack([each.status != 0 for each in stages[-telling:]], axis=1).tolist()
     return [
         _judge_scene(
             progress,
             stages,
             position,
             finer=finer,
-            error=float(e),
-            allowed=float(a),
+            failed=its_failed,
+            error=error,
+            allowed=allowed,
             tolerance=tolerance,
             room=room,
         )
-        for position, (progress, e, a) in enumerate(
-            zip(group, found.error, found.allowed, strict=True)
+        for position, (progress, its_failed, error, allowed) in enumerate(
+            zip(group, failed, found.error.tolist(), found.allowed.tolist(), strict=True)
         )
     ]
+
+
+def _add_work(group: Sequence[_Progress], stages: Sequence[States]) -> None:
+    """To each scene's progress the work of a launch."""
+    newton = np.stack([each.newton_steps for each in stages])
+    krylov = np.stack([each.krylov_iterations for each in stages])
+    terms = group[0].needs.terms
+    flops = np.array([iteration_flops(grid, terms) for grid in group[0].grids])
+    work = flops @ (newton + krylov)
+    sums = (newton.sum(axis=0).tolist(), krylov.sum(axis=0).tolist(), work.tolist())
+    for progress, its_newton, its_krylov, its_work in zip(group, *sums, strict=True):
+        progress.newton_steps += its_newton
+        progress.krylov_iterations += its_krylov
+        progress.work += its_work
 
 
 def _judge_scene(
@@ -286,26 +306,22 @@ def _judge_scene(
     position: int,
     *,
     finer: Grid | None,
+    failed: Sequence[bool],
     error: float,
     allowed: float,
     tolerance: float,
     room: float,
 ) -> Solution | None:
     scene, states, grid = progress.scene, stages[-1], progress.grids[-1]
-    for each, its_grid in zip(stages, progress.grids, strict=True):
-        newton, krylov = int(each.newton_steps[position]), int(each.krylov_iterations[position])
-        progress.newton_steps += newton
-        progress.krylov_iterations += krylov
-        progress.work += (krylov + newton) * iteration_flops(its_grid, progress.needs.terms)
 
     def finished(
         *, status: str, grid: Grid = grid, mean: float = np.nan, error: float = np.nan
     ) -> Solution:
-        return solution_of(
-            scene,
-            mean=mean,
-            error=error,
-            left_out=progress.needs.halves_left_out + progress.needs.terms_left_out,
+        scale_n = scene.force_scale_n
+        return Solution(
+            force_n=mean * scale_n,
+            force_error_n=error * scale_n,
+            left_out=progress.needs.left_out,
             status=status,
             method="periodic",
             nx=grid.x.full_points,
@@ -317,7 +333,6 @@ def _judge_scene(
             work=progress.work,
         )
 
-    failed = [each.status[position] != 0 for each in stages[-how_many_tell(progress.grids) :]]
     if failed[-1] and finer and _begun_again(progress, finer, tolerance=tolerance, room=room):
         return None
     if failed[-1] or (any(failed) and finer is None):
@@ -371,9 +386,10 @@ def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: fl
 def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
     nx, ny, nt = grid.shape
-    in_space = 3 + sum(term.SPACE_PRODUCTS for term in terms)
+    in_space = 3 * sum(grid.space_products)
+    in_space += (nx + ny) * sum(term.SPACE_PRODUCTS for term in terms)
     in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
-    return 2.0 * nx * ny * nt * (in_space * (nx + ny) + in_time * nt)
+    return 2.0 * nx * ny * nt * (in_space + in_time * nt)
 
 
 def _size(grid: Grid) -> str:

@@ -12,7 +12,7 @@ from math import asinh, ceil, inf, log, log10, pi, sqrt
 from squeezefilm.film.scene import Finger, Scene
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.under_finger import Probe
+from squeezefilm.reynolds.under_finger import Probe, UnderFinger
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
 MOST_TIME = 192
@@ -53,8 +53,12 @@ def probe_for(needs: Needs, *, tolerance: float) -> Probe:
 
 def nodes_for_profile(needs: Needs, *, tolerance: float) -> tuple[int, int]:
     """Nodes along x and y without which a grid would not see the profile."""
-    share = _share(tolerance)
-    return needs.profile.probe(share).nodes(share)
+    return _nodes_for(needs.profile, _share(tolerance))
+
+
+@lru_cache(maxsize=4096)
+def _nodes_for(profile: UnderFinger, share: float) -> tuple[int, int]:
+    return profile.probe(share).nodes(share)
 
 
 def _share(tolerance: float) -> float:
@@ -189,7 +193,8 @@ def _fewer(points: int, *, fold: bool) -> int:
     return max(4 if fold else 8, 4 * round(START_SHARE * points / 4))
 
 
-def judged_grids(grid: Grid, *, seen: tuple[int, int]) -> tuple[Grid, ...]:
+@lru_cache(maxsize=4096)
+def judged_grids(grid: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
     """Coarser grids and ``grid``, whose error they tell without a finer one; none if they cannot.
 
     The first has more instants than the others, so its difference to the second shows the error in
@@ -207,6 +212,7 @@ def judged_grids(grid: Grid, *, seen: tuple[int, int]) -> tuple[Grid, ...]:
     return replace(in_space[0], nt=_more(grid.nt)), *in_space
 
 
+@lru_cache(maxsize=4096)
 def at_least_judged(grid: Grid) -> Grid:
     """The grid, or the least one that has two coarser ones."""
     least_x, least_y = (12 if fold else 16 for fold in (grid.fold_x, grid.fold_y))

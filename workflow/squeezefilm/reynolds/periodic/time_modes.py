@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import hypot, log10
 
 import numpy as np
 
@@ -26,6 +25,8 @@ from squeezefilm.reynolds.spectral import period
 VARIATION_STEP = 0.05
 LAGS_PER_DECADE = 20
 SLOW_STEP = 0.125
+# What a film without inertia has for a lag.
+LEAST_LAG = 1e-12
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.
 SLOWEST = 1e-3
 
@@ -74,7 +75,7 @@ class TimeModes:
                 "time_modes": self.from_modes[:, _beside(instants)].T,
                 "speeds": self.speeds,
                 "decays": self.decays,
-                "mean_gap": self.mean_gap,
+                "mean_resistance": 1 / self.mean_gap,
                 "settling": self.settling.T,
                 "settling_of_slow": self.settling_of_slow.T,
             }
@@ -86,30 +87,34 @@ def _beside(instants: int) -> np.ndarray:
     return np.arange(instants).reshape(2, -1).T.ravel()
 
 
-def time_modes(
-    instants: int, *, variation: float, lagging: float = 0.0, lag: float, slow: float
-) -> TimeModes:
-    """The modes of a film, to the next of the steps that are told apart.
+# Variation, lagging, lag and share of slow harmonics of a film, in the steps that are told apart.
+Steps = tuple[float, float, float, float]
+
+
+def steps_of(
+    *, variation: np.ndarray, lagging: np.ndarray, lag: np.ndarray, slow: np.ndarray
+) -> list[Steps]:
+    """What tells the modes of films from each other.
 
     Args:
-        variation, lagging: of the mean gap, both together below 1.
+        variation, lagging: of the mean gap, both together below 1, shape (films,).
         lag: of the flow behind what drives it, in units of 1/ω; 0 without inertia.
         slow: share of the harmonics that lag (``slow_part``).
     """
-    near = [VARIATION_STEP * round(part / VARIATION_STEP) for part in (variation, lagging)]
-    most = 1 - VARIATION_STEP
-    size = max(hypot(*near), most)
-    sine, cosine = (part * most / size for part in near)
-    step = round(LAGS_PER_DECADE * log10(lag)) if lag > 0 else None
-    share = SLOW_STEP * round(slow / SLOW_STEP)
-    return _time_modes(instants, sine, cosine, step, share)
+    most = round(1 / VARIATION_STEP) - 1
+    near = np.rint(np.stack([variation, lagging]) / VARIATION_STEP)
+    near *= most / np.maximum(np.hypot(*near), most)
+    lags = np.rint(LAGS_PER_DECADE * np.log10(np.maximum(lag, LEAST_LAG)))
+    return [*zip(*near.tolist(), lags.tolist(), np.rint(slow / SLOW_STEP).tolist(), strict=True)]
 
 
 @lru_cache(maxsize=4096)
-def _time_modes(
-    instants: int, variation: float, lagging: float, lag_step: int | None, share: float
-) -> TimeModes:
-    lag = 0.0 if lag_step is None else 10 ** (lag_step / LAGS_PER_DECADE)
+def time_modes(instants: int, steps: Steps) -> TimeModes:
+    """The modes of films whose numbers are within such steps."""
+    variation, lagging = (VARIATION_STEP * part for part in steps[:2])
+    lag = 10 ** (steps[2] / LAGS_PER_DECADE)
+    lag = lag if lag > LEAST_LAG else 0.0
+    share = SLOW_STEP * steps[3]
     rate = period(instants).derivative
     nodes = period(instants).nodes
     mean_gap = 1 + variation * np.sin(nodes) + lagging * np.cos(nodes)
@@ -117,7 +122,7 @@ def _time_modes(
     resistance = np.diag(1 / mean_gap) + lag * slow @ rate
     pairs = _pairs(resistance @ rate, mean_gap)
     if pairs is None:
-        return _time_modes(instants, 0.0, 0.0, lag_step, share)
+        return time_modes(instants, (0.0, 0.0, *steps[2:]))
     vectors, decays, speeds = pairs
     settling = np.linalg.inv(np.eye(instants) + lag * slow @ (mean_gap[:, None] * rate))
     return TimeModes(
