@@ -242,7 +242,11 @@ def _judge(
     margin = margin_of(group[0].needs.terms)
     profiles = {progress.needs.profile: progress.needs for progress in group}
     falls = {
-        profile: profile_fall(needs, *grids[-2:], tolerance=tolerance) if len(grids) > 1 else 0.0
+        profile: profile_fall(
+            needs, *(grid.across for grid in grids[-2:]), tolerance=tolerance
+        )
+        if len(grids) > 1
+        else 0.0
         for profile, needs in profiles.items()
     }
     of_profile = [falls[progress.needs.profile] for progress in group]
