@@ -5,7 +5,8 @@ python -m numerics estimates --output TABLE.csv [--films N] [--first K] [--seed 
 Excursion ratios 0.01 to 0.98, squeeze numbers 0.1 to 1e6, bearing numbers up to 300, any position,
 smooth, measured, ridged, kinked and narrow profiles, tolerances 1e-1 to 1e-7, by the periodic
 state and by the method that ``auto`` takes. The judge solves on grids that share no node with the
-force's, to a hundredth of its tolerance. The table grows film by film; a run that was stopped goes on.
+force's, to a hundredth of its tolerance. The table grows film by film, dear ones last, and a run
+that was stopped goes on.
 """
 
 import argparse

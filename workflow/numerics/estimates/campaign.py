@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,7 @@ import pandas as pd
 
 from numerics.estimates.films import random_film
 from numerics.estimates.judge import MOST_WORK, TIGHTER, Verdict, judge
-from numerics.films import Film
+from numerics.films import Film, balanced_points
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.progress import say
 from squeezefilm.io.solution import Solution
@@ -37,7 +39,7 @@ def campaign(
     device: Device,
     most_work: float = MOST_WORK,
 ) -> pd.DataFrame:
-    """Rows for each film, numbered from ``first`` on, a row for each of METHODS.
+    """Rows for each film, numbered from ``first`` on, a row for each of METHODS; dear ones last.
 
     ``verdict`` is ``kept``, ``outside tolerance``, ``outside estimate``, ``refused`` or, where no
     grid is good to TIGHTER times the tolerance, ``not judged``. The tolerances take turns.
@@ -47,7 +49,8 @@ def campaign(
         most_work: see ``judge``.
     """
     table = pd.read_csv(output) if output.exists() else pd.DataFrame({"film": []})
-    for number in range(first, first + films):
+    numbers = range(first, first + films)
+    for number in sorted(numbers, key=lambda number: _dear(number, seed=seed)):
         if number in set(table["film"]):
             continue
         rows = _rows(number, seed=seed, device=device, most_work=most_work)
@@ -55,6 +58,14 @@ def campaign(
         write_table(table, output)
         say(f"film {number}: {rows[0]['kind']}, {', '.join(row['verdict'] for row in rows)}")
     return table
+
+
+def _dear(number: int, *, seed: int) -> float:
+    """Roughly in proportion to what a film costs, so that the table soon has most of them."""
+    film, tolerance = random_film(number, seed=seed), TOLERANCES[number % len(TOLERANCES)]
+    sigma = max(film.sigma, (5 * film.bearing / (1 - film.epsilon)) ** 2)
+    points = balanced_points(replace(film, sigma=sigma), tolerance, fold=(False, False))
+    return math.prod(points) * max(points) / (1 - film.epsilon)
 
 
 def _rows(number: int, *, seed: int, device: Device, most_work: float) -> list[dict[str, Any]]:

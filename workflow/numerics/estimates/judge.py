@@ -34,7 +34,7 @@ MOMENTS = 3
 # Of changes falling by q from grid to grid q/(1 − q) of the last one is left; so many times that
 # is taken, and no less than shares of the last two changes.
 FACTOR = 3.0
-LAST_SHARE, SHARE_BEFORE = 0.1, 0.01
+LAST_SHARE, SHARE_BEFORE = 0.5, 0.02
 # How the nodes may crowd at the rim.
 STRETCHES = (1.0, 1.5, 2.0, 2.5)
 WASTE = 1.3

@@ -65,6 +65,18 @@ class Change:
         """With a change of the whole film beside it."""
         return Change(self.largest + more, self.size + more)
 
+    def telling(self, of_profile: np.ndarray | float) -> np.ndarray:
+        """What of it tells the error: of a profile of finite smoothness, the size.
+
+        There an error goes up and down with where the nodes lie beside the kink, and moments agree
+        by chance: of 110 forces with kinks along an axis 4 were off by up to 1.35 times their
+        estimate on the grid, and marched by up to 15 times.
+
+        Args:
+            of_profile: by which what is missed of the profile falls; 0 for a smooth one.
+        """
+        return np.asarray(np.where(np.asarray(of_profile) > 0, self.size, self.largest))
+
     def __getitem__(self, film: int) -> Change:
         return Change(self.largest[film], self.size[film])
 
@@ -83,7 +95,7 @@ def estimate(
     """Error of a mean overpressure after one resolution more; numbers, or arrays over films.
 
     Args:
-        change: change of the mean pressure from the resolution before (``largest_change``); None
+        change: change of the mean pressure from the resolution before (``Change.telling``); None
             if there is none, which leaves the error unknown.
         left: pressure error that the iteration left, and any other that the change does not show.
         largest: largest |p|, which round-off goes by.
@@ -119,11 +131,6 @@ def fall_of(before: Change, after: Change, *, coarse: Grid, fine: Grid) -> np.nd
         for new, old in ((after.largest, before.largest), (after.size, before.size))
     )
     return np.asarray(np.maximum(np.maximum(moments, sizes), step**MOST_ORDER))
-
-
-def largest_change(before: np.ndarray, coarse: Grid, after: np.ndarray, fine: Grid) -> np.ndarray:
-    """The largest of ``change_between`` two grids."""
-    return change_between(before, coarse, after, fine).largest
 
 
 def change_between(

@@ -15,8 +15,8 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     ROUND_OFF,
     UNKNOWN_FALL,
+    change_between,
     estimate,
-    largest_change,
 )
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.march.schemes import SCHEMES, Choice, choose, steps_for_stability
@@ -250,7 +250,9 @@ def transient_force(
                     tolerance,
                     fall=0.0
                     if smooth
-                    else profile_fall(needs[index], before.across, grid.across, tolerance=tolerance),
+                    else profile_fall(
+                        needs[index], before.across, grid.across, tolerance=tolerance
+                    ),
                 )
         finer = finer_grid(grid)
         level += 1
@@ -310,7 +312,9 @@ def _judge(
     pressure = settled.mean_overpressure[position]
     known = one.mean_overpressure
     found = estimate(
-        change=None if known is None else largest_change(known, before, pressure, grid),
+        change=None
+        if known is None
+        else change_between(known, before, pressure, grid).telling(fall),
         left=settled.left[position],
         largest=np.abs(overpressure).max(),
         narrowest=1.0,

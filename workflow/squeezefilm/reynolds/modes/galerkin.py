@@ -268,9 +268,7 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
     )
 
 
-def _profile_fall(
-    needs: Needs, before: int, resolution: Resolution, tolerance: float
-) -> float:
+def _profile_fall(needs: Needs, before: int, resolution: Resolution, tolerance: float) -> float:
     """Factor by which what a degree misses of the profile falls from one to the next."""
     coarse, fine = (before, before), (resolution.pad.degree, resolution.pad.degree)
     return profile_fall(needs, coarse, fine, tolerance=tolerance)

@@ -51,6 +51,7 @@ def changes_of(
     *,
     known: Sequence[Change | None],
     in_time: np.ndarray,
+    per_residual: np.ndarray,
     terms: Terms,
     tolerance: float,
 ) -> tuple[Change | None, np.ndarray, np.ndarray]:
@@ -60,6 +61,7 @@ def changes_of(
         stages: the states of some films on each of the grids.
         known: each film's change to the first of two grids, if there is one.
         in_time: their errors in time that the change from the first of two grids does not show.
+        per_residual: by how much their pressure may be off for the residual that is left.
         terms: those of the films.
     """
     telling = how_many_tell(grids)
@@ -69,10 +71,15 @@ def changes_of(
     means = [states.mean_in_time for states in stages[-telling:]]
     judged = judged_from_coarser(terms, tolerance=tolerance)
     share = JUDGED_SIZE_SHARE if judged else SIZE_SHARE
+    # A state that a grid takes over as it is has not changed by what its residual there says.
+    hidden = [
+        np.where(states.newton_steps == 0, per_residual * states.residual, 0.0)
+        for states in stages[-telling + 1 :]
+    ]
     changes = [
-        change_between(before, coarse, after, fine, share=share)
-        for before, coarse, after, fine in zip(
-            means, grids[-telling:], means[1:], grids[-telling + 1 :], strict=False
+        change_between(before, coarse, after, fine, share=share) + more
+        for before, coarse, after, fine, more in zip(
+            means, grids[-telling:], means[1:], grids[-telling + 1 :], hidden, strict=False
         )
     ]
     if telling > 2:

@@ -231,31 +231,31 @@ def _judge(
 ) -> list[Solution | None]:
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
+    narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
+    # A mass error w moves the pressure by about n w/H.
+    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
+    per_residual = stiffness / narrowest
     change, fall, in_time = changes_of(
         grids,
         stages,
         known=[progress.change for progress in group],
         in_time=np.array([progress.in_time for progress in group]),
+        per_residual=per_residual,
         terms=group[0].needs.terms,
         tolerance=tolerance,
     )
     margin = margin_of(group[0].needs.terms)
     profiles = {progress.needs.profile: progress.needs for progress in group}
     falls = {
-        profile: profile_fall(
-            needs, *(grid.across for grid in grids[-2:]), tolerance=tolerance
-        )
+        profile: profile_fall(needs, *(grid.across for grid in grids[-2:]), tolerance=tolerance)
         if len(grids) > 1
         else 0.0
         for profile, needs in profiles.items()
     }
-    of_profile = [falls[progress.needs.profile] for progress in group]
-    narrowest = 1 - np.array([progress.scene.epsilon for progress in group])
-    # A mass error w moves the pressure by about n w/H.
-    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
+    of_profile = np.array([falls[progress.needs.profile] for progress in group])
     found = estimate(
-        change=change.largest if change else None,
-        left=stiffness * states.residual / narrowest + in_time,
+        change=change.telling(of_profile) if change else None,
+        left=per_residual * states.residual + in_time,
         largest=states.largest,
         narrowest=narrowest,
         mean=states.mean,
