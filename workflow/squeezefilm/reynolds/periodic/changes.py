@@ -71,15 +71,10 @@ def changes_of(
     means = [states.mean_in_time for states in stages[-telling:]]
     judged = judged_from_coarser(terms, tolerance=tolerance)
     share = JUDGED_SIZE_SHARE if judged else SIZE_SHARE
-    # A state that a grid takes over as it is has not changed by what its residual there says.
-    hidden = [
-        np.where(states.newton_steps == 0, per_residual * states.residual, 0.0)
-        for states in stages[-telling + 1 :]
-    ]
     changes = [
-        change_between(before, coarse, after, fine, share=share) + more
-        for before, coarse, after, fine, more in zip(
-            means, grids[-telling:], means[1:], grids[-telling + 1 :], hidden, strict=False
+        change_between(before, coarse, after, fine, share=share)
+        for before, coarse, after, fine in zip(
+            means, grids[-telling:], means[1:], grids[-telling + 1 :], strict=False
         )
     ]
     if telling > 2:
@@ -89,4 +84,8 @@ def changes_of(
         if before and margin_of(terms) == 1:
             seen = fall_of(before, changes[-1][at], coarse=grids[-2], fine=grids[-1])
             fall[at] = seen if judged else max(seen, UNKNOWN_FALL)
-    return changes[-1], fall, in_time
+    # A state that the last grid took over as it is would have changed by what its residual says.
+    taken_over = stages[-1].newton_steps == 0
+    hidden = np.where(taken_over, per_residual * stages[-1].residual, 0.0)
+    fall = np.where(taken_over, np.maximum(fall, UNKNOWN_FALL), fall)
+    return changes[-1] + hidden, fall, in_time

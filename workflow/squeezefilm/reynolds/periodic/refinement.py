@@ -47,7 +47,8 @@ from squeezefilm.reynolds.terms import Terms, numbers_of, state_refused, stiffne
 START_TOLERANCE = 1e-3
 # Unknowns of a grid before which a start pays where coarse grids come first anyway.
 LEAST_STARTED = 20_000
-# Share of what the iteration may leave, on the grids that differ in time alone.
+# Share of what the iteration may leave on grids that differ in time alone, or that go on from a
+# known state.
 TIMELY = 0.1
 # Share of the allowed error up to which that in time is left as it is.
 TIME_SHARE = 0.3
@@ -221,8 +222,10 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
     if telling > 2:  # so that it does not hide the error in time
         shares[-telling] = shares[-telling + 1] = TIMELY * left
-    problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     known = [progress.state for progress in group if progress.state is not None]
+    if known:  # so that the finer grid does not take the state over as it is
+        shares = [TIMELY * left] * len(grids)
+    problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     return Batch(grids=grids, problems=problems, guess=np.stack(known) if known else None)
 
 
