@@ -155,7 +155,8 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
             held = group[~group["verdict"].isin(NOT_HELD)]
             ratio = held["estimate"] / np.maximum(held["error"], held["judge"])
             counts = group["verdict"].value_counts().to_dict()
-            rows.append({"asked": asked, "tolerance": name, "films": len(group), **counts})
+            label = name if name == "all" else f"{name:g}"
+            rows.append({"asked": asked, "tolerance": label, "films": len(group), **counts})
             rows[-1]["median estimate over error"] = float(ratio.median())
     return pd.DataFrame(rows).fillna(0)
 
