@@ -78,16 +78,22 @@ def changes_of(
         )
     ]
     if telling > 2:
-        in_time = left_after(UNKNOWN_FALL) * changes[0].largest
+        in_time = left_after(UNKNOWN_FALL) * (
+            changes[0].largest + per_residual * _unseen(stages[-telling + 1])
+        )
     last = changes[-1]
     for at, change in enumerate(known):
         before = changes[-2][at] if telling > 3 else change
         if before and margin_of(terms) == 1:
             seen = fall_of(before, changes[-1][at], coarse=grids[-2], fine=grids[-1])
-            fall[at] = seen if judged else max(seen, UNKNOWN_FALL)
+            # One that falls suddenly, on a later launch's grid, is not believed.
+            fall[at] = seen if judged and telling > 3 else max(seen, UNKNOWN_FALL)
             last.largest[at] = last[at].steady(before).largest
-    # A state that the last grid took over as it is would have changed by what its residual says.
     taken_over = stages[-1].newton_steps == 0
-    hidden = np.where(taken_over, per_residual * stages[-1].residual, 0.0)
     fall = np.where(taken_over, np.maximum(fall, UNKNOWN_FALL), fall)
-    return last + hidden, fall, in_time
+    return last + per_residual * _unseen(stages[-1]), fall, in_time
+
+
+def _unseen(states: States) -> np.ndarray:
+    """Residual by which states would have changed that their grid took over as they are."""
+    return np.where(states.newton_steps == 0, states.residual, 0.0)
