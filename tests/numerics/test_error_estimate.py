@@ -7,10 +7,12 @@ import numpy as np
 import pandas as pd
 import pyopencl as cl
 import pytest
-from films import PISTON, film
+from films import PISTON, SINC, film
 
 from numerics.estimates import campaign
-from numerics.estimates.judge import FIRST, TIGHTER, finer_apart, judge
+from numerics.estimates.films import random_film
+from numerics.estimates.judge import TIGHTER, judge
+from numerics.estimates.stretched import StretchedAxis
 from squeezefilm import reynolds
 from squeezefilm.cli.main import main
 from squeezefilm.film.vibration.shapes import Formula
@@ -25,10 +27,12 @@ from squeezefilm.reynolds.error_estimate import (
     fall_of,
 )
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.modes.galerkin import solve_in_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import refinement
 from squeezefilm.reynolds.periodic.refinement import first_grids, grid_for
 from squeezefilm.reynolds.periodic.resolution import profile_fall
+from squeezefilm.reynolds.spectral import Axis
 
 
 def quarter(points: int) -> Grid:
@@ -79,8 +83,8 @@ def test_a_kink_in_the_profile_is_known_to_converge_slowly():
     scene = film(epsilon=0.4, sigma=100.0, x=0.013, y=0.007)
     kink = Formula("1-0.5*abs(0.9*x+0.4*y-0.001)/0.015", surface=Disc(0.015))
     kinked = replace(scene, actuator=replace(scene.actuator, profile=kink))
-    grids = [Grid(n, n, 8, fold_x=False, fold_y=False) for n in (40, 48)]
-    falls = [profile_fall(needs_of(each), *grids, tolerance=1e-3) for each in (scene, kinked)]
+    across = (40, 40), (48, 48)
+    falls = [profile_fall(needs_of(each), *across, tolerance=1e-3) for each in (scene, kinked)]
     assert falls[0] == 0
     assert 0.6 < falls[1] < 1
 
@@ -89,10 +93,33 @@ def test_a_kinked_film_is_within_its_tolerance_and_its_estimate():
     kink = Formula("1-0.8*abs(0.9*x+0.4*y-0.0011)/0.015", surface=Disc(0.015))
     scene = film(epsilon=0.6, sigma=300.0, profile=kink, x=0.03, y=-0.05)
     (solution,) = solve([scene], tolerance=1e-2, method="periodic")
-    (verdict,) = judge([scene], [solution], [1e-2], device=choose_device())
+    verdict = judge(scene, tolerance=1e-2, device=choose_device())
     assert verdict.is_good_to(TIGHTER * 1e-2)
     error = abs(solution.force_n - verdict.force_n)
     assert error <= solution.force_error_n <= 1e-2 * abs(solution.force_n)
+
+
+@pytest.mark.parametrize(
+    ("way", "at", "sigma", "tolerance"),
+    [
+        ("modes", 0.0028, 1.0, 5e-4),
+        ("march", -0.0004, 1.0, 5e-4),
+        ("periodic", -0.0020, 1.0, 3e-4),
+        # The state of the grid before was taken over as it is: no change was seen.
+        ("periodic", -0.0004, 30.0, 1e-3),
+    ],
+)
+def test_a_kink_along_an_axis_is_within_the_estimate(way, at, sigma, tolerance):
+    """Forces that change little by chance: these were off by 1.1 to 15 times their estimate."""
+    kink = Formula(f"1-0.9*abs(x-({at}))/0.015", surface=Disc(0.015))
+    scene = film(epsilon=0.6, sigma=sigma, profile=kink)
+    (exact,) = solve([scene], tolerance=2e-5, method="periodic")
+    if way == "modes":
+        (found,) = solve_in_modes([scene], [needs_of(scene)], tolerance=tolerance)
+    else:
+        (found,) = solve([scene], tolerance=tolerance, method=way)
+    assert found.status == "ok"
+    assert abs(found.force_n - exact.force_n) <= found.force_error_n + exact.force_error_n
 
 
 def test_the_first_grid_knows_the_layer_that_a_sliding_surface_makes():
@@ -156,31 +183,96 @@ __kernel void most(__global const double4 *values, __global double *result,
         assert np.array_equal(result[0], expected, equal_nan=True)
 
 
-def test_random_films_keep_what_they_promise(tmp_path, capsys):
+def test_random_films_keep_what_they_promise(tmp_path, capsys, monkeypatch):
+    """A run that was stopped goes on, without solving again what is in the table."""
     output = tmp_path / "films.csv"
-    few = ["--films", "4", "--most-unknowns", "150000"]
-    command = ["estimates", "--output", str(output), *few]
-    assert main(command, packages=("numerics.commands",)) == 0
-    assert pd.read_csv(output)["verdict"].to_list() == ["kept"] * 4
+
+    def run(films):
+        command = ["estimates", "--output", str(output), "--films", films]
+        assert main(command, packages=("numerics.commands",)) == 0
+        return pd.read_csv(output)
+
+    run("2")
+    solved = []
+    monkeypatch.setattr(
+        campaign, "solve", lambda some, **rest: solved.append(some[0].sigma) or solve(some, **rest)
+    )
+    table = run("4").sort_values("film", kind="stable")
+    known = table["sigma"][table["film"] <= 1].unique()
+    assert solved
+    assert not np.isclose(np.array(solved)[:, None], known).any()
+    assert table["film"].to_list() == [0, 0, 1, 1, 2, 2, 3, 3]
+    assert table["asked"].to_list() == 4 * ["periodic", "auto"]
+    assert set(table["verdict"]) == {"kept"}
+    assert "boundary-layer" in table["method"].to_list()
     assert "median estimate over error" in capsys.readouterr().out
 
 
-def test_the_judge_sees_a_force_outside_its_tolerance(monkeypatch):
+@pytest.mark.parametrize("number", [79, 184, 252, 380, 435])
+def test_a_film_whose_moments_agree_by_chance_is_within_the_estimate(number):
+    """These of the campaign's films were off by 1.5 to 6 times their estimate."""
+    scene = random_film(number, seed=15).scene
+    tolerance = campaign.TOLERANCES[number % len(campaign.TOLERANCES)]
+    (solution,) = solve([scene], tolerance=tolerance, method="periodic")
+    verdict = judge(scene, tolerance=tolerance, device=choose_device())
+    assert verdict.is_good_to(TIGHTER * tolerance)
+    error = abs(solution.force_n - verdict.force_n)
+    assert error <= solution.force_error_n <= tolerance * abs(solution.force_n)
+
+
+def test_the_judge_sees_a_force_outside_its_tolerance(monkeypatch, tmp_path):
     def wrong(scenes, **options):
         return [replace(each, force_n=1.2 * each.force_n) for each in solve(scenes, **options)]
 
     monkeypatch.setattr(campaign, "solve", wrong)
     table = campaign.campaign(
-        first=0, films=1, seed=15, method="periodic", device=choose_device(), most_unknowns=10**5
+        first=0, films=1, seed=15, output=tmp_path / "films.csv", device=choose_device()
     )
-    assert table["verdict"].to_list() == ["outside tolerance"]
-    assert campaign.summary(table).loc["all", "outside tolerance"] == 1
+    assert table["verdict"].to_list() == 2 * ["outside tolerance"]
+    assert campaign.summary(table)["outside tolerance"].to_list() == [1, 1, 1, 1]
 
 
+def test_causes_of_refusals_are_counted_without_their_numbers():
+    statuses = [f"tolerance not reached on the finest grid ({n} × 8 × 8 points)" for n in (8, 12)]
+    table = pd.DataFrame({"asked": "periodic", "verdict": "refused", "status": statuses})
+    counts = campaign.refusals(table)
+    assert counts["periodic"].to_dict() == {"tolerance not reached on the finest grid": 2}
+
+
+@pytest.mark.parametrize("stretch", [1.0, 2.5])
 @pytest.mark.parametrize("fold", [False, True])
-def test_the_judge_shares_no_node_with_what_it_judges(fold):
-    for points in range(4, 60, 4):
-        judged = Grid(points, points, 8, fold_x=fold, fold_y=fold)
-        grid = finer_apart(judged, judged, FIRST)
-        assert min(np.abs(np.subtract.outer(judged.x.nodes, grid.x.nodes)).ravel()) > 1e-6
-        assert grid.finer_than(judged)
+def test_the_judge_shares_no_node_with_what_it_judges(fold, stretch):
+    """Neither with grids of the periodic state nor with those of limits, which have odd numbers."""
+    for points in range(8, 60, 4):
+        own = StretchedAxis(points, fold, stretch).all_nodes[1:-1]
+        for judged in range(5, 120):
+            others = Axis(judged, folded=False).all_nodes[1:-1]
+            assert np.abs(np.subtract.outer(own, others)).min() > 1e-10
+
+
+def test_stretched_nodes_differentiate_integrate_and_interpolate():
+    axis = StretchedAxis(48, False, 1.5)
+    x = axis.all_nodes
+    wave = np.sin(3 * np.pi * x)
+    assert axis.derivative @ wave == pytest.approx(3 * np.pi * np.cos(3 * np.pi * x), abs=1e-8)
+    twice = axis.second_derivative @ wave[1:-1]
+    assert twice == pytest.approx(-9 * np.pi**2 * wave[1:-1], abs=1e-5)
+    assert axis.weights @ wave[1:-1] == pytest.approx(2 / (3 * np.pi), abs=1e-12)
+    between = np.linspace(0, 1, 17)
+    assert axis.to_points(between) @ wave == pytest.approx(np.sin(3 * np.pi * between), abs=1e-10)
+
+
+@pytest.mark.parametrize("numbers", [(0.6, 3000.0, 0.0, SINC), (0.5, 30.0, 20.0, PISTON)])
+def test_the_judge_is_as_good_as_it_says(numbers):
+    epsilon, sigma, bearing, profile = numbers
+    scene = film(epsilon=epsilon, sigma=sigma, bearing=bearing, profile=profile, x=0.1, y=-0.07)
+    verdict = judge(scene, tolerance=1e-4, device=choose_device())
+    (exact,) = solve([scene], tolerance=1e-8, method="periodic")
+    assert verdict.is_good_to(TIGHTER * 1e-4)
+    assert abs(verdict.force_n - exact.force_n) <= verdict.error_n + exact.force_error_n
+
+
+def test_a_film_that_no_grid_judges_has_no_verdict():
+    scene = film(epsilon=0.6, sigma=3000.0)
+    verdict = judge(scene, tolerance=1e-4, device=choose_device(), most_work=1e6)
+    assert not verdict.is_good_to(TIGHTER * 1e-4)

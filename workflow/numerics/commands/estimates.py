@@ -3,15 +3,17 @@
 python -m numerics estimates --output TABLE.csv [--films N] [--first K] [--seed S]
 
 Excursion ratios 0.01 to 0.98, squeeze numbers 0.1 to 1e6, bearing numbers up to 300, any position,
-smooth, measured, ridged, kinked and narrow profiles, tolerances 1e-1 to 1e-7. The judge solves on
-grids that share no node with the force's, to a hundredth of its tolerance.
+smooth, measured, ridged, kinked and narrow profiles, tolerances 1e-1 to 1e-7, by the periodic
+state and by the method that ``auto`` takes. The judge solves on grids that share no node with the
+force's, to a hundredth of its tolerance. The table grows film by film, dear ones last, and a run
+that was stopped goes on.
 """
 
 import argparse
+from pathlib import Path
 
-from numerics.estimates.campaign import campaign, summary
-from numerics.estimates.judge import MOST_UNKNOWNS
-from squeezefilm.io.tables import write_table
+from numerics.estimates.campaign import campaign, refusals, summary
+from numerics.estimates.judge import MOST_WORK
 from squeezefilm.reynolds.device import choose_device
 
 SEED = 15
@@ -23,14 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--first", type=int, default=0, metavar="K", help="number of the first")
     parser.add_argument("--seed", type=int, default=SEED, help=f"{SEED} if left out")
     parser.add_argument(
-        "--most-unknowns",
-        type=int,
-        default=MOST_UNKNOWNS,
-        metavar="N",
-        help=f"of a judging grid, {MOST_UNKNOWNS} if left out: fewer judge less, in less time",
-    )
-    parser.add_argument(
-        "--method", choices=("periodic", "auto"), default="periodic", help="periodic if left out"
+        "--most-work",
+        type=float,
+        default=MOST_WORK,
+        metavar="FLOPS",
+        help=f"of the judge on one grid, {MOST_WORK:g} if left out: less judges fewer films",
     )
 
 
@@ -39,9 +38,9 @@ def run(options: argparse.Namespace) -> None:
         first=options.first,
         films=options.films,
         seed=options.seed,
-        method=options.method,
+        output=Path(options.output),
         device=choose_device(),
-        most_unknowns=options.most_unknowns,
+        most_work=options.most_work,
     )
-    write_table(table, options.output)
-    print(summary(table).to_string())
+    print(summary(table).to_string(index=False))
+    print(refusals(table).to_string())

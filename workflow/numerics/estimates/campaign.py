@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+import math
+import re
 import time
-from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from numerics.estimates.films import random_film
-from numerics.estimates.judge import MOST_UNKNOWNS, TIGHTER, judge
-from numerics.films import Film
+from numerics.estimates.judge import MOST_WORK, TIGHTER, Verdict, judge
+from numerics.films import Film, balanced_points
+from squeezefilm.film.scene import Scene
 from squeezefilm.io.progress import say
 from squeezefilm.io.solution import Solution
+from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.solver import ways_of
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-BATCH = 21
+METHODS = ("periodic", "auto")
+# What a force has beside its own error where it was not held against a judge.
+NOT_HELD = ("refused", "not judged")
 
 
 def campaign(
@@ -26,64 +35,75 @@ def campaign(
     first: int,
     films: int,
     seed: int,
-    method: str,
+    output: Path,
     device: Device,
-    most_unknowns: int = MOST_UNKNOWNS,
+    most_work: float = MOST_WORK,
 ) -> pd.DataFrame:
-    """A row for each film, numbered from ``first`` on; the tolerances take turns.
+    """Rows for each film, numbered from ``first`` on, a row for each of METHODS; dear ones last.
 
     ``verdict`` is ``kept``, ``outside tolerance``, ``outside estimate``, ``refused`` or, where no
-    grid is good to TIGHTER times the tolerance, ``not judged``.
+    grid is good to TIGHTER times the tolerance, ``not judged``. The tolerances take turns.
+
+    Args:
+        output: table that is written anew after every film; the films in it are not solved again.
+        most_work: see ``judge``.
     """
-    rows: list[dict[str, Any]] = []
-    for start in range(first, first + films, BATCH):
-        numbers = range(start, min(start + BATCH, first + films))
-        rows += _rows(numbers, seed=seed, method=method, device=device, most_unknowns=most_unknowns)
-        say(f"{len(rows)} of {films} films")
-    return pd.DataFrame(rows)
+    table = pd.read_csv(output) if output.exists() else pd.DataFrame({"film": []})
+    numbers = range(first, first + films)
+    for number in sorted(numbers, key=lambda number: _dear(number, seed=seed)):
+        if number in set(table["film"]):
+            continue
+        rows = _rows(number, seed=seed, device=device, most_work=most_work)
+        table = pd.concat([table, pd.DataFrame(rows)] if len(table) else [pd.DataFrame(rows)])
+        write_table(table, output)
+        say(f"film {number}: {rows[0]['kind']}, {', '.join(row['verdict'] for row in rows)}")
+    return table
 
 
-def _rows(
-    numbers: Sequence[int], *, seed: int, method: str, device: Device, most_unknowns: int
-) -> list[dict[str, Any]]:
-    some = [random_film(number, seed=seed) for number in numbers]
-    scenes = [film.scene for film in some]
-    tolerances = [TOLERANCES[number % len(TOLERANCES)] for number in numbers]
-    solved: dict[int, Solution] = {}
-    seconds = 0.0
-    for tolerance in TOLERANCES:
-        which = [index for index, each in enumerate(tolerances) if each == tolerance]
+def _dear(number: int, *, seed: int) -> float:
+    """Roughly in proportion to what a film costs, so that the table soon has most of them."""
+    film, tolerance = random_film(number, seed=seed), TOLERANCES[number % len(TOLERANCES)]
+    sigma = max(film.sigma, (5 * film.bearing / (1 - film.epsilon)) ** 2)
+    points = balanced_points(replace(film, sigma=sigma), tolerance, fold=(False, False))
+    return math.prod(points) * max(points) / (1 - film.epsilon)
+
+
+def _rows(number: int, *, seed: int, device: Device, most_work: float) -> list[dict[str, Any]]:
+    film, tolerance = random_film(number, seed=seed), TOLERANCES[number % len(TOLERANCES)]
+    scene = film.scene
+    solutions: list[Solution] = []
+    seconds = []
+    for method in METHODS:
         begin = time.process_time()
-        these = [scenes[index] for index in which]
-        found = solve(these, tolerance=tolerance, method=method, device=device)
-        seconds += time.process_time() - begin
-        solved.update(zip(which, found, strict=True))
-    say(f"solved in {seconds:.0f} processor seconds")
-    solutions = [solved[index] for index in range(len(some))]
-    verdicts = judge(scenes, solutions, tolerances, device=device, most_unknowns=most_unknowns)
-    rows = []
-    for number, film, tolerance, solution, verdict in zip(
-        numbers, some, tolerances, solutions, verdicts, strict=True
-    ):
-        rows.append(
-            {
-                "film": number,
-                **_numbers(film),
-                "tolerance": tolerance,
-                "method": solution.method,
-                "force_n": solution.force_n,
-                "estimate": solution.force_error_n / abs(solution.force_n or np.nan),
-                "error": abs(solution.force_n - verdict.force_n) / abs(verdict.force_n or np.nan),
-                "judge": verdict.error_n / abs(verdict.force_n or np.nan),
-                "nx": solution.nx,
-                "ny": solution.ny,
-                "nt": solution.nt,
-                "batch_seconds": seconds,
-                "status": solution.status,
-            }
-        )
-        rows[-1]["verdict"] = _verdict(rows[-1])
-    return rows
+        if solutions and _takes_a_grid(scene, tolerance=tolerance, method=method):
+            solutions.append(solutions[0])
+        else:
+            solutions += solve([scene], tolerance=tolerance, method=method, device=device)
+        seconds.append(time.process_time() - begin)
+    begin = time.process_time()
+    verdict = Verdict(np.nan, np.nan)
+    if any(each.status == "ok" for each in solutions):
+        verdict = judge(scene, tolerance=tolerance, device=device, most_work=most_work)
+    judged = time.process_time() - begin
+    return [
+        {
+            "film": number,
+            **_numbers(film),
+            "tolerance": tolerance,
+            "asked": asked,
+            **_held(solution, verdict, tolerance=tolerance),
+            "solve_seconds": took,
+            "judge_seconds": judged,
+            "status": solution.status,
+        }
+        for asked, solution, took in zip(METHODS, solutions, seconds, strict=True)
+    ]
+
+
+def _takes_a_grid(scene: Scene, *, tolerance: float, method: str) -> bool:
+    """Whether a method leaves a scene to the periodic state, as it is solved for by that name."""
+    (way,) = ways_of([scene], [needs_of(scene)], tolerance=tolerance, method=method)
+    return way.limit is None
 
 
 def _numbers(film: Film) -> dict[str, Any]:
@@ -97,12 +117,27 @@ def _numbers(film: Film) -> dict[str, Any]:
     }
 
 
-def _verdict(row: dict[str, Any]) -> str:
-    if row["status"] != "ok":
+def _held(solution: Solution, verdict: Verdict, *, tolerance: float) -> dict[str, Any]:
+    """A force beside the judge's; errors are relative."""
+    force = abs(verdict.force_n) or np.nan
+    row = {
+        "method": solution.method,
+        "force_n": solution.force_n,
+        "estimate": solution.force_error_n / (abs(solution.force_n) or np.nan),
+        "error": abs(solution.force_n - verdict.force_n) / force,
+        "judge": verdict.error_n / force,
+        "grid": f"{solution.nx} × {solution.ny} × {solution.nt}",
+        "judge_grid": verdict.size,
+    }
+    return {**row, "verdict": _verdict(row, solution.status, tolerance=tolerance)}
+
+
+def _verdict(row: dict[str, Any], status: str, *, tolerance: float) -> str:
+    if status != "ok":
         return "refused"
-    if not row["judge"] <= TIGHTER * row["tolerance"]:
+    if not row["judge"] <= TIGHTER * tolerance:
         return "not judged"
-    if row["error"] > row["tolerance"] + row["judge"]:
+    if row["error"] > tolerance + row["judge"]:
         return "outside tolerance"
     if row["error"] > row["estimate"] + row["judge"]:
         return "outside estimate"
@@ -112,11 +147,22 @@ def _verdict(row: dict[str, Any]) -> str:
 def summary(table: pd.DataFrame) -> pd.DataFrame:
     """How many films had which verdict, and the median of estimate over error, by tolerance.
 
-    An error below the judge's own counts as that.
+    An error below the judge's own counts as that. The last row of a method is of all tolerances.
     """
-    judged = table[~table["verdict"].isin(["refused", "not judged"])]
-    ratio: pd.Series = judged["estimate"] / np.maximum(judged["error"], judged["judge"])
-    counts = pd.crosstab(table["tolerance"], table["verdict"], margins=True, margins_name="all")
-    counts["median estimate over error"] = ratio.groupby(judged["tolerance"]).median()
-    counts.loc["all", "median estimate over error"] = ratio.median()
-    return counts
+    rows = []
+    for asked, some in table.groupby("asked", sort=False):
+        for name, group in [*some.groupby("tolerance"), ("all", some)]:
+            held = group[~group["verdict"].isin(NOT_HELD)]
+            ratio = held["estimate"] / np.maximum(held["error"], held["judge"])
+            counts = group["verdict"].value_counts().to_dict()
+            label = name if name == "all" else f"{name:g}"
+            rows.append({"asked": asked, "tolerance": label, "films": len(group), **counts})
+            rows[-1]["median estimate over error"] = float(ratio.median())
+    return pd.DataFrame(rows).fillna(0)
+
+
+def refusals(table: pd.DataFrame) -> pd.Series:
+    """How many films were refused, by method and cause: statuses without their numbers."""
+    refused = table[table["verdict"] == "refused"]
+    causes = refused["status"].map(lambda status: re.split(r"[:(]| about ", status)[0].strip())
+    return causes.groupby([refused["asked"], causes]).size()

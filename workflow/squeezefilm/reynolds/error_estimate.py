@@ -18,7 +18,9 @@ MOMENTS = 3
 # 0.87, had 1.5 times its estimate without. Where the finer of two grids is not there to make up for
 # it, more: of 60 films one (ε 0.6, σ 8e4) had 4 times what its estimate in space was without.
 SIZE_SHARE = 5e-4
-JUDGED_SIZE_SHARE = 5e-3
+# Narrow spots asked for still more: of 129 films one (ε 0.2, σ 4e3) had 2.2 times its estimate with
+# a share of 5e-3.
+JUDGED_SIZE_SHARE = 2e-2
 # Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
 # by unequal steps: FALL_FACTOR times that is taken, enough for first order. No more than MOST_ORDER
 # is believed, nor less than MOST_FALL; without two changes UNKNOWN_FALL makes it twice the change.
@@ -65,6 +67,28 @@ class Change:
         """With a change of the whole film beside it."""
         return Change(self.largest + more, self.size + more)
 
+    def telling(self, of_profile: np.ndarray | float) -> np.ndarray:
+        """What of it tells the error: of a profile of finite smoothness, the size.
+
+        There an error goes up and down with where the nodes lie beside the kink, and moments agree
+        by chance: of 110 forces with kinks along an axis 4 were off by up to 1.35 times their
+        estimate on the grid, and marched by up to 15 times.
+
+        Args:
+            of_profile: by which what is missed of the profile falls; 0 for a smooth one.
+        """
+        return np.asarray(np.where(np.asarray(of_profile) > 0, self.size, self.largest))
+
+    def steady(self, before: Change) -> Change:
+        """With moments that fall no more than the size does: what goes beyond is chance.
+
+        Without, films (ε 0.02–0.3, σ 5e4–3e5) were off by 1.5 to 6 times their estimate.
+        """
+        was = np.divide(
+            before.largest, before.size, out=np.zeros_like(self.size), where=before.size > 0
+        )
+        return Change(np.maximum(self.largest, was * self.size), self.size)
+
     def __getitem__(self, film: int | list[int]) -> Change:
         return Change(self.largest[film], self.size[film])
 
@@ -83,7 +107,7 @@ def estimate(
     """Error of a mean overpressure after one resolution more; numbers, or arrays over films.
 
     Args:
-        change: change of the mean pressure from the resolution before (``largest_change``); None
+        change: change of the mean pressure from the resolution before (``Change.telling``); None
             if there is none, which leaves the error unknown.
         left: pressure error that the iteration left, and any other that the change does not show.
         largest: largest |p|, which round-off goes by.
@@ -119,11 +143,6 @@ def fall_of(before: Change, after: Change, *, coarse: Grid, fine: Grid) -> np.nd
         for new, old in ((after.largest, before.largest), (after.size, before.size))
     )
     return np.asarray(np.maximum(np.maximum(moments, sizes), step**MOST_ORDER))
-
-
-def largest_change(before: np.ndarray, coarse: Grid, after: np.ndarray, fine: Grid) -> np.ndarray:
-    """The largest of ``change_between`` two grids."""
-    return change_between(before, coarse, after, fine).largest
 
 
 def change_between(

@@ -53,6 +53,11 @@ class Grid:
         return self.nx, self.ny, self.nt
 
     @property
+    def across(self) -> tuple[int, int]:
+        """Nodes across the finger along x and y."""
+        return self.x.full_points, self.y.full_points
+
+    @property
     def count(self) -> int:
         """Number of unknowns."""
         return self.nx * self.ny * self.nt

@@ -227,7 +227,8 @@ def _one(
     before, film = (
         on_grid(scene, grid, state.unknowns[k]) for grid, state in zip(grids, states, strict=True)
     )
-    fall = max(UNKNOWN_FALL, profile_fall(progress.needs, coarse, fine, tolerance=tolerance))
+    of_profile = profile_fall(progress.needs, coarse.across, fine.across, tolerance=tolerance)
+    fall = max(UNKNOWN_FALL, of_profile)
     # A mass error w moves the pressure by about n w/H.
     residual = float(states[-1].residual[k]) / (1 - scene.closure())
     found = answered(

@@ -54,6 +54,7 @@ def solve_marching(
             grid=grid_for(members[0], needs[group[0]], tolerance=tolerance),
             tolerance=tolerance,
             device=device,
+            needs=[needs[index] for index in group],
         )
         for index, force in zip(group, forces, strict=True):
             solutions[index] = _solution(scenes[index], needs[index], force)

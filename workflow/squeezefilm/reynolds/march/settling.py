@@ -12,11 +12,17 @@ from math import pi
 import numpy as np
 
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import ROUND_OFF, estimate, largest_change
+from squeezefilm.reynolds.error_estimate import (
+    ROUND_OFF,
+    UNKNOWN_FALL,
+    change_between,
+    estimate,
+)
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.march.schemes import SCHEMES, Choice, choose, steps_for_stability
 from squeezefilm.reynolds.march.transient import STATUS, march
-from squeezefilm.reynolds.periodic.resolution import finer_grid
+from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.periodic.resolution import finer_grid, profile_fall
 from squeezefilm.reynolds.problems import Problems
 
 MOST_PERIODS = 60
@@ -184,6 +190,7 @@ def transient_force(
     grid: Grid,
     tolerance: float,
     device: Device,
+    needs: Sequence[Needs] = (),
 ) -> list[SettledForce]:
     """Settled mean forces by marching in time, to a relative tolerance or with a reason why not.
 
@@ -194,6 +201,7 @@ def transient_force(
     Args:
         problems_on: the scenes of a batch on a given grid.
         grid: the first, coarsest grid.
+        needs: of the scenes, whose profiles may be of finite smoothness; smooth if left out.
     """
     grid = replace(grid, nt=4)
     problems = problems_on(grid)
@@ -231,8 +239,20 @@ def transient_force(
                 ),
             )
             for position, index in enumerate(group):
+                smooth = not needs or level == 0
                 forces[index] = _judge(
-                    progress[index], settled, position, before, grid, steps[position], tolerance
+                    progress[index],
+                    settled,
+                    position,
+                    before,
+                    grid,
+                    steps[position],
+                    tolerance,
+                    fall=0.0
+                    if smooth
+                    else profile_fall(
+                        needs[index], before.across, grid.across, tolerance=tolerance
+                    ),
                 )
         finer = finer_grid(grid)
         level += 1
@@ -277,6 +297,8 @@ def _judge(
     grid: Grid,
     steps: int,
     tolerance: float,
+    *,
+    fall: float,
 ) -> SettledForce | None:
     """The scene's force if its error is known to be small enough or will not be; else None."""
     one.periods += int(settled.periods[position])
@@ -290,12 +312,15 @@ def _judge(
     pressure = settled.mean_overpressure[position]
     known = one.mean_overpressure
     found = estimate(
-        change=None if known is None else largest_change(known, before, pressure, grid),
+        change=None
+        if known is None
+        else change_between(known, before, pressure, grid).telling(fall),
         left=settled.left[position],
         largest=np.abs(overpressure).max(),
         narrowest=1.0,
         mean=mean,
         tolerance=tolerance,
+        fall=max(fall, UNKNOWN_FALL),
     )
     one.overpressure, one.mean_overpressure = overpressure, pressure
     if found.holds:

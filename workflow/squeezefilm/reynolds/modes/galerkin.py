@@ -26,13 +26,19 @@ from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
     MOMENTS,
     ROUND_OFF,
+    UNKNOWN_FALL,
     error_text,
     estimate,
 )
 from squeezefilm.reynolds.modes.film_in_modes import FilmInModes
 from squeezefilm.reynolds.modes.pad_modes import PadGrid, PadModes, pad_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
-from squeezefilm.reynolds.periodic.resolution import MOST_TIME, first_grid, gap_numbers
+from squeezefilm.reynolds.periodic.resolution import (
+    MOST_TIME,
+    first_grid,
+    gap_numbers,
+    profile_fall,
+)
 from squeezefilm.reynolds.solution import solution_of
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.reynolds.terms import (
@@ -189,6 +195,7 @@ def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolut
 def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
     resolution = first_resolution(scene, needs, tolerance=tolerance)
     before: _State | None = None
+    degree = 0
     newton = krylov = 0
     work = 0.0
     status, force, error = "", np.nan, np.nan
@@ -221,6 +228,7 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
                 narrowest=narrowest,
                 mean=mean,
                 tolerance=tolerance,
+                fall=max(UNKNOWN_FALL, _profile_fall(needs, degree, resolution, tolerance)),
                 margin=MARGIN,
             )
             known, allowed = float(found.error), float(found.allowed)
@@ -228,7 +236,7 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
                 status, force, error = "ok", mean, known
                 break
             reached = error_text(known, allowed=allowed, force=mean)
-        before = state
+        before, degree = state, resolution.pad.degree
         resolution = resolution.finer
     return solution_of(
         scene,
@@ -245,6 +253,12 @@ def _solve(scene: Scene, needs: Needs, *, tolerance: float) -> Solution:
         residual=residual,
         work=work,
     )
+
+
+def _profile_fall(needs: Needs, before: int, resolution: Resolution, tolerance: float) -> float:
+    """Factor by which what a degree misses of the profile falls from one to the next."""
+    coarse, fine = (before, before), (resolution.pad.degree, resolution.pad.degree)
+    return profile_fall(needs, coarse, fine, tolerance=tolerance)
 
 
 def _periodic_state(

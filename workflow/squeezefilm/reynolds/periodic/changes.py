@@ -52,6 +52,7 @@ def changes_of(
     known: Sequence[Change | None],
     in_time: np.ndarray,
     sizes: np.ndarray,
+    per_residual: np.ndarray,
     terms: Terms,
     tolerance: float,
 ) -> tuple[Change | None, np.ndarray, np.ndarray]:
@@ -62,6 +63,7 @@ def changes_of(
         known: each film's change to the first of two grids, if there is one.
         in_time: their errors in time that the change from the first of two grids does not show.
         sizes: shares of the changes' sizes that count of each at least.
+        per_residual: by how much their pressure may be off for the residual that is left.
         terms: those of the films.
     """
     telling = how_many_tell(grids)
@@ -79,14 +81,25 @@ def changes_of(
         )
     ]
     if telling > 2:
-        in_time = left_after(UNKNOWN_FALL) * changes[0].largest
-    if margin_of(terms) == 1:
-        which = [at for at, change in enumerate(known) if telling > 3 or change]
-        if which:
-            before = changes[-2][which] if telling > 3 else _stacked([known[at] for at in which])
-            seen = fall_of(before, changes[-1][which], coarse=grids[-2], fine=grids[-1])
-            fall[which] = seen if judged else np.maximum(seen, UNKNOWN_FALL)
-    return changes[-1], fall, in_time
+        in_time = left_after(UNKNOWN_FALL) * (
+            changes[0].largest + per_residual * _unseen(stages[-telling + 1])
+        )
+    last = changes[-1]
+    which = [at for at, change in enumerate(known) if telling > 3 or change]
+    if which and margin_of(terms) == 1:
+        before = changes[-2][which] if telling > 3 else _stacked([known[at] for at in which])
+        seen = fall_of(before, last[which], coarse=grids[-2], fine=grids[-1])
+        # One that falls suddenly, on a later launch's grid, is not believed.
+        fall[which] = seen if judged and telling > 3 else np.maximum(seen, UNKNOWN_FALL)
+        last.largest[which] = last[which].steady(before).largest
+    taken_over = stages[-1].newton_steps == 0
+    fall = np.where(taken_over, np.maximum(fall, UNKNOWN_FALL), fall)
+    return last + per_residual * _unseen(stages[-1]), fall, in_time
+
+
+def _unseen(states: States) -> np.ndarray:
+    """Residual by which states would have changed that their grid took over as they are."""
+    return np.where(states.newton_steps == 0, states.residual, 0.0)
 
 
 def _stacked(changes: Sequence[Change | None]) -> Change:

@@ -47,7 +47,8 @@ from squeezefilm.reynolds.terms import Terms, numbers_of, size_share_of, state_r
 START_TOLERANCE = 1e-3
 # Unknowns of a grid before which a start pays where coarse grids come first anyway.
 LEAST_STARTED = 20_000
-# Share of what the iteration may leave, on the grids that differ in time alone.
+# Share of what the iteration may leave on grids that differ in time alone, or that go on from a
+# known state.
 TIMELY = 0.1
 # Share of the allowed error up to which that in time is left as it is.
 TIME_SHARE = 0.3
@@ -221,8 +222,10 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
     if telling > 2:  # so that it does not hide the error in time
         shares[-telling] = shares[-telling + 1] = TIMELY * left
-    problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     known = [progress.state for progress in group if progress.state is not None]
+    if known:  # so that the finer grid does not take the state over as it is
+        shares = [TIMELY * left] * len(grids)
+    problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
     guess = np.stack(known) if known else None
     return Batch(grids=grids, problems=problems, guess=guess, every=False)
 
@@ -232,28 +235,32 @@ def _judge(
 ) -> list[Solution | None]:
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
+    narrowest = np.array([progress.scene.narrowest for progress in group])
+    # A mass error w moves the pressure by about n w/H.
+    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
+    per_residual = stiffness / narrowest
     change, fall, in_time = changes_of(
         grids,
         stages,
         known=[progress.change for progress in group],
         in_time=np.array([progress.in_time for progress in group]),
         sizes=np.array([size_share_of(each.scene, each.needs.terms) for each in group]),
+        per_residual=per_residual,
         terms=group[0].needs.terms,
         tolerance=tolerance,
     )
     margin = margin_of(group[0].needs.terms)
     profiles = {progress.needs.profile: progress.needs for progress in group}
     falls = {
-        profile: profile_fall(needs, *grids[-2:], tolerance=tolerance) if len(grids) > 1 else 0.0
+        profile: profile_fall(needs, *(grid.across for grid in grids[-2:]), tolerance=tolerance)
+        if len(grids) > 1
+        else 0.0
         for profile, needs in profiles.items()
     }
-    of_profile = [falls[progress.needs.profile] for progress in group]
-    narrowest = np.array([progress.scene.narrowest for progress in group])
-    # A mass error w moves the pressure by about n w/H.
-    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
+    of_profile = np.array([falls[progress.needs.profile] for progress in group])
     found = estimate(
-        change=change.largest if change else None,
-        left=stiffness * states.residual / narrowest + in_time,
+        change=change.telling(of_profile) if change else None,
+        left=per_residual * states.residual + in_time,
         largest=states.largest,
         narrowest=narrowest,
         mean=states.mean,

@@ -219,20 +219,24 @@ def at_least_judged(grid: Grid) -> Grid:
     return replace(grid, nx=max(grid.nx, least_x), ny=max(grid.ny, least_y))
 
 
-def profile_fall(needs: Needs, coarse: Grid, fine: Grid, *, tolerance: float) -> float:
-    """Factor by which what is missed of the profile falls from grid to grid.
+def profile_fall(
+    needs: Needs, coarse: tuple[int, int], fine: tuple[int, int], *, tolerance: float
+) -> float:
+    """Factor by which what is missed of the profile falls from nodes to nodes, or degree to degree.
 
     0 if the fine one misses next to nothing: then it is not the profile that changes the force.
+
+    Args:
+        coarse, fine: nodes across the finger along x and y (``Grid.across``).
     """
     least = NEXT_TO_NOTHING * tolerance
     probe = needs.profile.probe(least)
-    sides = (probe.tail_x, coarse.x, fine.x), (probe.tail_y, coarse.y, fine.y)
     fall = 0.0
-    for tail, before, after in sides:
+    for tail, before, after in zip((probe.tail_x, probe.tail_y), coarse, fine, strict=True):
         most = len(tail) - 1
-        missed = float(tail[min(after.full_points + 2, most)])
+        missed = float(tail[min(after + 2, most)])
         if missed > least:
-            fall = max(fall, missed / float(tail[min(before.full_points + 2, most)]))
+            fall = max(fall, missed / float(tail[min(before + 2, most)]))
     return fall
 
 
