@@ -177,6 +177,7 @@ def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsy
         ({"h0": 5e-6, "hv": "1, 2 um"}, "one scene is asked for, not 2"),
         ({"h0": 5e-6, "hv": 5e-6}, "surface and finger touch"),
         ({"h0": 5e-6, "hv": 1e-6, "x": 0.0, "phi_r": 0.0}, "as x and y or as phi-r and phi"),
+        ({"h0": 5e-6, "hv": 1e-6, "phi": 30}, "phi is a direction; give the distance from"),
         ({"h0": 5e-6, "hv": 1e-6, "x": "9 mm"}, "off the actuator's"),
         ({"h0": 5e-6, "hv": 1e-6, "tolerance": 2.0}, "tolerance 2 must lie between"),
         ({"h0": 5e-6, "hv": 1e-6, "method": "magic"}, "method 'magic' is none of"),
@@ -201,7 +202,7 @@ def test_a_model_that_is_unknown_is_refused(study):
 
 def test_a_film_without_a_force_says_why():
     film = sf.Film.of(actuator=DISC, finger=PAD | {"speed_x_m_per_s": 1e4}, gas={"inertia": "none"})
-    with pytest.raises(sf.RunError):
+    with pytest.raises(sf.RunError, match=r"hv/h0 is 0.99: surface and finger nearly touch"):
         film.force(1e-6, 0.99e-6)
     table = film.curve(1e-6, [0.99e-6])
     assert np.isnan(table["force_n"].iloc[0])

@@ -38,6 +38,9 @@ def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.D
     if any(name in levels for name in CARTESIAN) and any(name in levels for name in POLAR):
         x, y, r, phi = (option.format(name) for name in ("x", "y", "phi-r", "phi"))
         raise InputError(f"give the position as {x} and {y} or as {r} and {phi}, not both")
+    if "phi_deg" in levels and "phi_r_m" not in levels:
+        phi, r = option.format("phi"), option.format("phi-r")
+        raise InputError(f"{phi} is a direction; give the distance from the centre by {r} too")
     count = 1
     for values in levels.values():
         count *= len(values)
