@@ -79,6 +79,15 @@ def test_a_range_makes_a_curve_by_either_door(study, tmp_path):
     assert pairs[2, 1] == pytest.approx(float(single), rel=1e-12)
 
 
+def test_a_table_shows_what_it_holds(study):
+    curve = study.curve(h0="5 um", hv="1.5, 2 um", tolerance=1e-2)
+    told = repr(curve[curve["hv_m"] > 1.6e-6])
+    assert all(name in told for name in curve)
+    assert "2e-06" in told and "0.000002" not in told
+    assert max(map(len, told.splitlines())) <= 80
+    assert "2e-06" in curve._repr_html_()
+
+
 def test_polar_and_cartesian_places_are_one(study):
     polar = study.scene("5 um", "1 um", phi_r="2 mm", phi="30 deg")
     assert polar.x_m == pytest.approx(2e-3 * 3**0.5 / 2)
