@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 PAGES = ("README.md", "CONTRIBUTING.md", "config/README.md", "results/README.md")
-PROGRAMS = ("make", "squeezefilm", "snakemake", "python", "pip", "pytest", "apt", "apt-get", "podman")
-STARTS = rf"(?:{'|'.join(PROGRAMS)}|git|\. \.venv|[A-Z]+=\S+$)"
+PROGRAMS = "make|squeezefilm|snakemake|python|pip|pytest|apt|apt-get|podman"
+STARTS = rf"(?:{PROGRAMS}|git|\. \.venv|[A-Z]+=\S+$)"
 BLOCK_LINE = re.compile(rf"^    (?:\$ )?({STARTS}(?![\w:=-]).*)$", re.MULTILINE)
-INLINE = re.compile(rf"(?<!`)`((?:{'|'.join(PROGRAMS)}) [^`]+)`(?!`)")
+INLINE = re.compile(rf"(?<!`)`((?:{PROGRAMS}) [^`]+)`(?!`)")
 NAMES = {
     "squeezefilm": re.compile(r"squeezefilm ([a-z][a-z-]*)"),
     "numerics": re.compile(r"python -m numerics ([a-z][a-z-]*)"),
     "snakemake": re.compile(r"snakemake ([a-z][a-z0-9_ ]*)"),
 }
-"""Commands that a text may only name, such as `squeezefilm budget` or `snakemake refine optimal`."""
+"""Commands that a text may only name, such as `squeezefilm budget`, `snakemake refine optimal`."""
 
 MADE = "results/paper/simulations/screen"
 PLACEHOLDERS = {
@@ -84,7 +84,7 @@ BY_HAND = {
     "python tests/device/registers.py PATH/TO/ptxas": "needs the two above; tested where they are",
     "podman build .": "needs a container engine and a registry",
     "make lock": "takes the newest versions of all packages from the network",
-    "python -m squeezefilm.reynolds.limits.inertial_layer": "makes a committed table anew, at length",
+    "python -m squeezefilm.reynolds.limits.inertial_layer": "makes a committed table anew",
     "python -m numerics inertia --config config/paper.yaml --output TABLE.csv": (
         "solves hundreds of films twice"
     ),

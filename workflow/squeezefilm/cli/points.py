@@ -27,7 +27,7 @@ MANY = "each one value, several (5um,6um), or a range first:last:count (5:10:6um
 def add_point_options(
     parser: argparse.ArgumentParser, *, without: Sequence[str] = (), many: bool = True
 ) -> None:
-    """Options for the factors, but for those in ``without``; ``many`` if they take several values."""
+    """Options for the factors, but for those in ``without``; ``many`` values of each."""
     title = "points: every combination of" if many else "the point"
     group = parser.add_argument_group(title, MANY if many else None)
     for name, text in OPTIONS.items():

@@ -31,7 +31,7 @@ ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", 
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 TEXT_COLUMNS = {"point_id", "origin", "status", "method", "left_out", "derivatives_status"}
 PARQUET = ".parquet"
-OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".npz", ".nc"}
+OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 # What a budget is of, where it is of the scene itself.
 THIS_SCENE = "this scene"

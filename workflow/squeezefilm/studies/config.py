@@ -215,8 +215,8 @@ def _check_film_is_thin(values: dict[str, Any], *, path: Path) -> None:
     if h0_m > wavelength_m / (2 * math.pi):
         raise InputError(
             f"{path}: actuator.frequency_hz: at {frequency_hz:g} Hz sound in this gas is "
-            f"{wavelength_m:.2g} m long, and over a gap of {h0_m:g} m (screen.h0_m) pressure is not "
-            f"the same, as in a film; at most "
+            f"{wavelength_m:.2g} m long, and over a gap of {h0_m:g} m (screen.h0_m) pressure is "
+            f"not the same, as in a film; at most "
             f"{wavelength_m / (2 * math.pi * h0_m) * frequency_hz:.2g} Hz"
         )
 
