@@ -42,9 +42,6 @@ SMALLER = {
     ),
     "make resume CONFIG=config/quick.yaml": "make resume CONFIG=config/mine.yaml",
     "snakemake numerics --configfile config/quick.yaml": "snakemake numerics",
-    "git clone <this repository> && cd <its folder>": (
-        "mkdir clone && cp -r Makefile Snakefile config profiles workflow clone && cd clone"
-    ),
 }
 """What is run in the place of a command: the same recipe for a study that is made already."""
 
@@ -78,6 +75,7 @@ ELSEWHERE = {
 """Commands that a stage of .ci/run has in a file, by a text that is found there."""
 
 BY_HAND = {
+    "git clone <this repository> && cd <its folder>": "the address is the reader's",
     "apt install python3 python3-venv make gcc": "a system's own packages",
     "apt-get install clang-14 libclc-14": "a system's own packages",
     "pip install nvidia-cuda-nvcc-cu12": "a compiler for processors that no test needs",
