@@ -5,7 +5,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-PAGES = ("README.md", "CONTRIBUTING.md", "config/README.md", "results/README.md")
+PAGES = (
+    *("README.md", "CONTRIBUTING.md", "config/README.md", "results/README.md"),
+    *("workflow/README.md", "tests/reference/README.md"),
+)
 PROGRAMS = "make|squeezefilm|snakemake|python|pip|pytest|apt|apt-get|podman"
 STARTS = rf"(?:{PROGRAMS}|git|\. \.venv|[A-Z]+=\S+$)"
 BLOCK_LINE = re.compile(rf"^    (?:\$ )?({STARTS}(?![\w:=-]).*)$", re.MULTILINE)
@@ -27,13 +30,11 @@ PLACEHOLDERS = {
 """What stands for a file of the reader's own; what is written keeps its name."""
 
 SMALLER = {
-    "make quick": "make quick OPTIONS=two_factor",
-    "make paper-inertia": "make paper-inertia OPTIONS=two_factor",
     "squeezefilm new my-actuator": (
         "squeezefilm new my-actuator && sed -i 's/{start:/{levels: 4, start:/'"
         " config/my-actuator.yaml && cat sizes.yaml >> config/my-actuator.yaml"
     ),
-    "make reference": "echo yes | make reference STUDIES=mine",
+    "make reference": "script -qec 'make reference STUDIES=mine' /dev/null <<< y",
     "make reference YES=1": "make reference STUDIES=mine YES=1",
     "make reference STUDIES=mine": "make reference STUDIES=mine YES=1",
     "make report CONFIG=config/quick.yaml": "make report CONFIG=config/mine.yaml",
@@ -46,6 +47,8 @@ SMALLER = {
 """What is run in the place of a command: the same recipe for a study that is made already."""
 
 ELSEWHERE = {
+    "make quick": ("make check", "Makefile", "STUDIES ?= paper paper-inertia quick"),
+    "make paper-inertia": ("make check", "Makefile", "STUDIES ?= paper paper-inertia quick"),
     "pip install .": ("make test-install", "tests/install/test_install.py", '"pip", "install"'),
     "pip install '.[fields,fits]'": (
         *("make test-install", "tests/install/test_install.py"),

@@ -19,7 +19,9 @@ OF_THE_ENVIRONMENT = ("pyproject.toml", "requirements.lock", "requirements-dev.l
 LONGEST_S = 1200
 TAIL = 3000
 ASSIGNMENT = re.compile(r"([A-Z]+)=(\S+)")
-OWN_STUDIES = re.compile(r"my-actuator|plate|\$?\bFIT\b")
+OWN_STUDIES = re.compile(
+    r"my-actuator|plate|\bFIT\b|configfile config/mine|CONFIG=config/mine|STUDIES=mine"
+)
 # What a study says of sizes; a default is for results that count.
 SIZES = """
 error_map: {h0: {levels: 4}, hv: {levels: 4}}
@@ -69,9 +71,7 @@ def small_checkout(repository: Path, folder: Path) -> Path:
     (folder / ".venv").symlink_to(sys.prefix)
     (folder / "results").mkdir()
     config = folder / "config"
-    for name, inertia in (("paper", "none"), ("paper-inertia", "included")):
-        changes = {r"^study: .*": f"study: {name}", r"inertia: none": f"inertia: {inertia}"}
-        edited(config / "quick.yaml", changes, to=config / f"{name}.yaml")
+    edited(config / "quick.yaml", {r"^study: .*": "study: paper"}, to=config / "paper.yaml")
     (folder / "sizes.yaml").write_text(SIZES, encoding="utf-8")
     mine = block(config / "README.md", "study: mine") + block(folder / "docs/models.md", "models:")
     (config / "mine.yaml").write_text(mine + SIZES, encoding="utf-8")
@@ -83,11 +83,16 @@ def small_checkout(repository: Path, folder: Path) -> Path:
 
 def run_all(commands: Iterable[Command], folder: Path) -> dict[str, Outcome]:
     """Run commands one after the other, as a reader types them; what is assigned stays."""
-    outcomes, assigned = {}, ""
+    outcomes: dict[str, Outcome] = {}
+    found: dict[str, Outcome] = {}
+    assigned = ""
     for command in commands:
         typed = as_run(command.text)
         if ASSIGNMENT.fullmatch(typed):
             assigned += f"{typed}; "
+        if typed in found:
+            outcomes[command.text] = found[typed]
+            continue
         if typed.endswith("forces_from_a_colleague.csv --results results"):
             shutil.copy(folder / f"{MADE}/forces.csv", folder / "forces_from_a_colleague.csv")
         try:
@@ -103,7 +108,8 @@ def run_all(commands: Iterable[Command], folder: Path) -> dict[str, Outcome]:
             status, told = done.returncode, done.stdout
         except subprocess.TimeoutExpired as end:
             status, told = -1, (end.stdout or b"") + b"\ntook too long"
-        outcomes[command.text] = Outcome(status, told.decode(errors="replace")[-TAIL:])
+        found[typed] = Outcome(status, told.decode(errors="replace")[-TAIL:])
+        outcomes[command.text] = found[typed]
     return outcomes
 
 
