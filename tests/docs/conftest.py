@@ -24,7 +24,7 @@ OWN_STUDIES = re.compile(
 )
 # What a study says of sizes; a default is for results that count.
 SIZES = """
-error_map: {h0: {levels: 4}, hv: {levels: 4}}
+error_map: {h0: {levels: 5}, hv: {levels: 5}}
 model_control: {points: 20}
 four_factor_control: {points: 5}
 sweep: {points: 30}
