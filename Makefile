@@ -19,7 +19,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report test test-check test-faults test-browser test-install test-device api lint format keys lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report test test-check test-docs test-faults test-browser test-install test-device api lint format keys lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -29,6 +29,7 @@ help:
 	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
 	@echo "make test     the tests"
 	@echo "make test-check     faults put into a study, which the check must find"
+	@echo "make test-docs     the commands of the docs, on small studies"
 	@echo "make test-faults    runs that are killed, full disks, damaged results"
 	@echo "make test-browser   the pages, in a browser without a screen"
 	@echo "make test-device    the kernels' work-items, watched by Oclgrind, and large work-groups"
@@ -74,6 +75,9 @@ test: $(VENV)/.dev
 
 test-check: $(VENV)/.dev
 	$(RUN) pytest tests/check
+
+test-docs: $(VENV)/.dev
+	$(RUN) pytest tests/docs
 
 test-faults: $(VENV)/.dev
 	$(RUN) pytest tests/faults

@@ -70,13 +70,23 @@ def test_a_range_makes_a_curve_by_either_door(study, tmp_path):
     assert main(["simulate", *words, "--x", "-1,1mm", "--output", str(path)]) == 0
     written = pd.read_csv(path)
     curve = study.curve("5 um", [0.5e-6, 1.25e-6, 2e-6], x="-1, 1 mm")
-    pd.testing.assert_frame_equal(written, curve, check_dtype=False)
+    pd.testing.assert_frame_equal(curve, written, check_dtype=False)
     assert list(written["hv_m"]) == [5e-7, 5e-7, 1.25e-6, 1.25e-6, 2e-6, 2e-6]
     pairs = written["force_n"].to_numpy().reshape(3, 2)
     # The paper's film is symmetric: left and right are alike.
     np.testing.assert_allclose(pairs[:, 0], pairs[:, 1], rtol=2e-6)
     single = study.force("5 um", "2 um", x="1 mm")
     assert pairs[2, 1] == pytest.approx(float(single), rel=1e-12)
+
+
+def test_a_table_shows_what_it_holds(study):
+    curve = study.curve(h0="5 um", hv="1.5, 2 um", tolerance=1e-2)
+    told = repr(curve[curve["hv_m"] > 1.6e-6])
+    assert all(name in told for name in curve)
+    assert "2e-06" in told
+    assert "0.000002" not in told
+    assert max(map(len, told.splitlines())) <= 80
+    assert "2e-06" in curve._repr_html_()
 
 
 def test_polar_and_cartesian_places_are_one(study):
@@ -177,6 +187,7 @@ def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsy
         ({"h0": 5e-6, "hv": "1, 2 um"}, "one scene is asked for, not 2"),
         ({"h0": 5e-6, "hv": 5e-6}, "surface and finger touch"),
         ({"h0": 5e-6, "hv": 1e-6, "x": 0.0, "phi_r": 0.0}, "as x and y or as phi-r and phi"),
+        ({"h0": 5e-6, "hv": 1e-6, "phi": 30}, "phi is a direction; give the distance from"),
         ({"h0": 5e-6, "hv": 1e-6, "x": "9 mm"}, "off the actuator's"),
         ({"h0": 5e-6, "hv": 1e-6, "tolerance": 2.0}, "tolerance 2 must lie between"),
         ({"h0": 5e-6, "hv": 1e-6, "method": "magic"}, "method 'magic' is none of"),
@@ -201,7 +212,7 @@ def test_a_model_that_is_unknown_is_refused(study):
 
 def test_a_film_without_a_force_says_why():
     film = sf.Film.of(actuator=DISC, finger=PAD | {"speed_x_m_per_s": 1e4}, gas={"inertia": "none"})
-    with pytest.raises(sf.RunError):
+    with pytest.raises(sf.RunError, match=r"hv/h0 is 0.99: surface and finger nearly touch"):
         film.force(1e-6, 0.99e-6)
     table = film.curve(1e-6, [0.99e-6])
     assert np.isnan(table["force_n"].iloc[0])

@@ -67,6 +67,15 @@ def test_a_typo_is_answered_with_the_nearest_command_alone(word, hint, capsys):
     assert len(told.splitlines()) == 2
 
 
+@pytest.mark.parametrize(("option", "hint"), [("--hvv", "did you mean '--hv'? "), ("--zzzz", "")])
+def test_a_typo_in_an_option_is_answered_with_the_nearest(option, hint, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["simulate", option, "1um"])
+    assert end.value.code == 2
+    told = capsys.readouterr().err
+    assert f"squeezefilm simulate takes no {option!r}; {hint}`squeezefilm simulate --help`" in told
+
+
 def test_a_negative_value_is_no_option():
     words = ["simulate", "--x", "-2mm", "--y", "-.5,1mm", "--keep-going", "-1", "a", "-2"]
     joined = ["simulate", "--x=-2mm", "--y=-.5,1mm", "--keep-going=-1", "a", "-2"]

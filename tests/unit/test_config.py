@@ -94,6 +94,10 @@ WRONG = {
     "missing key": (replaced("  frequency_hz: 43270\n", ""), "missing 'frequency_hz' (0.001 …"),
     "missing section": (replaced("study: paper\n", ""), "missing 'study'"),
     "text for a number": (replaced("43270", "fast"), "actuator.frequency_hz: 'fast'"),
+    "a gap as long as sound": (
+        replaced("43270", "43.27e6"),
+        "sound in this gas is 7.9e-06 m long, and over a gap of 1e-05 m",
+    ),
     "another unit": (
         replaced("0.010", "10 kHz"),
         "surface_radius_m: '10 kHz' is not of type 'number'; allowed: 1e-6 … 10 m, as a number or "

@@ -231,3 +231,10 @@ def test_a_key_without_its_unit_is_told_what_its_value_lacks(tmp_path, written, 
         load_config(path)
     assert said in str(error.value)
     assert "unknown key" not in str(error.value)
+
+
+def test_units_may_be_written_in_lists_and_zero_needs_none():
+    text = SHORT + "positions: {phi_r: [5 mm, 1 cm], phi: [0, 30 deg]}\n"
+    assert study(text)["positions"] == {"phi_r_m": [0.005, 0.01], "phi_deg": [0, 30]}
+    with pytest.raises(InputError, match="each number there needs a unit that fits"):
+        study(SHORT + "positions: {phi_r: [5, 1 cm]}\n")

@@ -164,7 +164,7 @@ def test_a_position_is_kept_in_the_form_it_was_given():
 
 REFUSED = {
     "polar positions": (
-        ("x_m: [0.005, 0.0095]\n  y_m: [0, 0.005]", "phi_r_m: [0.002]\n  phi_deg: [0]"),
+        ("x: [5 mm, 9.5 mm], y: [0, 5 mm]", "phi_r: [2 mm], phi: [0 deg]"),
         "positions: on a rectangle they are x_m and y_m",
     ),
     "two surfaces": (
@@ -172,16 +172,16 @@ REFUSED = {
         "give surface_radius_m, of a disc, or surface, of a rectangle, and not both",
     ),
     "no surface": (
-        ("surface: {shape: rectangle, length_x_m: 0.030, length_y_m: 0.020}", ""),
+        ("surface: {shape: rectangle, length_x: 30 mm, length_y: 20 mm}", ""),
         "give surface_radius_m",
     ),
-    "an axis": (("axisymmetric: false", "axisymmetric: true"), "a rectangle has no axis"),
+    "an axis": (("plate.csv}", "plate.csv, axisymmetric: true}"), "a rectangle has no axis"),
     "the paper": (("study: plate", "study: plate\npaper: true"), "the paper's actuator is a disc"),
     "a finger that cannot move": (
-        ("y_m: [0, 0.005]", "y_m: [0]"),
+        ("y: [0, 5 mm]", "y: [0]"),
         "positions.y_m: a value must be",
     ),
-    "positions off the plate": (("0.0095]", "0.0105]"), "the rim of the finger lies at x ="),
+    "positions off the plate": (("9.5 mm]", "10.5 mm]"), "the rim of the finger lies at x ="),
 }
 
 
@@ -199,6 +199,7 @@ def test_a_study_that_makes_no_sense_is_refused(repository, change, message):
 def test_an_example_is_a_sound_study_and_not_the_paper_s(repository, name):
     path = repository / "config" / f"{name}.yaml"
     assert not check_study(load_config(path))["paper"]
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 25
     assert yaml.safe_load(path.read_text(encoding="utf-8"))["study"] == name
 
 

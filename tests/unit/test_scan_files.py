@@ -150,6 +150,10 @@ WRONG = {
     "both decimal signs": (COMMAS.replace("8,48571429", "8.48571429", 1), "has a point in"),
     "no header": (PLAIN.split("\n", 1)[1], "line 1: no header names the columns"),
     "nothing known": ("a,b,c\n1,2,3\n", "line 1: unknown column 'a', 'b', 'c'; a scan has"),
+    "words between semicolons": (
+        "Punkt Nr;Lage x;Weg y\n1;2;3\n",
+        "unknown column 'Punkt Nr', 'Lage x', 'Weg y'; a scan has",
+    ),
     "half of a number": (with_header("x_mm,y_mm,real_um,phase_deg"), "go together"),
     "two amplitudes": (
         with_header("x_mm,y_mm,amplitude_um,velocity_mm/s"),

@@ -133,6 +133,12 @@ def test_a_table_comes_back_to_the_last_bit_in_how_many_pieces_it_was_written(
     assert list(read["nx"].astype(int)) == [16, 24]
 
 
+def test_a_table_is_not_written_under_the_name_of_something_else(tmp_path):
+    with pytest.raises(InputError, match=r"a.xlsx: a table is written as .csv, .* not as .xlsx"):
+        write_table(pd.DataFrame({"h0_m": [1.0]}), tmp_path / "a.xlsx")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_point_that_failed_keeps_its_row_but_cannot_be_used(tmp_path):
     write_table(forces(status="did not converge", force_n=None), tmp_path / "forces.csv")
     table = read_forces(tmp_path / "forces.csv")

@@ -28,6 +28,7 @@ from squeezefilm.studies.tasks.scan_errors import scan_errors
 
 # Motion out of phase is spoken of where it is more than this share of the noise.
 LEAST_OUT_OF_PHASE = 0.01
+NEARLY_TOUCHING = 0.95
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,8 @@ def force_of(
         [scene], settings=settings, device=device, smoothed=smoothed, derivatives=derivatives
     )
     if not isfinite(force.force_n):
-        raise RunError(force.status)
+        near = f"; hv/h0 is {scene.epsilon:.4g}: surface and finger nearly touch"
+        raise RunError(force.status + near * (scene.epsilon > NEARLY_TOUCHING))
     return force
 
 

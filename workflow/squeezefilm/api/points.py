@@ -1,6 +1,9 @@
 """The points that are asked for: every combination of some values of each factor."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from itertools import product
 from math import isfinite
 
@@ -19,10 +22,39 @@ units such as ``"5 um"``, ``"5 um, 6 um"``, ``"0.5:2.5:9 um"`` (first:last:count
 COLUMNS = {"h0": "h0_m", "hv": "hv_m", "x": "x_m", "y": "y_m", "phi_r": "phi_r_m", "phi": "phi_deg"}
 """What the factors are called where they are asked for, and their columns."""
 MOST_POINTS = 1_000_000
+WIDTH = 80
+
+
+class Points(pd.DataFrame):
+    """A table with a row for each point, as pandas has it, which shows what it holds.
+
+    All columns, and 2.2e-06 for what pandas shows as 0.000002 where no other format is set.
+    """
+
+    @property
+    def _constructor(self) -> type[Points]:
+        return Points
+
+    def __repr__(self) -> str:
+        with _shown_whole():
+            return str(super().__repr__())
+
+    def _repr_html_(self) -> str | None:
+        with _shown_whole():
+            html: str | None = super()._repr_html_()  # type: ignore[misc]
+            return html
+
+
+def _shown_whole() -> AbstractContextManager[None]:
+    number = pd.get_option("display.float_format") or "{:.6g}".format
+    whole = ("display.width", WIDTH, "display.max_columns", None)
+    return pd.option_context(*whole, "display.float_format", number)
 
 
 def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.DataFrame:
     """Every combination of the values given for COLUMNS' names, a column for each factor given.
+
+    What is added to it, such as forces, is a table of Points again.
 
     Args:
         option: how a factor's name is written in messages.
@@ -38,12 +70,15 @@ def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.D
     if any(name in levels for name in CARTESIAN) and any(name in levels for name in POLAR):
         x, y, r, phi = (option.format(name) for name in ("x", "y", "phi-r", "phi"))
         raise InputError(f"give the position as {x} and {y} or as {r} and {phi}, not both")
+    if "phi_deg" in levels and "phi_r_m" not in levels:
+        phi, r = option.format("phi"), option.format("phi-r")
+        raise InputError(f"{phi} is a direction; give the distance from the centre by {r} too")
     count = 1
     for values in levels.values():
         count *= len(values)
     if count > MOST_POINTS:
         raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
-    return pd.DataFrame(list(product(*levels.values())), columns=list(levels), dtype=float)
+    return Points(list(product(*levels.values())), columns=list(levels), dtype=float)
 
 
 def scene_points_of(points: pd.DataFrame) -> list[ScenePoint]:

@@ -74,19 +74,22 @@ def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | No
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
+    asked = parser
     if chosen in commands:
         subparsers = parser.add_subparsers(dest="command", metavar="COMMAND")
         module = _imported(commands[chosen])
-        subparser = subparsers.add_parser(
+        asked = subparsers.add_parser(
             chosen,
             description=module.__doc__,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        module.add_arguments(subparser)
-        subparser.set_defaults(run=module.run)
+        module.add_arguments(asked)
+        asked.set_defaults(run=module.run)
     elif not chosen.startswith("-"):
         parser.error(_unknown(chosen, commands))
-    options = parser.parse_args(words)
+    options, unknown = parser.parse_known_args(words)
+    if unknown:
+        parser.error(_unknown_option(unknown[0], asked))
     try:
         status = int(options.run(options) or 0)
         provenance.finish(words)
@@ -136,6 +139,13 @@ def _unknown(chosen: str, commands: Mapping[str, str]) -> str:
     near = difflib.get_close_matches(chosen, commands, n=1)
     hint = f"did you mean {near[0]!r}? " if near else ""
     return f"there is no command {chosen!r}; {hint}`squeezefilm --help` names all"
+
+
+def _unknown_option(word: str, parser: argparse.ArgumentParser) -> str:
+    known = [name for action in parser._actions for name in action.option_strings]
+    near = difflib.get_close_matches(word.partition("=")[0], known, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return f"{parser.prog} takes no {word!r}; {hint}`{parser.prog} --help` explains what it takes"
 
 
 def _imported(place: str) -> ModuleType:

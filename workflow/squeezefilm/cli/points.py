@@ -10,9 +10,9 @@ from squeezefilm.io.tables import write_table
 from squeezefilm.io.typed_units import to_its_error
 
 OPTIONS = {
-    "h0": "mean gap, e.g. 5um; several 5um,6um; or a range 5:10:6um (first:last:count)",
-    "hv": "amplitude at the profile's maximum, likewise",
-    "x": "finger's centre, e.g. -2mm, likewise; 0 m if left out",
+    "h0": "mean gap, e.g. 5um",
+    "hv": "amplitude at the profile's maximum, e.g. 2um",
+    "x": "finger's centre, e.g. -2mm; 0 m if left out",
     "y": "the same along y",
     "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
     "phi": "and direction, e.g. 45deg",
@@ -21,9 +21,15 @@ ERRORS = {"force_n": "force_error_n", "hv_m": "hv_error_m"}
 """Columns that are shown to the digits that another column leaves them."""
 
 
-def add_point_options(parser: argparse.ArgumentParser, *, without: Sequence[str] = ()) -> None:
-    """Options for the factors, but for those in ``without``."""
-    group = parser.add_argument_group("points: every combination of")
+MANY = "each one value, several (5um,6um), or a range first:last:count (5:10:6um)"
+
+
+def add_point_options(
+    parser: argparse.ArgumentParser, *, without: Sequence[str] = (), many: bool = True
+) -> None:
+    """Options for the factors, but for those in ``without``; ``many`` values of each."""
+    title = "points: every combination of" if many else "the point"
+    group = parser.add_argument_group(title, MANY if many else None)
     for name, text in OPTIONS.items():
         if name not in without:
             group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)

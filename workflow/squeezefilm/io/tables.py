@@ -34,6 +34,8 @@ TEXT_COLUMNS = {
     *("derivatives_status", "outputs_status"),
 }
 PARQUET = ".parquet"
+OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
+"""Names of files that are expected to hold something else than text in columns."""
 # What a budget is of, where it is of the scene itself.
 THIS_SCENE = "this scene"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
@@ -279,8 +281,14 @@ def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
     """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
 
     All pieces have the columns of the first one. CSV comes with full double precision.
+    Raises InputError for a name that says that something else is in the file.
     """
     path = Path(path)
+    if path.suffix.lower() in OTHER_FORMATS:
+        raise InputError(
+            f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "
+            f"not as {path.suffix}"
+        )
     pieces = _parquet_pieces if path.suffix == PARQUET else _csv_pieces
     with whole_file(path) as name, pieces(name) as write:
         yield write

@@ -201,8 +201,24 @@ def _check_relations(values: dict[str, Any], *, path: Path) -> None:
         raise InputError(
             f"{path}: extrapolation: hv_m must stay below h0_m, or surface and finger touch"
         )
+    _check_film_is_thin(values, path=path)
     _check_space(values, path=path)
     _check_surface(values, path=path)
+
+
+def _check_film_is_thin(values: dict[str, Any], *, path: Path) -> None:
+    """Refuse a gap over which the pressure of sound differs: no film equation holds there."""
+    gas, h0_m = values["gas"], values["screen"]["h0_m"]["stop"]
+    frequency_hz = values["actuator"]["frequency_hz"]
+    square = gas["heat_capacity_ratio"] * gas["ambient_pressure_pa"] / gas["density_kg_per_m3"]
+    wavelength_m = math.sqrt(square) / frequency_hz
+    if h0_m > wavelength_m / (2 * math.pi):
+        raise InputError(
+            f"{path}: actuator.frequency_hz: at {frequency_hz:g} Hz sound in this gas is "
+            f"{wavelength_m:.2g} m long, and over a gap of {h0_m:g} m (screen.h0_m) pressure is "
+            f"not the same, as in a film; at most "
+            f"{wavelength_m / (2 * math.pi * h0_m) * frequency_hz:.2g} Hz"
+        )
 
 
 def _check_surface(values: dict[str, Any], *, path: Path) -> None:

@@ -89,8 +89,8 @@ def part_at(place: tuple[Any, ...], values: Any) -> Part:
 def in_si(values: Any, part: Part) -> Any:
     """The values with every number that has its unit, ``15 mm``, in the unit of its key.
 
-    A key of such a value may be without its unit, ``length_x: 15 mm``. What is no number with a
-    unit of the right dimension stays as it is, for the schema to refuse.
+    A key may be without its unit, ``length_x: 15 mm``, where each number but zero has its own. What
+    is no number with a unit of the right dimension stays as it is, for the schema to refuse.
     """
     part = part_for(part, values)
     if isinstance(values, Mapping):
@@ -100,13 +100,13 @@ def in_si(values: Any, part: Part) -> Any:
             long = next((key for key in keys if short(key, keys[key]) == name), name)
             if name not in keys and long in keys and long not in values:
                 converted = in_si(value, keys[long])
-                if _has_units(value) and not _has_units(converted):
+                if _all_have_units(value, keys[long]) and not _text_in(converted):
                     result[long] = converted
                     continue
             result[name] = in_si(value, keys[name]) if name in keys else value
         return result
     if isinstance(values, list):
-        return [in_si(value, part.get("items", {})) for value in values]
+        return [in_si(value, _item(part)) for value in values]
     if isinstance(values, str) and "unit" in part:
         from squeezefilm.io.typed_units import in_unit  # loads NumPy, which a dry run need not
 
@@ -121,11 +121,27 @@ def short(key: str, part: Any) -> str | None:
     return key.removesuffix(suffix) if suffix and key.endswith(suffix) else None
 
 
-def _has_units(value: Any) -> bool:
+def _item(part: Part) -> Part:
+    """The part for an item of a list, in the list's unit."""
+    own = part.get("items", {})
+    return {**own, "unit": part["unit"]} if "unit" in part else own
+
+
+def _all_have_units(value: Any, part: Part) -> bool:
+    """Whether each number that has a unit is written with one, or is zero."""
+    if isinstance(value, Mapping):
+        keys = part.get("properties", {})
+        return all(_all_have_units(each, keys.get(name, {})) for name, each in value.items())
+    if isinstance(value, list):
+        return all(_all_have_units(each, _item(part)) for each in value)
+    return "unit" not in part or isinstance(value, str) or value == 0
+
+
+def _text_in(value: Any) -> bool:
     """Whether texts are among some values."""
     if isinstance(value, Mapping):
-        return any(map(_has_units, value.values()))
-    return any(map(_has_units, value)) if isinstance(value, list) else isinstance(value, str)
+        return any(map(_text_in, value.values()))
+    return any(map(_text_in, value)) if isinstance(value, list) else isinstance(value, str)
 
 
 def filled(values: Any, part: Part) -> Any:

@@ -1,6 +1,6 @@
 """The pressure under a finger over one period, as a file.
 
-  squeezefilm pressure --h0 5um --hv 2.2um --output field.csv --config CONFIG.yaml
+  squeezefilm pressure --h0 5um --hv 2.2um --output field.csv
   squeezefilm pressure --h0 5um --hv 2.2um --x 1mm --output field.nc --config CONFIG.yaml
 
 A CSV table has a row for each instant and place: phase_deg, time_s, x_m, y_m (from the finger's
@@ -12,17 +12,17 @@ import argparse
 
 from squeezefilm.api.field import LEAST_INSTANTS, LEAST_PLACES, MOST_INSTANTS, MOST_PLACES
 from squeezefilm.api.film import Film
+from squeezefilm.cli import which_study
 from squeezefilm.cli.points import OPTIONS, add_point_options
 from squeezefilm.io.atomic import whole_file
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--config", metavar="CONFIG.yaml", help=which_study.HELP)
     parser.add_argument("--output", required=True, metavar="FIELD", help=".csv or .nc, to write")
     parser.add_argument(
         "--places", type=int, default=41, help=f"each way, {LEAST_PLACES} to {MOST_PLACES}"
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--instants", type=int, default=32, help=f"even, {LEAST_INSTANTS} to {MOST_INSTANTS}"
     )
-    add_point_options(parser)
+    add_point_options(parser, many=False)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> None:
     given = {name: getattr(options, name) for name in OPTIONS}
     if not (given["h0"] and given["hv"]):
         raise InputError("give --h0 and --hv")
-    film = Film(load_config(options.config).only(SECTIONS))
+    film = Film(which_study.study_at(options.config).only(SECTIONS))
     field = film.pressure(**given, places=options.places, instants=options.instants)
     if options.output.endswith(".nc"):
         with whole_file(options.output) as path:

@@ -64,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
     )
-    add_point_options(parser)
+    add_point_options(parser, many=False)
 
 
 def run(options: argparse.Namespace) -> None:

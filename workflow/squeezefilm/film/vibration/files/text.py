@@ -146,7 +146,8 @@ def _header(lines: Sequence[str], *, path: Path) -> tuple[int, str | None, bool]
     first = lines[plain[0]]
     if re.fullmatch(r"[-+\d.,;eE\s]+", first):
         raise InputError(f"{path}: line {plain[0] + 1}: no header names the columns; give {FORM}")
-    best = max(SEPARATORS, key=lambda each: (_named(first, each), len(_split(first, each))))
+    # Words in the names of columns do not make blanks the separator where there is another one.
+    best = next((each for each in SEPARATORS if each and each in first), None)
     names = ", ".join(repr(cell.strip()) for cell in _split(first, best) if not column_of(cell))
     if len(lines) == 1 or _named(first, best) == 0:
         raise InputError(f"{path}: line {plain[0] + 1}: unknown column {names}; a scan has {FORM}")

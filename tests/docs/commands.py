@@ -1,0 +1,169 @@
+"""The commands that the docs tell a reader to type, and where each is run."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+PAGES = (
+    *("README.md", "CONTRIBUTING.md", "config/README.md", "results/README.md"),
+    *("workflow/README.md", "tests/reference/README.md"),
+)
+PROGRAMS = "make|squeezefilm|snakemake|python|pip|pytest|apt|apt-get|podman"
+STARTS = rf"(?:{PROGRAMS}|git|\. \.venv|[A-Z]+=\S+$)"
+BLOCK_LINE = re.compile(rf"^    (?:\$ )?({STARTS}(?![\w:=-]).*)$", re.MULTILINE)
+INLINE = re.compile(rf"(?<!`)`((?:{PROGRAMS}) [^`]+)`(?!`)")
+NAMES = {
+    "squeezefilm": re.compile(r"squeezefilm ([a-z][a-z-]*)"),
+    "numerics": re.compile(r"python -m numerics ([a-z][a-z-]*)"),
+    "snakemake": re.compile(r"snakemake ([a-z][a-z0-9_ ]*)"),
+}
+"""Commands that a text may only name, such as `squeezefilm budget`, `snakemake refine optimal`."""
+
+MADE = "results/paper/simulations/screen"
+PLACEHOLDERS = {
+    "CONFIG.yaml": "config/paper.yaml",
+    "SCENES.csv": f"{MADE}/scenes.csv",
+    "/PLAN/": "/screen/",
+    "trace FILE": f"trace {MADE}/forces.csv",
+}
+"""What stands for a file of the reader's own; what is written keeps its name."""
+
+SMALLER = {
+    "squeezefilm new my-actuator": (
+        "squeezefilm new my-actuator && sed -i 's/{start:/{levels: 4, start:/'"
+        " config/my-actuator.yaml && cat sizes.yaml >> config/my-actuator.yaml"
+    ),
+    "make reference": "script -qec 'make reference STUDIES=mine' /dev/null <<< y",
+    "make reference YES=1": "make reference STUDIES=mine YES=1",
+    "make reference STUDIES=mine": "make reference STUDIES=mine YES=1",
+    "make report CONFIG=config/quick.yaml": "make report CONFIG=config/mine.yaml",
+    "make report CONFIG=config/my-actuator.yaml REPORT=results/my-actuator.html": (
+        "make report CONFIG=config/mine.yaml REPORT=results/mine.html"
+    ),
+    "make resume CONFIG=config/quick.yaml": "make resume CONFIG=config/mine.yaml",
+    "snakemake numerics --configfile config/quick.yaml": "snakemake numerics",
+}
+"""What is run in the place of a command: the same recipe for a study that is made already."""
+
+ELSEWHERE = {
+    "make quick": ("make check", "Makefile", "STUDIES ?= paper paper-inertia quick"),
+    "make paper-inertia": ("make check", "Makefile", "STUDIES ?= paper paper-inertia quick"),
+    "pip install .": ("make test-install", "tests/install/test_install.py", '"pip", "install"'),
+    "pip install '.[fields,fits]'": (
+        *("make test-install", "tests/install/test_install.py"),
+        "{wheel}[fields,fits]",
+    ),
+    "pip install snakemake-executor-plugin-slurm": (
+        *("make test-cluster", "requirements-dev.in"),
+        "snakemake-executor-plugin-slurm",
+    ),
+    "pip install snakemake-executor-plugin-cluster-generic": (
+        *("make test-cluster", "requirements-dev.in"),
+        "snakemake-executor-plugin-cluster-generic",
+    ),
+    "snakemake --workflow-profile profiles/slurm": (
+        *("make test-cluster", "tests/cluster/conftest.py"),
+        '"--workflow-profile", "profiles/slurm"',
+    ),
+    'make resume OPTIONS="--workflow-profile profiles/slurm"': (
+        *("make test-cluster", "tests/cluster/conftest.py"),
+        '"resume"',
+    ),
+    "snakemake sweep --configfile config/sweep.yaml --workflow-profile profiles/slurm": (
+        *("make test-cluster", "tests/cluster/conftest.py"),
+        "simulations/sweep/forces.parquet",
+    ),
+}
+"""Commands that a stage of .ci/run has in a file, by a text that is found there."""
+
+BY_HAND = {
+    "git clone <this repository> && cd <its folder>": "the address is the reader's",
+    "apt install python3 python3-venv make gcc": "a system's own packages",
+    "apt-get install clang-14 libclc-14": "a system's own packages",
+    "pip install nvidia-cuda-nvcc-cu12": "a compiler for processors that no test needs",
+    "python tests/device/registers.py PATH/TO/ptxas": "needs the two above; tested where they are",
+    "podman build .": "needs a container engine and a registry",
+    "make lock": "takes the newest versions of all packages from the network",
+    "python -m squeezefilm.reynolds.limits.inertial_layer": "makes a committed table anew",
+    "python -m numerics inertia --config config/paper.yaml --output TABLE.csv": (
+        "solves hundreds of films twice"
+    ),
+}
+"""Commands that nothing runs, and why."""
+
+PARTS = {
+    "snakemake --forcerun",
+    "snakemake --report",
+    "squeezefilm simulate --derivatives",
+}
+"""Named for an option of theirs: no whole commands."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command as it stands on a page."""
+
+    page: str
+    text: str
+    in_a_sentence: bool
+
+    @property
+    def is_name(self) -> bool:
+        named = any(pattern.fullmatch(self.text) for pattern in NAMES.values())
+        return self.in_a_sentence and named
+
+
+def pages(repository: Path) -> list[Path]:
+    docs = sorted((repository / "docs").glob("*.md"))
+    return [repository / name for name in PAGES] + docs
+
+
+def commands_on(page: Path, *, root: Path) -> Iterator[Command]:
+    """Every command of a page, in its order, each once."""
+    text = page.read_text(encoding="utf-8")
+    joined = re.sub(r" \\\n\s+", " ", text)
+    found = [
+        (match.start(), match[1], pattern is INLINE)
+        for pattern in (BLOCK_LINE, INLINE)
+        for match in pattern.finditer(joined)
+    ]
+    name = page.relative_to(root).as_posix()
+    for _, words, in_a_sentence in sorted(found):
+        without_comment = re.split(r"\s+# ", words)[0]
+        yield Command(name, " ".join(without_comment.split()), in_a_sentence)
+
+
+def all_commands(repository: Path) -> list[Command]:
+    """Every command of the docs, each text once: where it stands first, of its own if it does."""
+    every = [each for page in pages(repository) for each in commands_on(page, root=repository)]
+    found = {each.text: each for each in reversed(every) if each.in_a_sentence}
+    found |= {each.text: each for each in reversed(every) if not each.in_a_sentence}
+    return sorted(found.values(), key=every.index)
+
+
+def stages(repository: Path) -> list[str]:
+    """What every change must pass."""
+    lines = (repository / ".ci/run").read_text(encoding="utf-8").splitlines()
+    return [line for line in lines if line.startswith("make ")]
+
+
+def to_run(repository: Path) -> list[Command]:
+    """The commands that are run here: all but names and those that have another place."""
+    elsewhere = {*stages(repository), *ELSEWHERE, *BY_HAND, *PARTS}
+    return [
+        command
+        for command in all_commands(repository)
+        if command.text not in elsewhere
+        and not command.is_name
+        and not command.text.startswith("pytest ")
+    ]
+
+
+def as_run(command: str) -> str:
+    """What is typed for a command here."""
+    if command in SMALLER:
+        return SMALLER[command]
+    for placeholder, path in PLACEHOLDERS.items():
+        command = command.replace(placeholder, path)
+    return command

@@ -1,0 +1,129 @@
+"""Checkouts with small studies in the place of the docs', and all commands run there once."""
+
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from ..workflow.conftest import copy_checkout
+from .commands import MADE, Command, as_run, to_run
+
+FILES = ("Makefile", "README.md", "LICENSE", "docs")
+OF_THE_ENVIRONMENT = ("pyproject.toml", "requirements.lock", "requirements-dev.lock")
+LONGEST_S = 1200
+TAIL = 3000
+ASSIGNMENT = re.compile(r"([A-Z]+)=(\S+)")
+OWN_STUDIES = re.compile(
+    r"my-actuator|plate|\bFIT\b|configfile config/mine|CONFIG=config/mine|STUDIES=mine"
+)
+# What a study says of sizes; a default is for results that count.
+SIZES = """
+error_map: {h0: {levels: 5}, hv: {levels: 5}}
+model_control: {points: 20}
+four_factor_control: {points: 5}
+sweep: {points: 30}
+fit: {seeds: {two_factor: 1}}
+"""
+SMALLER_PLATE = {
+    r"levels: \d": "levels: 3",
+    r"y: \[0, 5 mm\]": "y: [5 mm]",
+    r"(model_control: {points:) \d+": r"\1 10",
+    r"(four_factor_control: {points:) \d+": r"\1 3",
+    r"\Z": "solver: {tolerance: 1e-2}\n",
+}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a command ended, and the end of what it printed."""
+
+    status: int
+    told: str
+
+
+def block(page: Path, beginning: str) -> str:
+    """The example of a page that begins with a line, as text of its own."""
+    lines = re.search(rf"^    {beginning}\n(?:    .*\n)*", page.read_text("utf-8"), re.MULTILINE)
+    assert lines, f"{page}: {beginning}"
+    return re.sub(r"^    ", "", lines[0], flags=re.MULTILINE)
+
+
+def edited(path: Path, changes: dict[str, str], *, to: Path | None = None) -> None:
+    """Replace each pattern, which must be there."""
+    text = path.read_text(encoding="utf-8")
+    for pattern, new in changes.items():
+        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
+        assert count, pattern
+    (to or path).write_text(text, encoding="utf-8")
+
+
+def small_checkout(repository: Path, folder: Path) -> Path:
+    """A copy of the checkout in which the docs' studies are small, with the environment here."""
+    copy_checkout(repository, folder, *FILES)
+    for name in OF_THE_ENVIRONMENT:
+        shutil.copy2(repository / name, folder / name)  # with its time: `make` installs nothing
+    (folder / ".venv").symlink_to(sys.prefix)
+    (folder / "results").mkdir()
+    config = folder / "config"
+    edited(config / "quick.yaml", {r"^study: .*": "study: paper"}, to=config / "paper.yaml")
+    (folder / "sizes.yaml").write_text(SIZES, encoding="utf-8")
+    mine = block(config / "README.md", "study: mine") + block(folder / "docs/models.md", "models:")
+    (config / "mine.yaml").write_text(mine + SIZES, encoding="utf-8")
+    edited(config / "mine.yaml", {"{start:": "{levels: 4, start:"})
+    edited(config / "plate.yaml", SMALLER_PLATE)
+    edited(config / "sweep.yaml", {r"(points:) 100000": r"\1 1000"})
+    return folder
+
+
+def run_all(commands: Iterable[Command], folder: Path) -> dict[str, Outcome]:
+    """Run commands one after the other, as a reader types them; what is assigned stays."""
+    outcomes: dict[str, Outcome] = {}
+    found: dict[str, Outcome] = {}
+    assigned = ""
+    for command in commands:
+        typed = as_run(command.text)
+        if ASSIGNMENT.fullmatch(typed):
+            assigned += f"{typed}; "
+        if typed in found:
+            outcomes[command.text] = found[typed]
+            continue
+        if typed.endswith("forces_from_a_colleague.csv --results results"):
+            shutil.copy(folder / f"{MADE}/forces.csv", folder / "forces_from_a_colleague.csv")
+        try:
+            done = subprocess.run(
+                ["bash", "-c", f". .venv/bin/activate && {assigned}{typed}"],
+                cwd=folder,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                timeout=LONGEST_S,
+                check=False,
+            )
+            status, told = done.returncode, done.stdout
+        except subprocess.TimeoutExpired as end:
+            status, told = -1, (end.stdout or b"") + b"\ntook too long"
+        found[typed] = Outcome(status, told.decode(errors="replace")[-TAIL:])
+        outcomes[command.text] = found[typed]
+    return outcomes
+
+
+@pytest.fixture(scope="session")
+def outcomes(repository, tmp_path_factory):
+    """How every command ended: those of studies of one's own beside those of the paper's."""
+    folder = tmp_path_factory.mktemp("docs")
+    own: list[Command] = []
+    others: list[Command] = []
+    for command in to_run(repository):
+        (own if OWN_STUDIES.search(as_run(command.text)) else others).append(command)
+    with ThreadPoolExecutor(2) as threads:
+        chains = [
+            threads.submit(run_all, commands, small_checkout(repository, folder / name))
+            for name, commands in (("own", own), ("others", others))
+        ]
+        return {text: outcome for chain in chains for text, outcome in chain.result().items()}

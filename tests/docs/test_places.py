@@ -1,0 +1,73 @@
+"""No command of the docs is without a place: run here, in another stage, or said to be in none."""
+
+import re
+import tomllib
+
+import pytest
+
+from squeezefilm.cli.main import commands_of, installed
+
+from .commands import (
+    BY_HAND,
+    ELSEWHERE,
+    NAMES,
+    PARTS,
+    SMALLER,
+    all_commands,
+    stages,
+    to_run,
+)
+
+
+@pytest.fixture(scope="module")
+def texts(repository):
+    return [command.text for command in all_commands(repository)]
+
+
+def test_the_docs_have_commands_and_each_has_one_place(repository, texts):
+    run = {command.text for command in to_run(repository)}
+    assert len(run) > 50
+    for text in texts:
+        tests = text.startswith("pytest ") or text in stages(repository)
+        named = any(pattern.fullmatch(text) for pattern in NAMES.values()) and text not in run
+        places = [run, ELSEWHERE, BY_HAND, PARTS]
+        assert sum(text in place for place in places) + tests + named == 1, text
+
+
+def test_what_is_said_of_a_command_is_said_of_one_that_is_there(texts):
+    for table in (SMALLER, ELSEWHERE, BY_HAND, PARTS):
+        assert set(table) <= set(texts)
+
+
+def test_another_stage_is_one_that_every_change_must_pass(repository):
+    for text, (stage, file, there) in ELSEWHERE.items():
+        assert stage in stages(repository), text
+        assert there in (repository / file).read_text(encoding="utf-8"), text
+    assert "make test-docs" in stages(repository)
+
+
+def test_tests_that_the_docs_name_are_run_by_make_test(repository, texts):
+    settings = tomllib.loads((repository / "pyproject.toml").read_text(encoding="utf-8"))
+    folders = settings["tool"]["pytest"]["ini_options"]["testpaths"]
+    for text in texts:
+        if text.startswith("pytest "):
+            path = text.split()[1]
+            assert (repository / path).is_file(), text
+            assert path.startswith(tuple(f"{folder}/" for folder in folders)), text
+
+
+def test_what_is_named_is_there(repository, texts):
+    rules = "".join(path.read_text("utf-8") for path in repository.glob("workflow/rules/*.smk"))
+    rules += (repository / "workflow/Snakefile").read_text(encoding="utf-8")
+    targets = {*re.findall(r"^ *(?:rule|checkpoint) (\w+):", rules, re.MULTILINE)}
+    figures = {path.stem for path in repository.glob("workflow/*/figures/*.py")}
+    known = {
+        "squeezefilm": commands_of(installed()),
+        "numerics": commands_of(("numerics.commands",)),
+        "snakemake": targets | figures,
+    }
+    for text in texts:
+        for name, pattern in NAMES.items():
+            match = pattern.fullmatch(text)
+            for word in match[1].split() if match else ():
+                assert word in known[name], text
