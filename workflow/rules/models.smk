@@ -129,6 +129,7 @@ rule recommend:
 rule models_page:
     input:
         code=code("pages"),
+        config=ancient(CONFIG_FILE),
         tables=expand("<results>/models/{space}.md", space=MODEL_SPACES),
     output:
         [
@@ -148,7 +149,7 @@ rule models_page:
     message:
         "The comparison of models as pages"
     shell:
-        "python -m reporting pages {input.tables} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.tables} --config {input.config} --output {output} >{log} 2>&1"
 
 
 rule models:

@@ -69,7 +69,7 @@ def _rows(
     wanted = config["extrapolation"]
     # Root mean square error at the control points, as a share of the force.
     error_n = float(best["control_error"]) * wanted["force_n"]
-    for place in _places(space, forces["four_factor"] if "four_factor" in forces else every):
+    for place in _places(space, forces.get("four_factor", every)):
         at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
         found = working_point(fit, at, force_n=wanted["force_n"], error_n=error_n)
         yield {**about, "h0_m": wanted["h0_m"], **place, **found}

@@ -31,7 +31,7 @@ DECADE = 10.0
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
-    """Layers map (simulated forces) and wanted (amplitudes at positions, NaN where there is none)."""
+    """Layers map (simulated forces) and wanted (amplitudes at positions, or NaN)."""
     forces = read_ok_forces(inputs["forces"])
     table = read_columns(inputs["recommended"], columns=("space", "model", "h0_m", "force_n"))
     anywhere = table[table["space"] == table["space"].iloc[-1]]
@@ -48,8 +48,9 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     )
     note = (
         f"Wanted: {first['force_n']:g} N. (b): h0 = {1e6 * first['h0_m']:g} µm, by the model "
-        f"{first['model']}, whose global error at {first['control_points']:.0f} control points is "
-        f"{percent(float(first['control_error']))}, the largest {percent(float(first['worst_error']))}."
+        f"{first['model']}, {percent(float(first['control_error']))} off over "
+        f"{first['control_points']:.0f} control points, at most "
+        f"{percent(float(first['worst_error']))}."
     )
     map_ = plane_table(forces, layer="map")
     return pd.concat([map_, wanted], ignore_index=True).assign(
@@ -74,6 +75,7 @@ def _draw_map(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: float
     wide = low > 0 and high > DECADE * low
     ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
     levels = np.asarray(ticks.tick_values(low, high))
+    levels = levels[(levels > low / 3) & (levels < 3 * high)]
     drawn = axes.contourf(
         *grid, levels=levels, cmap=style.SEQUENTIAL, norm="log" if wide else None, extend="both"
     )

@@ -9,15 +9,17 @@ from typing import Any
 import pandas as pd
 
 from squeezefilm.io.tables import read_json
-from squeezefilm.reynolds.terms.inertia import MOST_REYNOLDS
+
+MOST_REYNOLDS = 10.0
+"""As squeezefilm.reynolds.terms.inertia has it, which cannot be imported where there is no OpenCL."""
 
 
 @dataclass(frozen=True)
 class Inertia:
     """How large the gas's inertia is in a study, for pages that have no scene.
 
-    reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m²; included: whether
-    the study's equation may have it (``auto`` has it where it matters and is allowed).
+    reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m²; included:
+    whether the study's equation may have it (``auto`` has it where it matters and is allowed).
     """
 
     reynolds_per_h0_square: float

@@ -16,7 +16,7 @@ from squeezefilm.io.errors import RunError
 from squeezefilm.io.typed_units import with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.automatic import decided, kept_out
 from squeezefilm.reynolds.effects.budget import Budget, budgets
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.effects.words import budget_text, derivatives_text
@@ -128,7 +128,7 @@ class Force:
         lines = [f"beyond the equation: {budget_text(self.budget)}"]
         if self.solution.derivatives:
             lines.append(derivatives_text(self.solution.derivatives))
-        lines += [f"note: {note}" for note in notes_of(self.scene)]
+        lines += [f"note: {note}" for note in (*self.kept_out, *notes_of(self.scene))]
         return lines + [f"note: {self.status}"] * (self.status != "ok")
 
 
@@ -161,6 +161,7 @@ def forces_of(
     derivatives: bool = False,
 ) -> list[Force]:
     """The force of each scene, NaN with its reason as ``status`` where there is none."""
+    not_decided = [kept_out(scene, method=settings.method) for scene in scenes]
     scenes = decided(
         scenes,
         model_tolerance=settings.model_tolerance,
@@ -194,6 +195,7 @@ def forces_of(
             beyond.get(k, Budget(status="no force to compare with")),
             scans.get(k),
             device.name,
+            tuple(not_decided[k]),
         )
         for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
     ]
