@@ -116,7 +116,7 @@ def screen(results):
     return read_ok_forces(results / "simulations/screen/forces.csv")
 
 
-@pytest.mark.parametrize("name", (*FITS, *CANDIDATES))
+@pytest.mark.parametrize("name", [*FITS, *CANDIDATES])
 def test_the_number_shown_is_the_librarys(name, explorer):
     explorer.choose(name)
     random = np.random.default_rng(1)

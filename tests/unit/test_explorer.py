@@ -47,8 +47,10 @@ def _data(page: str):
 def test_models_and_forces_are_on_the_page_to_the_last_digit(page, study):
     data = _data(page)
     two, four = data["fits"]
-    assert two["factors"] == ["h0_m", "hv_m"] and not two["moves"]
-    assert four["factors"] == ["h0_m", "hv_m", "phi_r_m", "phi_deg"] and four["moves"]
+    assert two["factors"] == ["h0_m", "hv_m"]
+    assert not two["moves"]
+    assert four["factors"] == ["h0_m", "hv_m", "phi_r_m", "phi_deg"]
+    assert four["moves"]
     for theta in ((7.8081, 1.83310, -1.000213), FOUR_FACTOR_THETA):
         numbers = " ".join(f"({each!r})," if each < 0 else f"{each!r}," for each in theta)
         assert numbers in " ".join(page.split())
@@ -93,7 +95,7 @@ def test_a_fit_that_the_page_cannot_compute_with_is_refused(study):
     with pytest.raises(InputError, match="theta"):
         explorer_page(_study(study, fits={"mine": short}, plans=plans), drawing_library="")
     strange = type(fit)(**(vars(fit) | {"model": 'x"]; evil()'}))
-    with pytest.raises(InputError, match="cannot name a function|unknown"):
+    with pytest.raises(InputError, match="cannot name a function"):
         explorer_page(_study(study, fits={"mine": strange}, plans=plans), drawing_library="")
     with pytest.raises(InputError, match="at least one fit"):
         explorer_page(_study(study, fits={}), drawing_library="")

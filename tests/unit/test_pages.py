@@ -188,6 +188,8 @@ def test_the_report_begins_with_the_headline_and_pictures(tmp_path):
     assert cli.main(["front", f"{tmp_path}/summary.md", *words, "--output", str(target)]) == 0
     page = target.read_text(encoding="utf-8")
     raw, _, rest = page.partition("{% endraw %}")
-    assert raw.startswith("{% raw %}") and "<li>F = {{ 1 }} N</li>" in raw
-    assert "data:image/png;base64,cGljdHVyZQ==" in raw and "More" not in raw
+    assert raw.startswith("{% raw %}")
+    assert "<li>F = {{ 1 }} N</li>" in raw
+    assert "data:image/png;base64,cGljdHVyZQ==" in raw
+    assert "More" not in raw
     assert "How to read" in rest

@@ -175,8 +175,8 @@ def test_the_first_points_tell_the_parameters_apart_though_corners_do_not():
     found = refine_loop(bump, points, GOAL, simulate, separation=0.1, bound=100, seed=1)
     assert found.verdict == "reached"
     np.testing.assert_allclose(found.rounds[0].theta, [3, -1, 1], rtol=1e-6)
+    few = _along_x(np.array([-0.01, -0.005, 0.005, 0.01]))
     with pytest.raises(InputError, match=r"candidates: .*t0, t1, t2 cannot be told apart"):
-        few = _along_x(np.array([-0.01, -0.005, 0.005, 0.01]))
         refine_loop(bump, few, GOAL, simulate, separation=0.1, bound=100, seed=1)
 
 

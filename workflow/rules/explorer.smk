@@ -10,7 +10,9 @@ EXPLORER_FITS = [
 ]
 # Physics and the study's own formulas, with the finger anywhere: what has no fit of its own above.
 EXPLORER_CANDIDATES = [
-    model for model in CONFIG["comparison"]["four_factor"] if model.replace("-", "_") != "four_factor"
+    model
+    for model in CONFIG["comparison"]["four_factor"]
+    if model.replace("-", "_") != "four_factor"
 ]
 EXPLORER_PLANS = [plan for plan in PLANS if plan not in ("extrapolation", "sweep", "model_control")]
 

@@ -14,7 +14,9 @@ SUMMARY_PLANS = [
 ]
 
 # What says most at one glance.
-FRONT_PICTURES = ["overview", "fig08", "error_map"] if PAPER else ["overview", "force_map", "budget"]
+FRONT_PICTURES = (
+    ["overview", "fig08", "error_map"] if PAPER else ["overview", "force_map", "budget"]
+)
 
 
 rule summary:

@@ -41,7 +41,8 @@ def run(options: argparse.Namespace) -> None:
 
 def _picture(path: Path) -> str:
     try:
-        data = base64.b64encode(path.read_bytes()).decode()
+        # In lines: docutils takes no long ones, and a page's data may have breaks.
+        data = base64.encodebytes(path.read_bytes()).decode()
     except OSError as error:
         raise InputError(f"{path}: the picture cannot be read: {error}") from None
     name = html.escape(path.stem.replace("_", " "))

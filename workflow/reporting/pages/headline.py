@@ -63,7 +63,7 @@ def _amplitudes(table: pd.DataFrame) -> Iterator[str]:
     """For the wanted force, at each position."""
     first, names = table.iloc[0], form_of(table)
     yield (
-        f"Amplitude for {first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm, by these models; "
+        f"Amplitude for {first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm, by models; "
         "*trusted* is the bound of their error, judged by simulations that they never saw:\n"
     )
     rows = []

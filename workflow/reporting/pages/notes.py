@@ -11,7 +11,7 @@ import pandas as pd
 from squeezefilm.io.tables import read_json
 
 MOST_REYNOLDS = 10.0
-"""As squeezefilm.reynolds.terms.inertia has it, which cannot be imported where there is no OpenCL."""
+"""As terms/inertia.py of the solver has it, which needs OpenCL to be imported."""
 
 
 @dataclass(frozen=True)
