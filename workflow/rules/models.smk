@@ -6,10 +6,7 @@ FITTED_PLAN = {"two_factor": "screen", "four_factor": "four_factor"}
 CONTROL_PLAN = {"two_factor": "error_map", "four_factor": "model_control"}
 
 # What the recommended model is judged by besides; the first has the positions.
-RECOMMENDED_BY = [
-    *(["four_factor"] if "four_factor" in MODEL_SPACES else []),
-    *CONTROL_PLAN.values(),
-]
+RECOMMENDED_BY = ["four_factor", *CONTROL_PLAN.values()]
 
 
 wildcard_constraints:

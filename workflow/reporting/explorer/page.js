@@ -230,11 +230,21 @@
       ? `${near.force_n.toPrecision(4)} N at ${where(near)}, ${away(verdict)}` : "–";
     const wanted = amplitudeForForce(fit, now, now.force_n);
     byId("amplitude").textContent = Number.isFinite(wanted)
-      ? `${(wanted / UM).toFixed(3)} µm for ${plain(now.force_n)} N`
+      ? `${amplitudeText(fit, now, wanted)} for ${plain(now.force_n)} N`
       : `none gives ${plain(now.force_n)} N`;
     byId("take").disabled = !(wanted / UM <= sliders.hv.most);
     byId("epsilon").textContent = (now.hv_m / now.h0_m).toFixed(3);
     drawSoon();
+  }
+
+  // An amplitude with the digits that the force's error leaves it.
+  function amplitudeText(fit, now, hv_m) {
+    const at = (share) => force(fit, { ...now, hv_m: share * hv_m });
+    const slope = (at(1.0001) - at(0.9999)) / (0.0002 * hv_m);
+    const { error_n } = judged(fit, { ...now, hv_m }, now.force_n);
+    const error = (Number.isFinite(error_n) ? error_n : fit.error_n) / Math.abs(slope);
+    const [digits, around] = toItsError(hv_m / UM, error / UM);
+    return `${digits} µm${around ? ` ± ${around} µm` : ""}`;
   }
 
   // ---- the drawings ------------------------------------------------------------------------------------
