@@ -174,6 +174,8 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(reposit
     assert "| limit_1 | 0 | 0 | 1.33 | within 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no: no amplitude gives it |" in text
     assert "by -2 to +11 % in all (first order; somewhere too large for a first order)" in text
+    (tmp_path / "models/recommended.csv").write_text("space,model,control_error,force_n\n,,,\n")
+    assert "No model compared can be judged" in "\n".join(in_short(tmp_path, config))
     levitation = load_config(repository / "config/levitation.yaml")
     assert "Beyond Re 10" in "\n".join(in_short(tmp_path, levitation))
 

@@ -6,7 +6,8 @@ RESULTS is the study's folder, with the comparisons models/SPACE.csv and their f
 the model with the least global error at the control points, that with fewer parameters where two
 are the same. FORCES.csv are simulations that it is judged by; the plan `four_factor` has the
 positions. A row for each space (the finger at the centre) and each position, with the amplitude
-that gives the study's wanted force at its gap (section `extrapolation`) and how far it is trusted.
+that gives the study's wanted force at its gap (section `extrapolation`) and how far it is trusted;
+none where no model can be judged.
 """
 
 import argparse
@@ -27,6 +28,8 @@ from squeezefilm.models.working_point import working_point
 from squeezefilm.studies.config import Config, load_config
 
 SECTIONS = ("extrapolation",)
+LEAST = ("space", "model", "control_error", "h0_m", "x_m", "y_m", "force_n")
+"""Columns of a table with one empty row: no model can be judged."""
 COLUMNS = ("space", "model", "parameters", "control_points", "control_error", "worst_error")
 
 
@@ -43,7 +46,7 @@ def run(options: argparse.Namespace) -> None:
     paths = parse_sources(options.forces, names=plans, user="recommend")
     forces = {plan: read_ok_forces(path) for plan, path in paths.items()}
     rows = [row for space in SPACES for row in _rows(space, options.results, config, forces)]
-    write_table(pd.DataFrame(rows), options.output)
+    write_table(pd.DataFrame(rows or [dict.fromkeys(LEAST)]), options.output)
 
 
 def _rows(
@@ -55,6 +58,8 @@ def _rows(
         return
     table = read_columns(path, columns=("model", "parameters", "control_points", "control_error"))
     judged = table[table["control_error"].notna()]
+    if judged.empty:
+        return
     best = judged.sort_values(["control_error", "parameters"], kind="stable").iloc[0]
     fit = read_fit(results / "models" / space / f"{best['model']}.json")
     every = pd.concat(list(forces.values()), ignore_index=True)

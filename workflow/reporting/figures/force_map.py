@@ -26,6 +26,7 @@ INPUTS = {
     "forces": "simulations/error_map/forces.csv",
     "recommended": "models/recommended.csv",
 }
+SECTIONS = ("extrapolation",)
 DECADE = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
 
@@ -34,28 +35,31 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     """Layers map (simulated forces) and wanted (amplitudes at positions, or NaN)."""
     forces = read_ok_forces(inputs["forces"])
     table = read_columns(inputs["recommended"], columns=("space", "model", "h0_m", "force_n"))
-    anywhere = table[table["space"] == table["space"].iloc[-1]]
-    at = factors_of(anywhere.assign(hv_m=0.0))
-    first = anywhere.iloc[0]
-    wanted = pd.DataFrame(
-        {
-            "layer": "wanted",
-            "x_mm": 1e3 * at.x_m,
-            "y_mm": 1e3 * at.y_m,
-            "hv_um": micrometres(anywhere["hv_m"]),
-            "trusted": anywhere["within_percent"].notna().to_numpy(),
-        }
-    )
-    note = (
-        f"Wanted: {first['force_n']:g} N. (b): h0 = {1e6 * first['h0_m']:g} µm, by the model "
-        f"{first['model']}, {percent(float(first['control_error']))} off over "
-        f"{first['control_points']:.0f} control points, at most "
-        f"{percent(float(first['worst_error']))}."
-    )
+    table = table[table["model"].notna()]
+    wanted_n = config["extrapolation"]["force_n"]
+    note = f"Wanted: {wanted_n:g} N. (b): no model compared can be judged."
+    wanted = pd.DataFrame()
+    if len(table):
+        anywhere = table[table["space"] == table["space"].iloc[-1]]
+        at = factors_of(anywhere.assign(hv_m=0.0))
+        first = anywhere.iloc[0]
+        wanted = pd.DataFrame(
+            {
+                "layer": "wanted",
+                "x_mm": 1e3 * at.x_m,
+                "y_mm": 1e3 * at.y_m,
+                "hv_um": micrometres(anywhere["hv_m"]),
+                "trusted": anywhere["within_percent"].notna().to_numpy(),
+            }
+        )
+        note = (
+            f"Wanted: {wanted_n:g} N. (b): h0 = {1e6 * first['h0_m']:g} µm, by the model "
+            f"{first['model']}, {percent(float(first['control_error']))} off over "
+            f"{first['control_points']:.0f} control points, at most "
+            f"{percent(float(first['worst_error']))}."
+        )
     map_ = plane_table(forces, layer="map")
-    return pd.concat([map_, wanted], ignore_index=True).assign(
-        wanted_n=float(first["force_n"]), note=note
-    )
+    return pd.concat([map_, wanted], ignore_index=True).assign(wanted_n=wanted_n, note=note)
 
 
 def draw(data: pd.DataFrame) -> Figure:
@@ -63,7 +67,11 @@ def draw(data: pd.DataFrame) -> Figure:
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.1)
     left, right = figure.subplots(1, 2)
     _draw_map(figure, left, style.rows(data, "map"), wanted_n=float(data["wanted_n"].iloc[0]))
-    _draw_positions(figure, right, style.rows(data, "wanted"))
+    rows = style.rows(data, "wanted")
+    if len(rows):
+        _draw_positions(figure, right, rows)
+    else:
+        right.set_visible(False)
     style.add_note(figure, data)
     return figure
 

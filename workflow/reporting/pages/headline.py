@@ -34,11 +34,14 @@ def in_short(results: Path, config: Mapping[str, Any]) -> list[str]:
     recommended = results / "models" / "recommended.csv"
     if not config["paper"] and recommended.exists():
         table = read_columns(recommended, columns=("space", "model", "control_error", "force_n"))
+        table = table[table["model"].notna()]
         band = config["validation"]["relative_error_band"]
         found += [
             _recommended(rows.iloc[0], band=band) for _, rows in table.groupby("space", sort=False)
         ]
-        amplitudes = list(_amplitudes(table))
+        amplitudes = list(_amplitudes(table)) if len(table) else []
+        if table.empty:
+            found.append("No model compared can be judged; the pages of models say why")
     found += _left_out(results / "simulations" / "screen" / "budget.csv")
     found += filter(None, [Inertia.of(config).note(config["screen"]["h0_m"]["stop"])])
     return [f"{IN_SHORT}\n", "".join(f"- {line}\n" for line in found), *amplitudes]
