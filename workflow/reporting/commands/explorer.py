@@ -71,7 +71,7 @@ def _named(
             continue
         source = values.get("source")
         known = source.get("forces_sha256") if isinstance(source, dict) else None
-        plan = plan_of.get(known, stem)
+        plan = plan_of.get(str(known), stem)
         name = stem if stem == plan else f"{stem} on {plan}"
         if name in fits:
             raise InputError(f"explorer: two fits bear the same name, {name}")
