@@ -93,7 +93,7 @@ def _draw_map(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: float
     plane.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
     axes.set_xlabel(plane.H0_LABEL)
     axes.set_ylabel(plane.HV_LABEL)
-    axes.set_title("(a) force, finger at the centre")
+    axes.set_title("(a) force at the centre")
     bar = figure.colorbar(drawn, ax=axes, format="%g")
     bar.set_label("mean force (N)")
 
@@ -119,5 +119,5 @@ def _draw_positions(figure: Figure, axes: Axes, rows: pd.DataFrame) -> None:
     axes.margins(0.15)
     axes.set_xlabel("finger's centre, $x$ (mm)")
     axes.set_ylabel("$y$ (mm)")
-    axes.set_title("(b) amplitude for the wanted force (µm)")
+    axes.set_title("(b) amplitude wanted (µm)")
     axes.grid(True)
