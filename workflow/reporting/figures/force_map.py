@@ -64,7 +64,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
 
 def draw(data: pd.DataFrame) -> Figure:
     """The map of forces and the amplitudes at the positions."""
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.1)
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.2)
+    figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
     left, right = figure.subplots(1, 2)
     _draw_map(figure, left, style.rows(data, "map"), wanted_n=float(data["wanted_n"].iloc[0]))
     rows = style.rows(data, "wanted")
@@ -95,6 +96,7 @@ def _draw_map(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: float
     axes.set_ylabel(plane.HV_LABEL)
     axes.set_title("(a) force at the centre")
     bar = figure.colorbar(drawn, ax=axes, format="%g")
+    bar.ax.minorticks_off()
     bar.set_label("mean force (N)")
 
 
@@ -115,7 +117,7 @@ def _draw_positions(figure: Figure, axes: Axes, rows: pd.DataFrame) -> None:
             textcoords="offset points",
             ha="center",
             fontsize=6,
-        )
+        ).set_in_layout(False)
     axes.margins(0.15)
     axes.set_xlabel("finger's centre, $x$ (mm)")
     axes.set_ylabel("$y$ (mm)")
