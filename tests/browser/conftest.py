@@ -7,6 +7,7 @@ pytest tests/browser --results results/paper     pages that are there already
 import json
 import os
 import shutil
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from ..workflow.conftest import QUICK, copy_checkout, snakemake
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 PAGES = ("explorer", "report")
 # What the report shows: the study without its numerics and most figures, which take their time.
-SHOWN = ("explorer", "pages", "paper_pages", "fig08", "overview", "uncertainty")
+SHOWN = ("explorer", "pages", "front", "paper_pages", "fig08", "overview", "uncertainty")
 # Drawing takes its time where a machine has much else to do.
 LONGEST_WAIT_S = 120
 DESKTOP, PHONE, SMALL_PHONE = (1280, 1200), (390, 844), (320, 640)
@@ -112,8 +113,24 @@ class Browser:
         return path
 
 
+# Drawing in space needs WebGL, by software where there is no graphics card.
+WITH_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+
+
 @pytest.fixture(scope="session")
 def browser(request, tmp_path_factory):
+    with _started(request, tmp_path_factory, *WITH_WEBGL) as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def browser_without_webgl(request, tmp_path_factory):
+    with _started(request, tmp_path_factory, "--disable-gpu", "--disable-3d-apis") as browser:
+        yield browser
+
+
+@contextmanager
+def _started(request, tmp_path_factory, *words):
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -129,9 +146,7 @@ def browser(request, tmp_path_factory):
         "--headless=new",
         "--disable-dev-shm-usage",
         "--hide-scrollbars",
-        # Drawing in space needs WebGL, by software where there is no graphics card.
-        "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader",
+        *words,
         *(["--no-sandbox"] if os.geteuid() == 0 else []),
     ):
         options.add_argument(word)

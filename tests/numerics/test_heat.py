@@ -16,7 +16,7 @@ from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.automatic import decided, kept_out
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.reynolds.spectral import axis
@@ -225,3 +225,16 @@ def test_auto_includes_heat_where_a_first_order_says_nothing(scene: Scene) -> No
     thick = replace(with_gas(scene, heat="auto"), h0_m=15e-6, hv_m=1e-6)
     assert thick.modified_reynolds > 2
     assert decided([thick], model_tolerance=0.5)[0].gas.heat == "included"
+
+
+def test_what_is_auto_and_kept_out_by_the_finger_is_named(scene: Scene) -> None:
+    """Under an ellipse nothing decides: its modes know neither term."""
+    scene = with_gas(scene, heat="auto", inertia="auto")
+    assert kept_out(scene) == []
+    said = kept_out(replace(scene, finger=replace(scene.finger, shape="ellipse")))
+    assert [each.partition(":")[0] for each in said] == [
+        "gas.inertia is auto and left out",
+        "gas.heat is auto and left out",
+    ]
+    assert all("not known under this finger" in each for each in said)
+    assert kept_out(scene, method="closed-form") != []

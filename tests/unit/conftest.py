@@ -179,6 +179,20 @@ def _write_designs(root: Path) -> None:
 
 
 def _write_extras(root: Path, config: Path) -> None:
+    recommended = {
+        "space": ["two_factor", "four_factor", "four_factor"],
+        "model": ["limit_1", "limit_2", "limit_2"],
+        "control_points": 30,
+        "control_error": 0.003,
+        "worst_error": 0.02,
+        "h0_m": 5e-6,
+        "x_m": [0.0, 0.0, 2e-3],
+        "y_m": 0.0,
+        "force_n": 0.3,
+        "hv_m": [1.4e-6, 1.4e-6, float("nan")],
+        "within_percent": [1.0, 2.0, float("nan")],
+    }
+    write_table(pd.DataFrame(recommended), root / "models" / "recommended.csv")
     """A film over a period, what a force rests on, and what equation it is of."""
     for plan in ("screen", "four_factor", "extrapolation"):
         folder = root / "simulations" / plan

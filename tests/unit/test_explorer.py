@@ -8,6 +8,7 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA
 
 from reporting.explorer import Study, explorer_page
+from reporting.pages.notes import Inertia
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import read_fit
@@ -25,6 +26,7 @@ def _study(study, **changes) -> Study:
     values = {
         "name": "test",
         "fits": {name: read_fit(study.root / f"fits/{name}.json") for name in names},
+        "plans": {name: name for name in names},
         "forces": {
             name: pd.read_csv(study.root / f"simulations/{name}/forces.csv")
             for name in ("screen", "four_factor")
@@ -33,6 +35,7 @@ def _study(study, **changes) -> Study:
         "h0_m": 5e-6,
         "hv_m": 2.2e-6,
         "band": 0.15,
+        "inertia": Inertia(1e10, included=False),
     }
     return Study(**(values | changes))
 
@@ -44,10 +47,13 @@ def _data(page: str):
 def test_models_and_forces_are_on_the_page_to_the_last_digit(page, study):
     data = _data(page)
     two, four = data["fits"]
-    assert two["theta"] == [7.8081, 1.83310, -1.000213, 0.0, 0.0]
+    assert two["factors"] == ["h0_m", "hv_m"]
     assert not two["moves"]
-    assert four["theta"] == list(FOUR_FACTOR_THETA)
+    assert four["factors"] == ["h0_m", "hv_m", "phi_r_m", "phi_deg"]
     assert four["moves"]
+    for theta in ((7.8081, 1.83310, -1.000213), FOUR_FACTOR_THETA):
+        numbers = " ".join(f"({each!r})," if each < 0 else f"{each!r}," for each in theta)
+        assert numbers in " ".join(page.split())
     screen = pd.read_csv(study.root / "simulations/screen/forces.csv")
     plan = [row for row in data["simulations"] if data["plans"][row[0]] == "screen"]
     assert [row[5] for row in plan] == list(screen["force_n"])
@@ -82,14 +88,15 @@ def test_a_text_cannot_end_the_data(study):
     assert _data(page)["plans"] == ["</script>"]
 
 
-def test_a_model_that_the_page_does_not_know_is_refused(study):
+def test_a_fit_that_the_page_cannot_compute_with_is_refused(study):
     fit = read_fit(study.root / "fits/four_factor.json")
-    strange = type(fit)(**(vars(fit) | {"model": "cubic"}))
-    with pytest.raises(InputError, match="knows the models two_factor, four_factor, not 'cubic'"):
-        explorer_page(_study(study, fits={"mine": strange}), drawing_library="")
+    plans = {"mine": "four_factor"}
     short = type(fit)(**(vars(fit) | {"theta": (1.0, 2.0)}))
-    with pytest.raises(InputError, match="has 5 parameters, not 2"):
-        explorer_page(_study(study, fits={"mine": short}), drawing_library="")
+    with pytest.raises(InputError, match="theta"):
+        explorer_page(_study(study, fits={"mine": short}, plans=plans), drawing_library="")
+    strange = type(fit)(**(vars(fit) | {"model": 'x"]; evil()'}))
+    with pytest.raises(InputError, match="cannot name a function"):
+        explorer_page(_study(study, fits={"mine": strange}, plans=plans), drawing_library="")
     with pytest.raises(InputError, match="at least one fit"):
         explorer_page(_study(study, fits={}), drawing_library="")
 
@@ -99,10 +106,13 @@ def test_the_command_writes_the_page(study, tmp_path, refused):
     forces = f"screen={study.root}/simulations/screen/forces.csv"
     target = tmp_path / "explorer.html"
     words = ["--config", str(study.config), "--output", str(target)]
-    assert cli.main(["explorer", fit, "--forces", forces, *words]) == 0
+    refusal = tmp_path / "limit_9.json"
+    refusal.write_text('{"model": "limit_9", "refused": "t0, t1 cannot be told apart"}')
+    assert cli.main(["explorer", fit, str(refusal), "--forces", forces, *words]) == 0
     text = target.read_text(encoding="utf-8")
     assert "two factors, 60 simulations (screen)" in text
     assert "Plotly" in text
+    assert _data(text)["left_out"] == {"limit_9": "t0, t1 cannot be told apart"}
     assert "two fits bear the same name" in refused(
         "explorer", fit, fit, "--forces", forces, *words
     )

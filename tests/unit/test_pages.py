@@ -5,10 +5,13 @@ import re
 
 import pytest
 
+from reporting.pages.headline import in_short
 from reporting.pages.history import to_markdown as runs_markdown
+from reporting.pages.notes import MOST_REYNOLDS, Inertia
 from reporting.pages.page import to_html
 from reporting.pages.summary import to_markdown
 from squeezefilm.cli import main as cli
+from squeezefilm.reynolds.terms import inertia as inertia_term
 from squeezefilm.studies.config import load_config
 
 
@@ -127,3 +130,68 @@ def test_the_runs_that_made_what_stands_are_told(tmp_path):
     assert "| b.csv | cccccccccccccccc | 2026-01-02T00:00:00+00:00 | two | simulate" in page
     for text in ("abc, changed: a.py", "fit.first_seed 1", "host-two", "numpy 2", "snakemake"):
         assert text in page
+
+
+def test_pages_of_a_film_beyond_re_10_say_so_below_their_title(repository, tmp_path):
+    assert MOST_REYNOLDS == inertia_term.MOST_REYNOLDS
+    (tmp_path / "a.md").write_text("# Models\n\nA table.\n", encoding="utf-8")
+    said = {}
+    for name in ("levitation", "plate"):
+        words = ["--config", str(repository / f"config/{name}.yaml")]
+        page = tmp_path / f"{name}.html"
+        assert cli.main(["pages", str(tmp_path / "a.md"), "--output", str(page), *words]) == 0
+        said[name] = page.read_text(encoding="utf-8")
+    assert "<p><strong>Beyond Re 10: the modified Reynolds number" in said["levitation"]
+    assert said["levitation"].index("<h1>Models") < said["levitation"].index("Beyond Re 10")
+    assert "Beyond Re" not in said["plate"]
+    gap_m = (10 / 1e10) ** 0.5
+    assert Inertia(1e10, included=False).note(gap_m) == ""
+    assert "leaves it out" in Inertia(1e10, included=False).note(1.01 * gap_m)
+    assert "1 %" in Inertia(1e10, included=True).note(1.01 * gap_m)
+
+
+RECOMMENDED = """\
+space,model,parameters,control_points,control_error,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
+hv_error_m,within_percent,note
+two_factor,limit_1,1,32,0.009,0.03,5e-6,0,0,0.3,1.334e-6,3.3e-8,6.3,
+four_factor,bump,3,30,0.16,0.25,5e-6,0,0,0.3,1.31e-6,,,may be off by 18 %
+four_factor,bump,3,30,0.16,0.25,5e-6,5e-3,0,0.3,,,,no amplitude gives it
+"""
+
+
+def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(repository, tmp_path):
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models/recommended.csv").write_text(RECOMMENDED)
+    (tmp_path / "simulations/screen").mkdir(parents=True)
+    (tmp_path / "simulations/screen/budget.csv").write_text(
+        "left_out_least_percent,left_out_most_percent,above_range,basis\n"
+        "-1.2,0.5,,this scene\n-2,11,inertia,this scene\n"
+    )
+    config = load_config(repository / "config/plate.yaml")
+    text = "\n".join(in_short(tmp_path, config))
+    assert "limit_1, 0.9 % off over 32 control points, at one of them 3 %\n" in text
+    assert "25 %. No model compared holds the study's ±15 %" in text
+    assert "| limit_1 | 0 | 0 | 1.33 | within 6.3 % |" in text
+    assert "| bump | 5 | 0 | none | no: no amplitude gives it |" in text
+    assert "by -2 to +11 % in all (first order; somewhere too large for a first order)" in text
+    (tmp_path / "models/recommended.csv").write_text("space,model,control_error,force_n\n,,,\n")
+    assert "No model compared can be judged" in "\n".join(in_short(tmp_path, config))
+    levitation = load_config(repository / "config/levitation.yaml")
+    assert "Beyond Re 10" in "\n".join(in_short(tmp_path, levitation))
+
+
+def test_the_report_begins_with_the_headline_and_pictures(tmp_path):
+    summary = "# Study “a” on one page\n\n## In short\n\n- F = {{ 1 }} N\n\n## More\n\nx\n"
+    (tmp_path / "summary.md").write_text(summary, encoding="utf-8")
+    (tmp_path / "guide.rst").write_text("How to read\n===========\n", encoding="utf-8")
+    (tmp_path / "a.png").write_bytes(b"picture")
+    words = ["--guide", f"{tmp_path}/guide.rst", "--pictures", f"{tmp_path}/a.png"]
+    target = tmp_path / "front.rst"
+    assert cli.main(["front", f"{tmp_path}/summary.md", *words, "--output", str(target)]) == 0
+    page = target.read_text(encoding="utf-8")
+    raw, _, rest = page.partition("{% endraw %}")
+    assert raw.startswith("{% raw %}")
+    assert "<li>F = {{ 1 }} N</li>" in raw
+    assert "data:image/png;base64,cGljdHVyZQ==" in raw
+    assert "More" not in raw
+    assert "How to read" in rest

@@ -173,13 +173,13 @@ def test_the_page_computes_the_same(repository, paper, form):
     program = (
         f"{scripts}; const given = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
         "const unseen = unseenOf(given.trust);"
-        "console.log(JSON.stringify(given.points.map(completed).map((point) => {"
-        "  const value = force(given.theta, point);"
+        "console.log(JSON.stringify(given.points.map(completed).map((point, index) => {"
+        "  const value = given.force_n[index];"
         "  const found = judge(given.trust, unseen, point, value, given.most);"
         "  return [value, found.error_n, found.distance, found.trusted, found.outside.length];"
         "})));"
     )
-    given = {"trust": trust.to_dict(), "points": points, "theta": list(theta)}
+    given = {"trust": trust.to_dict(), "points": points, "force_n": force.tolist()}
     told = subprocess.run(
         [node, "-e", program],
         input=json.dumps(given | {"most": MOST_RELATIVE_ERROR}),

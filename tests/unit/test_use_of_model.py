@@ -323,6 +323,30 @@ def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path):
     np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
 
 
+@exported
+def test_the_javascript_function_is_the_model(model, theta, write_fit):
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("no node here; tests/browser runs the same code in a browser")
+    fit = read_fit(write_fit(model, theta))
+    factors = Factors.of(**sample())
+    points = np.column_stack([factors.column(name) for name in model.factor_names]).tolist()
+    script = (
+        f"{source(fit, 'javascript')}\n"
+        f"const each = {json.dumps(points)}.map((p) => {fit.model}.force_n(...p));\n"
+        f"const inside = {json.dumps(points)}.map((p) => {fit.model}.in_range(...p));\n"
+        "console.log(JSON.stringify([each, inside]));"
+    )
+    output = subprocess.run([node], input=script, capture_output=True, text=True, timeout=60)
+    assert output.returncode == 0, output.stderr
+    found, inside = json.loads(output.stdout)
+    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
+    np.testing.assert_allclose(np.array(found, dtype=float), expected, rtol=1e-14, atol=1e-15)
+    assert np.isfinite(expected).all()
+    outside = (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6)
+    np.testing.assert_array_equal(~np.array(inside), outside)
+
+
 def test_generated_code_knows_the_range_of_the_ratio_too(write_fit):
     """(5, 2) and (10, 6) µm were fitted; (5, 4) µm lies between them, but not in hv/h0."""
     points = Factors.of(h0_m=[5e-6, 10e-6, 5e-6], hv_m=[2e-6, 6e-6, 0.5e-6])

@@ -8,6 +8,12 @@ EXPLORER_FITS = [
     "four_factor_design",
     "four_factor_design_distinct",
 ]
+# Physics and the study's own formulas, with the finger anywhere: what has no fit of its own above.
+EXPLORER_CANDIDATES = [
+    model
+    for model in CONFIG["comparison"]["four_factor"]
+    if model.replace("-", "_") != "four_factor"
+]
 EXPLORER_PLANS = [plan for plan in PLANS if plan not in ("extrapolation", "sweep", "model_control")]
 
 
@@ -16,6 +22,7 @@ rule explorer:
         code=code("explorer"),
         config=ancient(CONFIG_FILE),
         fits=expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
+        candidates=expand("<results>/models/four_factor/{model}.json", model=EXPLORER_CANDIDATES),
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
     output:
         "<results>/explorer.html",
@@ -31,5 +38,5 @@ rule explorer:
     message:
         "The explorer: a page to play with the models"
     shell:
-        "python -m reporting explorer {input.fits} --forces {params.forces} "
+        "python -m reporting explorer {input.fits} {input.candidates} --forces {params.forces} "
         "--config {input.config} --output {output} >{log} 2>&1"

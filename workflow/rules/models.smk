@@ -5,6 +5,9 @@ MODEL_SPACES = {"two_factor": "finger centred", "four_factor": "finger anywhere"
 FITTED_PLAN = {"two_factor": "screen", "four_factor": "four_factor"}
 CONTROL_PLAN = {"two_factor": "error_map", "four_factor": "model_control"}
 
+# What the recommended model is judged by besides; the first has the positions.
+RECOMMENDED_BY = ["four_factor", *CONTROL_PLAN.values()]
+
 
 wildcard_constraints:
     space="|".join(MODEL_SPACES),
@@ -98,9 +101,35 @@ rule compare:
         "--errors {output.errors} >{log} 2>&1"
 
 
+rule recommend:
+    input:
+        code=code("recommend"),
+        config=ancient(CONFIG_FILE),
+        tables=expand("<results>/models/{space}.csv", space=MODEL_SPACES),
+        forces=expand("<results>/simulations/{plan}/forces.csv", plan=RECOMMENDED_BY),
+    output:
+        "<results>/models/recommended.csv",
+    log:
+        "<logs>/models/recommend.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    params:
+        results=lambda wildcards, output: str(Path(output[0]).parent.parent),
+        forces=lambda wildcards, input: " ".join(
+            f"{plan}={path}" for plan, path in zip(RECOMMENDED_BY, input.forces)
+        ),
+    message:
+        "The best model, and the amplitude for the wanted force at each position"
+    shell:
+        "python -m reporting recommend {params.results} --config {input.config} "
+        "--forces {params.forces} --output {output} >{log} 2>&1"
+
+
 rule models_page:
     input:
         code=code("pages"),
+        config=ancient(CONFIG_FILE),
         tables=expand("<results>/models/{space}.md", space=MODEL_SPACES),
     output:
         [
@@ -120,7 +149,7 @@ rule models_page:
     message:
         "The comparison of models as pages"
     shell:
-        "python -m reporting pages {input.tables} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.tables} --config {input.config} --output {output} >{log} 2>&1"
 
 
 rule models:

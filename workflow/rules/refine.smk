@@ -134,6 +134,7 @@ rule refine_report:
 use rule models_page as refine_page with:
     input:
         code=code("pages"),
+        config=ancient(CONFIG_FILE),
         tables=expand("<results>/refine/{space}.md", space=MODEL_SPACES),
     output:
         [

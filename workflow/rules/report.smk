@@ -13,6 +13,11 @@ SUMMARY_PLANS = [
     "four_factor_design_distinct",
 ]
 
+# What says most at one glance.
+FRONT_PICTURES = (
+    ["overview", "fig08", "error_map"] if PAPER else ["overview", "force_map", "budget"]
+)
+
 
 rule summary:
     input:
@@ -24,6 +29,9 @@ rule summary:
         expand("<results>/fits/{fit}.json", fit=FITS),
         "<results>/claims.csv" if PAPER else [],
         "<results>/simulations/device.json",
+        "<results>/simulations/screen/budget.csv",
+        "<results>/models/recommended.csv" if not PAPER else [],
+        SCAN_SUMMARY,
         code=code("summary"),
         config=ancient(CONFIG_FILE),
     output:
@@ -48,6 +56,7 @@ rule summary:
 rule pages:
     input:
         code=code("pages"),
+        config=ancient(CONFIG_FILE),
         summary="<results>/summary.md",
     output:
         report(
@@ -69,7 +78,27 @@ rule pages:
     message:
         "The summary as a page"
     shell:
-        "python -m reporting pages {input.summary} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.summary} --config {input.config} --output {output} >{log} 2>&1"
+
+
+rule front:
+    input:
+        code=code("front"),
+        summary="<results>/summary.md",
+        guide=workflow.source_path("../report/workflow.rst" if PAPER else "../report/study.rst"),
+        pictures=expand("<results>/figures/{name}.png", name=FRONT_PICTURES),
+    output:
+        "<results>/report/front.rst",
+    log:
+        "<logs>/report/front.log",
+    localrule: True
+    conda:
+        "../../envs/tables.yaml"
+    message:
+        "The report's first page"
+    shell:
+        "python -m reporting front {input.summary} --guide {input.guide} --pictures {input.pictures} "
+        "--output {output} >{log} 2>&1"
 
 
 rule paper_pages:

@@ -12,6 +12,8 @@ CATEGORIES = {
     "refine": "8 Designs and refinement",
 }
 """Of the report, by the folder that a figure lies in."""
+# The paper has maps of its own, and no recommended model but its own.
+NOT_OF_THE_PAPER = ["figures/force_map"]
 
 
 def found_figures():
@@ -19,6 +21,8 @@ def found_figures():
     packages = "*" if PAPER else "reporting"
     for path in sorted(LIBRARY.glob(f"{packages}/figures/[!_]*.py")):
         figure = described(path)
+        if PAPER and figure.place in NOT_OF_THE_PAPER:
+            continue
         if "{space}" not in figure.place:
             yield figure.place, figure
             continue

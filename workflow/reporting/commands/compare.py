@@ -47,6 +47,11 @@ COLUMNS = (
     "about",
     "note",
 )
+NONE_JUDGED = {
+    "model": "",
+    **dict.fromkeys(("parameters", "control_error_percent", "h0_um", "hv_um"), np.nan),
+    "relative_error_percent": np.nan,
+}
 HEADINGS = {
     "model": "model",
     "parameters": "parameters",
@@ -86,9 +91,6 @@ def run(options: argparse.Namespace) -> None:
         rows.append(row)
         if error is not None:
             errors.append(error)
-    if not errors:
-        reasons = "; ".join(f"{row['model']}: {row['note']}" for row in rows)
-        raise InputError(f"{options.forces}: no model can be judged on these points: {reasons}")
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(
         {"parameters": "Int64", "fit_points": "Int64", "control_points": "Int64"}
     )
@@ -100,7 +102,9 @@ def run(options: argparse.Namespace) -> None:
         f"Relative error of each model at {len(forces)} control simulations that it was not fitted "
         "to; above each panel the number of parameters and the global error there."
     )
-    write_table(pd.concat(errors, ignore_index=True).assign(note=note), options.errors)
+    # A row without a model where none can be judged: the figure says so.
+    drawn = pd.concat(errors, ignore_index=True) if errors else pd.DataFrame([NONE_JUDGED])
+    write_table(drawn.assign(note=note), options.errors)
     print(text)
 
 

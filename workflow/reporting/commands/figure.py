@@ -6,20 +6,21 @@ Each figure is made from files of its own, given as NAME=PATH, for instance
         device=simulations/device.json --config config/paper.yaml --output fig08.csv fig08.png
 
 Leave them out to be told which ones a figure needs. `squeezefilm plot` draws it again from the
-table alone.
+table alone. A figure of a study whose films go beyond Re 10 says so in its note.
 """
 
 import argparse
 from pathlib import Path
 
 from reporting.figures import HELP, check_formats, draw, figure_module
+from reporting.pages.notes import Inertia
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 
-# Those of the figure alone, in its module.
-SECTIONS: tuple[str, ...] = ()
+# For the note; those of the figure alone are in its module.
+SECTIONS = ("gas", "actuator", "screen")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,11 +38,17 @@ def run(options: argparse.Namespace) -> None:
     tables = [path for path in options.output if Path(path).suffix == ".csv"]
     drawings = [path for path in options.output if path not in tables]
     check_formats(drawings)
+    study = load_config(options.config)
+    inertia = study.only(SECTIONS)
+    beyond = Inertia.of(inertia).note(inertia["screen"]["h0_m"]["stop"])
     if hasattr(module, "build"):
         if len(tables) != 1:
             raise InputError(f"{options.figure}: name one table to write, FIGURE.csv")
-        config = load_config(options.config).only(getattr(module, "SECTIONS", ()))
-        write_table(module.build(inputs, config), tables[0])
+        table = module.build(inputs, study.only(getattr(module, "SECTIONS", ())))
+        write_table(
+            table.assign(note=[f"{each} {beyond}".strip() for each in table["note"]]), tables[0]
+        )
+        beyond = ""
     elif tables:
         raise InputError(
             f"{options.figure}: it is drawn from its input as it stands: no {tables[0]}"
@@ -49,4 +56,4 @@ def run(options: argparse.Namespace) -> None:
     else:
         tables = list(inputs.values())
     if drawings:
-        draw(module, tables[0], drawings)
+        draw(module, tables[0], drawings, beyond=beyond)

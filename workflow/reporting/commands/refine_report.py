@@ -158,7 +158,12 @@ def _coverage(
     factors: Factors,
     error_n: np.ndarray,
 ) -> float:
-    """Share of the unseen points whose error is within their own 95 % interval."""
+    """Share of the unseen points whose error is within their own 95 % interval.
+
+    NaN where there are none: the design does not settle the parameters.
+    """
+    if verdict["lack_of_fit_n"] is None:
+        return float("nan")
     spread = np.zeros(len(error_n))
     if fit.theta:
         own = read_ok_forces(folder / "forces.csv")
@@ -250,7 +255,10 @@ def _report(table: pd.DataFrame, said: list[str], *, points: int, scan_error: fl
                 for value in table["estimated_worst_error"]
             ],
             "worst of the unseen": [percent(value) for value in table["unseen_worst_error"]],
-            "in their interval": [f"{value:.0%}" for value in table["share_in_interval"]],
+            "in their interval": [
+                "none known" if pd.isna(value) else f"{value:.0%}"
+                for value in table["share_in_interval"]
+            ],
         }
     )
     return (

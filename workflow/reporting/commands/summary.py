@@ -9,19 +9,20 @@ RESULTS is the study's folder; the plans, fits and validations are named as the 
 import argparse
 from pathlib import Path
 
+from reporting.pages.headline import in_short
 from reporting.pages.summary import to_markdown
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.automatic import decided, kept_out
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import notes_of_budget
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("paper", "gas", "actuator", "finger", "solver", "screen")
+SECTIONS = ("paper", "gas", "actuator", "finger", "solver", "screen", "validation")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -47,6 +48,7 @@ def run(options: argparse.Namespace) -> None:
         notes=_notes(config),
         claims=results / "claims.csv" if config["paper"] else None,
         device=results / "simulations" / "device.json",
+        headline=in_short(results, config),
     )
     write_text(text, options.output)
 
@@ -60,6 +62,7 @@ def _notes(config: Config) -> dict[str, list[str]]:
     gaps = (levels["start"], levels["stop"])
     scenes = [scene_of(ScenePoint("1", gap, amplitude), config) for gap in gaps]
     solver, device = config["solver"], choose_device(config["solver"]["device"])
+    out = [kept_out(scene, method=solver["method"]) for scene in scenes]
     scenes = decided(
         scenes,
         model_tolerance=solver["model_tolerance"],
@@ -68,8 +71,8 @@ def _notes(config: Config) -> dict[str, list[str]]:
     )
     found = budgets(scenes, device=device)
     return {
-        f"h0 = {1e6 * gap:g} µm": [*notes_of_budget(budget), *notes_of(scene)]
-        for gap, scene, budget in zip(gaps, scenes, found, strict=True)
+        f"h0 = {1e6 * gap:g} µm": [*names, *notes_of_budget(budget), *notes_of(scene)]
+        for gap, names, scene, budget in zip(gaps, out, scenes, found, strict=True)
     }
 
 

@@ -1,25 +1,28 @@
 """The explorer: one page of HTML in which fitted models can be played with, and nothing else.
 
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
-server. It computes the force itself: model.js is the formula of ``squeezefilm.models.force_model``,
-trust.js the rule of ``squeezefilm.models.trust``.
+server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
+model.js what ``squeezefilm.models.working_point`` does with it, trust.js the rule of
+``squeezefilm.models.trust``.
 """
 
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from reporting.pages.notes import Inertia
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import get_model
+from squeezefilm.models.generated_code import source
 
 HERE = Path(__file__).parent
 PAGE = "page.html"
@@ -33,32 +36,39 @@ class Study:
 
     Attributes:
         name: of the study.
-        fits: fitted models, by the name of the plan they were fitted on; the first is shown first.
+        fits: fitted models, by their names on the page; the first is shown first.
+        plans: of each fit, the plan that it was fitted on.
         forces: simulated forces, by the name of their plan; a model is judged by those of them
             that it was not fitted to.
         force_n: wanted force to begin with.
         h0_m, hv_m: gap and amplitude to begin with.
         band: relative error up to which a model is trusted.
+        inertia: how large it is in this gas.
+        left_out: names of models that could not be fitted, with the reason.
     """
 
     name: str
     fits: Mapping[str, FittedModel]
+    plans: Mapping[str, str]
     forces: Mapping[str, pd.DataFrame]
     force_n: float
     h0_m: float
     hv_m: float
     band: float
+    inertia: Inertia
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
 
 def explorer_page(study: Study, *, drawing_library: str) -> str:
     """The page as text; ``drawing_library`` is plotly.js as text.
 
-    Raises InputError without fits or forces, or for a fit of a model that the page does not know.
+    Raises InputError without fits or forces, or for a fit that the page cannot compute with.
     """
     if not study.fits or not study.forces:
         raise InputError("explorer: give at least one fit and one table of forces")
     parts = {name: (HERE / file).read_text(encoding="utf-8") for name, file in PARTS.items()}
     parts |= {"LIBRARY": drawing_library, "DATA": _json(_data(study)), "STUDY": study.name}
+    parts["MODELS"] = "\n".join(_code(name, fit) for name, fit in study.fits.items())
     page = (HERE / PAGE).read_text(encoding="utf-8")
     return re.sub(r"\{\{(\w+)\}\}", lambda marker: parts[marker[1]], page)
 
@@ -66,9 +76,10 @@ def explorer_page(study: Study, *, drawing_library: str) -> str:
 def _data(study: Study) -> dict[str, Any]:
     return {
         "fits": [
-            {**_fit(name, fit), "trust": _trust(name, fit, study)}
+            {**_fit(name, fit, study.plans[name]), "trust": _trust(name, fit, study)}
             for name, fit in study.fits.items()
         ],
+        "left_out": dict(study.left_out),
         "plans": list(study.forces),
         "simulations": [
             [index, *(float(value) for value in row)]
@@ -77,29 +88,31 @@ def _data(study: Study) -> dict[str, Any]:
         ],
         "position": form_of(next(iter(study.forces.values()))),
         "band": study.band,
+        "inertia": {**asdict(study.inertia), "beyond": study.inertia.beyond},
         "start": {"h0_m": study.h0_m, "hv_m": study.hv_m, "force_n": study.force_n},
     }
 
 
-def _fit(name: str, fit: FittedModel) -> dict[str, Any]:
-    if fit.model not in WORDS:
-        raise InputError(
-            f"fit {name!r}: the explorer knows the models {', '.join(WORDS)}, not {fit.model!r}"
-        )
-    model = get_model(fit.model)
-    if len(fit.theta) != len(model.parameter_names):
-        raise InputError(
-            f"fit {name!r}: the {fit.model} model has {len(model.parameter_names)} parameters, "
-            f"not {len(fit.theta)}"
-        )
-    plan = name.removeprefix(f"{fit.model}_").replace("_", " ")
-    plan = "its plan" if plan == fit.model.replace("_", " ") else plan
+def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
+    model = fit.force_model
+    word = WORDS.get(fit.model, fit.model)
+    taught = f"{fit.points} simulations" if fit.theta else "nothing fitted"
+    said = "its plan" if plan == fit.model else plan.replace("_", " ")
+    error_n = fit.error_n
     return {
         "name": name,
-        "label": f"{WORDS[fit.model]}, {fit.points} simulations ({plan})",
-        "moves": "phi_r_m" in model.factor_names,
-        "theta": [*fit.theta, *(0.0 for _ in range(5 - len(fit.theta)))],
+        "label": f"{word}, {taught}" + (f" ({said})" if fit.theta else ""),
+        "plan": plan,
+        "factors": list(model.factor_names),
+        "moves": not model.is_centred,
+        "error_n": error_n if isfinite(error_n) else None,
     }
+
+
+def _code(name: str, fit: FittedModel) -> str:
+    """The model as a script's line that puts it among MODELS."""
+    code = source(fit, "javascript").replace("</", "<\\/")
+    return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
 
 
 def _trust(name: str, fit: FittedModel, study: Study) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 "use strict";
-// The empirical models, as in squeezefilm.force_model: eqs (7) and (14) of the paper. A point has
-// h0_m, hv_m, phi_r_m, phi_deg; theta has five entries, the last two zero with two factors.
+// What is done with models, each the code of `squeezefilm export` by its name in MODELS. A point has
+// h0_m, hv_m and its position in both forms.
+const MODELS = {};
 
 // A point with its position in both forms, polar and Cartesian.
 function completed(point) {
@@ -12,27 +13,54 @@ function completed(point) {
   return { ...point, x_m: point.phi_r_m * Math.cos(angle), y_m: point.phi_r_m * Math.sin(angle) };
 }
 
-function positionFactor(theta, point) {
-  return 1 + theta[3] * (point.phi_deg / 45) + theta[4] * point.phi_r_m;
+// Force in newtons; NaN where the model is undefined.
+function force(fit, point) {
+  return MODELS[fit.name].force_n(...fit.factors.map((name) => point[name]));
 }
 
-// Force in newtons; NaN where a root is undefined.
-function force(theta, point) {
-  const epsilon = point.hv_m / point.h0_m;
-  const square = epsilon * epsilon;
-  const upper = 1 + theta[0] * square;
-  const lower = 1 - theta[1] * positionFactor(theta, point) * square;
-  return upper >= 0 && lower > 0 ? Math.sqrt(upper) / Math.sqrt(lower) + theta[2] : NaN;
+// Smallest amplitude in metres that gives the wanted force at a point's gap and position, below
+// contact; NaN where there is none: as squeezefilm.models.working_point looks for it.
+const AMPLITUDES = 100;
+function amplitudeForForce(fit, point, wanted_n) {
+  const excess = (share) => force(fit, { ...point, hv_m: share * point.h0_m }) - wanted_n;
+  let low = 0, atLow = excess(0);
+  for (let i = 1; i <= AMPLITUDES; i += 1) {
+    const high = i / AMPLITUDES * (1 - 1e-12);
+    const [a, b] = defined(excess, low, atLow, high, excess(high));
+    if (a && a.value * b.value <= 0) {
+      const found = root(excess, a, b);
+      // The sign may change at a pole, too.
+      if (Math.abs(excess(found)) <= 1e-9 * (1 + Math.abs(wanted_n))) return found * point.h0_m;
+    }
+    low = high;
+    atLow = excess(high);
+  }
+  return NaN;
 }
 
-// Amplitude in metres that gives the wanted force at a point's gap and position, below contact;
-// NaN where there is none.
-function amplitudeForForce(theta, point, wanted_n) {
-  const g = (wanted_n - theta[2]) ** 2;
-  const square = (g - 1) / (theta[0] + g * theta[1] * positionFactor(theta, point));
-  if (!(square >= 0 && square < 1)) return NaN;
-  const hv_m = Math.sqrt(square) * point.h0_m;
-  const reached = force(theta, { ...point, hv_m });
-  // Squaring brings in a false solution, on the other branch of the root.
-  return Math.abs(reached - wanted_n) <= 1e-9 * (1 + Math.abs(wanted_n)) ? hv_m : NaN;
+// The part of an interval, by its ends, in which a function is defined, which it is at one end.
+function defined(excess, low, atLow, high, atHigh) {
+  const ends = [{ at: low, value: atLow }, { at: high, value: atHigh }];
+  const known = ends.filter((end) => !Number.isNaN(end.value));
+  if (known.length !== 1) return known;
+  const [start] = known;
+  let inside = start, outside = start === ends[0] ? high : low;
+  for (let i = 0; i < 60; i += 1) {
+    const at = (inside.at + outside) / 2, value = excess(at);
+    if (Number.isNaN(value)) outside = at;
+    else inside = { at, value };
+  }
+  return start === ends[0] ? [start, inside] : [inside, start];
+}
+
+// Where a function changes sign, by bisection down to round-off.
+function root(excess, low, high) {
+  const rises = low.value <= 0;
+  let [a, b] = [low.at, high.at];
+  for (let i = 0; i < 60; i += 1) {
+    const middle = (a + b) / 2;
+    if ((excess(middle) <= 0) === rises) a = middle;
+    else b = middle;
+  }
+  return Math.abs(excess(a)) <= Math.abs(excess(b)) ? a : b;
 }

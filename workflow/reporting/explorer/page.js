@@ -29,9 +29,6 @@
   // Why a model is not to be trusted at a point; an empty text where it is.
   function doubt(fit, point, verdict) {
     if (point.hv_m >= point.h0_m) return "surface and finger touch, there is no film";
-    if (!fit.moves && point.phi_r_m > 0) {
-      return "this model knows a centred finger only; choose one with four factors";
-    }
     if (verdict.outside.length) {
       return verdict.outside.map((name) => `${WORDS[name]} lies outside the fitted points’ `
         + `${range(fit.trust.ranges[name], name)}`).join("; ");
@@ -72,6 +69,15 @@
     const text = Math.abs(value) >= 100 ? value.toFixed(0) : value.toFixed(2);
     if (Number(text) === 0) return "0.00 %";
     return `${value > 0 ? "+" : ""}${text.replace("-", "−")} %`;
+  }
+
+  // A value with the digits that its error leaves it, and the error with one; three digits where
+  // the error is not known: as squeezefilm.io.typed_units.to_its_error.
+  function toItsError(value, error) {
+    if (!(error > 0)) return [plain(value, 3), ""];
+    const shown = Number(error.toPrecision(1)), places = -Math.floor(Math.log10(shown));
+    if (places < 0) return [value.toPrecision(1).replace("-", "−"), String(shown)];
+    return [value.toFixed(Math.min(places, 9)).replace("-", "−"), String(shown)];
   }
 
   // A bound, rounded up to two digits.
@@ -168,20 +174,26 @@
     slider.bar.setAttribute("aria-valuetext", `${plain(slider.shown)} ${slider.symbol}`);
   }
 
+  // The point that is set; a model of the centred finger is asked there alone.
   function point() {
     const values = {};
     for (const slider of Object.values(sliders)) values[slider.name] = slider.shown * slider.unit;
-    return completed(values);
+    return completed(state.fit.moves ? values : { ...values, [first]: 0, [second]: 0 });
+  }
+
+  function showFactors() {
+    for (const id of ["phi-r", "phi-phi"]) byId(id).closest(".row").hidden = !state.fit.moves;
   }
 
   for (const fit of data.fits) byId("fit").add(new Option(fit.label, fit.name));
   byId("fit").addEventListener("change", () => {
     state.fit = data.fits.find((fit) => fit.name === byId("fit").value);
+    showFactors();
     update();
   });
   byId("take").addEventListener("click", () => {
     const now = point();
-    set("hv", amplitudeForForce(state.fit.theta, now, now.force_n) / UM);
+    set("hv", amplitudeForForce(state.fit, now, now.force_n) / UM);
   });
   for (const span of document.querySelectorAll(".band")) span.textContent = plain(100 * data.band);
 
@@ -189,18 +201,19 @@
 
   function update() {
     const now = point(), { fit } = state;
-    const value = now.hv_m >= now.h0_m ? NaN : force(fit.theta, now);
+    const value = now.hv_m >= now.h0_m ? NaN : force(fit, now);
     const verdict = judged(fit, now, value), near = verdict.nearest;
-    const shown = Number.isFinite(value) ? value.toFixed(9).replace("-", "−") : "";
+    const error_n = Number.isFinite(verdict.error_n) ? verdict.error_n : fit.error_n;
     const output = byId("force");
     output.value = "";
-    if (shown) {
+    if (Number.isFinite(value)) {
+      const [digits, error] = toItsError(value, error_n);
       const fine = document.createElement("span");
       fine.className = "fine";
-      fine.textContent = shown.slice(-6);
-      output.append(shown.slice(0, -6), fine, "\u00a0N");
+      fine.textContent = error ? ` ± ${error} N` : " (error not known)";
+      output.append(digits, "\u00a0N", fine);
     } else {
-      output.value = "no force";
+      output.value = now.hv_m >= now.h0_m ? "no force" : "not known";
     }
     output.dataset.newtons = Number.isFinite(value) ? String(value) : "";
     const reason = doubt(fit, now, verdict);
@@ -209,16 +222,29 @@
     trust.innerHTML = reason ? "<b>Not to be trusted:</b> " : "<b>Trusted:</b> ";
     trust.append(reason || `within ${share(verdict.within)}${ofScan(fit)}, judged by `
       + `${evidence.get(fit).length} simulations that the fit never saw`);
+    const validity = data.inertia.reynolds_per_h0_square * now.h0_m ** 2;
+    byId("validity").hidden = !(validity > data.inertia.most_reynolds);
+    byId("validity").textContent = `Re ${plain(validity, 2)} at this gap: ${data.inertia.beyond}`;
     byId("error").textContent = near ? percent(near.error_n / near.force_n) : "there is none";
     byId("nearest").textContent = near
       ? `${near.force_n.toPrecision(4)} N at ${where(near)}, ${away(verdict)}` : "–";
-    const wanted = amplitudeForForce(fit.theta, now, now.force_n);
+    const wanted = amplitudeForForce(fit, now, now.force_n);
     byId("amplitude").textContent = Number.isFinite(wanted)
-      ? `${(wanted / UM).toFixed(3)} µm for ${plain(now.force_n)} N`
+      ? `${amplitudeText(fit, now, wanted)} for ${plain(now.force_n)} N`
       : `none gives ${plain(now.force_n)} N`;
     byId("take").disabled = !(wanted / UM <= sliders.hv.most);
     byId("epsilon").textContent = (now.hv_m / now.h0_m).toFixed(3);
     drawSoon();
+  }
+
+  // An amplitude with the digits that the force's error leaves it.
+  function amplitudeText(fit, now, hv_m) {
+    const at = (share) => force(fit, { ...now, hv_m: share * hv_m });
+    const slope = (at(1.0001) - at(0.9999)) / (0.0002 * hv_m);
+    const { error_n } = judged(fit, { ...now, hv_m }, now.force_n);
+    const error = (Number.isFinite(error_n) ? error_n : fit.error_n) / Math.abs(slope);
+    const [digits, around] = toItsError(hv_m / UM, error / UM);
+    return `${digits} µm${around ? ` ± ${around} µm` : ""}`;
   }
 
   // ---- the drawings ------------------------------------------------------------------------------------
@@ -269,12 +295,12 @@
       if (points.length > 2 && distance < least) [best, least] = [points, distance];
     }
     const drawn = best.filter((each) => crowd[each.plan] <= 300);
-    const used = drawn.filter((each) => each.plan === fit.name);
-    return { at: best[0], used, others: drawn.filter((each) => each.plan !== fit.name) };
+    const used = drawn.filter((each) => each.plan === fit.plan);
+    return { at: best[0], used, others: drawn.filter((each) => each.plan !== fit.plan) };
   }
 
   function trustedAt(fit, point) {
-    return doubt(fit, point, judged(fit, point, force(fit.theta, point))) === "";
+    return doubt(fit, point, judged(fit, point, force(fit, point))) === "";
   }
 
   function trusted(fit, now) {
@@ -290,12 +316,12 @@
   function sheet(fit, at) {
     const h0 = steps(seen.h0, 41), share = steps([0, 1], 41);
     const most = h0.map((gap) => {
-      const top = amplitudeForForce(fit.theta, { ...at, h0_m: gap * UM }, 1.5 * data.start.force_n) / UM;
+      const top = amplitudeForForce(fit, { ...at, h0_m: gap * UM }, 1.5 * data.start.force_n) / UM;
       return Math.min(seen.hv[1], Number.isFinite(top) ? top : 0.99 * gap);
     });
     const x = share.map(() => h0), y = share.map((each) => most.map((top) => each * top));
     const z = y.map((row) => row.map((hv, i) => {
-      const value = force(fit.theta, { ...at, h0_m: h0[i] * UM, hv_m: hv * UM });
+      const value = force(fit, { ...at, h0_m: h0[i] * UM, hv_m: hv * UM });
       return Number.isFinite(value) ? value : null;
     }));
     return { x, y, z };
@@ -333,7 +359,7 @@
   function drawPlane(now, ink) {
     const { fit } = state, { trusted: region, points } = positionOf(fit, now);
     const h0 = steps(seen.h0, 200);
-    const curve = h0.map((each) => amplitudeForForce(fit.theta, { ...now, h0_m: each * UM }, now.force_n) / UM);
+    const curve = h0.map((each) => amplitudeForForce(fit, { ...now, h0_m: each * UM }, now.force_n) / UM);
     Plotly.react("plane", [
       {
         type: "heatmap", ...region, showscale: false, hoverinfo: "skip",
@@ -345,18 +371,26 @@
         type: "scatter", mode: "lines", name: `${plain(now.force_n)} N`, x: h0, y: curve,
         line: { color: ink.blue, width: 3 }, hovertemplate: `${hover}<extra>${plain(now.force_n)} N</extra>`,
       },
-      {
-        type: "scatter", mode: "markers", name: "this point", x: [now.h0_m / UM], y: [now.hv_m / UM],
-        marker: { symbol: "diamond", size: 15, color: ink.red, line: { color: ink.card, width: 2 } },
-        hovertemplate: `${hover}<extra>this point</extra>`,
-      },
-    ], {
+      thisPoint(now, ink),
+    ], planeLayout(ink), CONFIG);
+  }
+
+  function thisPoint(now, ink) {
+    return {
+      type: "scatter", mode: "markers", name: "this point", x: [now.h0_m / UM], y: [now.hv_m / UM],
+      marker: { symbol: "diamond", size: 15, color: ink.red, line: { color: ink.card, width: 2 } },
+      hovertemplate: `${hover}<extra>this point</extra>`,
+    };
+  }
+
+  function planeLayout(ink) {
+    return {
       font: { ...FONT, color: ink.ink }, paper_bgcolor: ink.card, plot_bgcolor: ink.card,
       margin: { l: 56, r: 12, t: 8, b: 50 }, dragmode: false, hovermode: "closest",
       xaxis: axis("mean gap <i>h</i><sub>0</sub> (µm)", ink, seen.h0),
       yaxis: axis("amplitude <i>h</i><sub>v</sub> (µm)", ink, seen.hv),
       legend: { orientation: "h", x: 0, y: 1.01, yanchor: "bottom", bgcolor: "rgba(0,0,0,0)" },
-    }, CONFIG);
+    };
   }
 
   // Seen from farther away where the page is narrow.
@@ -366,9 +400,56 @@
     return { x: view.distance * Math.cos(angle), y: view.distance * Math.sin(angle), z: view.height };
   }
 
+  // Drawing in space needs WebGL, which some browsers lack.
+  const solid = (() => {
+    const canvas = document.createElement("canvas");
+    try {
+      return Boolean(canvas.getContext("webgl") || canvas.getContext("experimental-webgl"));
+    } catch {
+      return false;
+    }
+  })();
+  if (!solid) {
+    byId("drawn").textContent = "lines of equal force";
+    byId("wrong").textContent = "Where a dot’s colour stands off from that around it, the model is "
+      + "wrong. (This browser has no WebGL, which a surface in space needs.)";
+    byId("turn").closest(".turn").hidden = true;
+  }
+
+  function drawContours(now, ink) {
+    const { fit } = state, { points } = positionOf(fit, now), at = fit.moves ? now : { ...now, ...centre };
+    const x = steps(seen.h0, 61), y = steps(seen.hv, 61), most = 1.5 * data.start.force_n;
+    const z = y.map((hv) => x.map((h0) => {
+      const value = hv < h0 ? force(fit, { ...at, h0_m: h0 * UM, hv_m: hv * UM }) : NaN;
+      return value <= most ? value : null;
+    }));
+    const known = z.flat().filter((value) => value !== null);
+    const scale = { colorscale: "Viridis", cmin: Math.min(...known), cmax: Math.max(...known) };
+    const cloud = (some, line, name) => {
+      const trace = dots(some, ink, some.map((each) => each.force_n), name);
+      return { ...trace, marker: { ...trace.marker, ...scale, line: { color: line, width: 1.5 } } };
+    };
+    Plotly.react("space", [
+      {
+        type: "contour", x, y, z, colorscale: "Viridis", zmin: scale.cmin, zmax: scale.cmax,
+        connectgaps: false, contours: { coloring: "heatmap", showlabels: true, labelfont: { color: "#fff" } },
+        colorbar: { title: { text: "force (N)", side: "right" }, thickness: 12, outlinewidth: 0 },
+        hovertemplate: `${hover}<br>%{z:.4f} N<extra>model</extra>`,
+      },
+      cloud(points.others, ink.dot, "simulated"),
+      cloud(points.used, ink.ink, "fitted"),
+      thisPoint(now, ink),
+    ], planeLayout(ink), CONFIG);
+  }
+
   function drawSpace(now, ink) {
+    sayWhere(now);
+    if (!solid) {
+      drawContours(now, ink);
+      return;
+    }
     const { fit } = state, { surface, points } = positionOf(fit, now);
-    const value = force(fit.theta, fit.moves ? now : { ...now, ...centre });
+    const value = force(fit, fit.moves ? now : { ...now, ...centre });
     const cloud = (some, fill, name) => ({
       type: "scatter3d", mode: "markers", name, showlegend: false,
       x: inUm(some, "h0_m"), y: inUm(some, "hv_m"), z: some.map((each) => each.force_n),
@@ -405,6 +486,10 @@
         camera: { eye: eye(), center: { x: 0, y: 0, z: -0.2 } }, dragmode: "turntable",
       },
     }, CONFIG);
+  }
+
+  function sayWhere(now) {
+    const { fit } = state, { points } = positionOf(fit, now);
     byId("at").textContent = fit.moves && points.at && points.at.phi_r_m > 0
       ? ` at the nearest simulated place (${placeOf(points.at)})`
       : "";
@@ -416,12 +501,16 @@
     Plotly.relayout("space", { "scene.camera.eye": eye() });
   });
 
+  for (const [name, reason] of Object.entries(data.left_out)) {
+    byId("left-out").append(`Not here: ${name}, for ${reason}. `);
+  }
+  showFactors();
   update();
   // After the first drawing: what the mouse does to the view moves the slider too.
   requestAnimationFrame(() => requestAnimationFrame(() => {
     byId("js-plotly-tester")?.setAttribute("aria-hidden", "true");
     byId("space").on("plotly_relayout", (change) => {
-      const camera = change["scene.camera"];
+      const camera = change["scene.camera"]; // of drawings in space alone
       if (!camera) return;
       view.azimuth = (Math.atan2(camera.eye.y, camera.eye.x) * 180) / Math.PI;
       view.distance = Math.hypot(camera.eye.x, camera.eye.y);

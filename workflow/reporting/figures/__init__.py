@@ -63,14 +63,18 @@ def check_formats(paths: Sequence[str]) -> None:
             raise InputError(f"{path}: a figure's name ends in {', '.join(FORMATS)}")
 
 
-def draw(module: ModuleType, table: Path | str, paths: Sequence[str]) -> None:
+def draw(module: ModuleType, table: Path | str, paths: Sequence[str], *, beyond: str = "") -> None:
     """Draw a figure's table as read back from its file, in the formats that the names ask for.
+
+    ``beyond`` is added to its note.
 
     Raises InputError naming the table and what it lacks.
     """
     from reporting.figures.parts import style  # matplotlib: only when something is drawn
 
     data = read_columns(table, columns=("note",))
+    if beyond:
+        data = data.assign(note=data["note"].fillna("").astype(str) + f" {beyond}")
     with style.settings():
         try:
             figure = module.draw(data)

@@ -23,6 +23,11 @@ DECADES = 5
 
 def draw(data: pd.DataFrame) -> Figure:
     """A panel for each model in the h0–hv plane; larger errors are drawn over smaller ones."""
+    if not data["relative_error_percent"].notna().any():
+        figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.0)
+        figure.text(0.5, 0.6, "no model can be judged on these points", ha="center")
+        style.add_note(figure, data)
+        return figure
     models = list(dict.fromkeys(data["model"]))
     across = min(ACROSS, len(models))
     down = ceil(len(models) / across)

@@ -1,11 +1,66 @@
 """Words below figures and tables: how the simulations were made and how accurate they are."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from squeezefilm.io.tables import read_json
+
+MOST_REYNOLDS = 10.0
+"""As terms/inertia.py of the solver has it, which needs OpenCL to be imported."""
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """How large the gas's inertia is in a study, for pages that have no scene.
+
+    reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m²; included:
+    whether the study's equation may have it (``auto`` has it where it matters and is allowed).
+    """
+
+    reynolds_per_h0_square: float
+    included: bool
+    most_reynolds: float = MOST_REYNOLDS
+
+    @classmethod
+    def of(cls, config: Mapping[str, Any]) -> "Inertia":
+        """From a study's sections gas and actuator."""
+        gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
+        return cls(
+            omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"], gas["inertia"] != "none"
+        )
+
+    def reynolds(self, h0_m: float) -> float:
+        return self.reynolds_per_h0_square * h0_m**2
+
+    @property
+    def beyond(self) -> str:
+        """What a modified Reynolds number above most_reynolds means, in words."""
+        most = f"{self.most_reynolds:g}"
+        if not self.included:
+            return (
+                f"above Re {most} the gas's inertia rules the film, and this study's equation "
+                "leaves it out; no error that is stated contains that."
+            )
+        return (
+            f"above Re {most} inertia, by one mode across the gap, is no longer good to 1 % (2 % "
+            "at Re 20, where it was compared); no error that is stated contains that."
+        )
+
+    def note(self, h0_m: float) -> str:
+        """A sentence for a study whose gaps reach h0_m; empty up to most_reynolds."""
+        reynolds = self.reynolds(h0_m)
+        if reynolds <= self.most_reynolds:
+            return ""
+        edge_um = 1e6 * math.sqrt(self.most_reynolds / self.reynolds_per_h0_square)
+        return (
+            f"Beyond Re {self.most_reynolds:g}: the modified Reynolds number ρωh0²/μ passes it at "
+            f"h0 = {edge_um:.3g} µm and is {reynolds:.2g} at {1e6 * h0_m:.3g} µm; {self.beyond}"
+        )
 
 
 def simulations_note(device: Path, *tables: pd.DataFrame) -> str:

@@ -16,13 +16,18 @@ td.good { background: #e3f3ea !important; } td.bad { background: #fbe3d0 !import
 GOOD, BAD = ("agrees", "passed", "solved"), ("differs", "failed", "killed")
 
 
-def to_html(markdown: str, *, title: str) -> str:
-    """A page of Markdown as a page of HTML; cells that begin with a verdict are coloured."""
+def body_of(markdown: str) -> str:
+    """Markdown as HTML; tables scroll by themselves."""
     from markdown_it import MarkdownIt
 
-    body = MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown)
+    body = str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
     body = body.replace("<table>", '<div class="table"><table>')
-    body = body.replace("</table>", "</table></div>")
+    return body.replace("</table>", "</table></div>")
+
+
+def to_html(markdown: str, *, title: str) -> str:
+    """A page of Markdown as a page of HTML; cells that begin with a verdict are coloured."""
+    body = body_of(markdown)
     for colour, words in (("good", GOOD), ("bad", BAD)):
         for word in words:
             body = body.replace(f"<td>{word}", f'<td class="{colour}">{word}')

@@ -47,18 +47,20 @@ def to_markdown(
     notes: Mapping[str, Sequence[str]],
     claims: Path | None,
     device: Path,
+    headline: Sequence[str] = (),
 ) -> str:
     """The page, from finished results.
 
     ``forces`` and ``fits`` are by plan, ``validations`` by fit and plan; ``settings`` has the
     sections gas, actuator, finger and solver, ``notes`` what is left out at which gap, in words;
-    ``claims`` are those of the paper, in its studies.
+    ``claims`` are those of the paper, in its studies; ``headline`` are the lines it begins with.
     Raises InputError for a result that is missing or lacks what it must have.
     """
     tables = {plan: read_ok_forces(path) for plan, path in forces.items()}
     return "\n".join(
         [
             f"# Study “{study}” on one page\n",
+            *headline,
             *([INTRODUCTION] if claims else []),
             *_simulated(settings, tables),
             *_accuracy(settings, tables, fits, validations, read_json(device)),

@@ -18,7 +18,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.answers.outputs import with_outputs
 from squeezefilm.reynolds.answers.words import outputs_text
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.effects.automatic import decided, kept_out
 from squeezefilm.reynolds.effects.budget import Budget, budgets
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.effects.words import budget_text, derivatives_text
@@ -138,7 +138,7 @@ class Force:
             lines += ["note: errors of these are without the scan's noise"] * (
                 self.scan is not None
             )
-        lines += [f"note: {note}" for note in notes_of(self.scene)]
+        lines += [f"note: {note}" for note in (*self.kept_out, *notes_of(self.scene))]
         return lines + [f"note: {self.status}"] * (self.status != "ok")
 
 
@@ -172,6 +172,7 @@ def forces_of(
     derivatives: bool = False,
 ) -> list[Force]:
     """The force of each scene, NaN with its reason as ``status`` where there is none."""
+    not_decided = [kept_out(scene, method=settings.method) for scene in scenes]
     scenes = decided(
         scenes,
         model_tolerance=settings.model_tolerance,
@@ -213,6 +214,7 @@ def forces_of(
             beyond.get(k, Budget(status="no force to compare with")),
             scans.get(k),
             device.name,
+            tuple(not_decided[k]),
         )
         for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
     ]

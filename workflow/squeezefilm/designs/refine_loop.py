@@ -31,13 +31,19 @@ The loop ends in one of these ways:
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import isfinite, nan
 
 import numpy as np
 from scipy import stats
 
 from squeezefilm.designs.exact_design import exchange
 from squeezefilm.designs.refine_fits import Array, Fits, Indices, Pool
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
+from squeezefilm.models.fitting.identifiability import (
+    LEAST_SINGULAR_VALUE,
+    best_told_apart,
+    check_identifiable,
+)
 from squeezefilm.models.force_model import ExpressionModel
 
 Simulate = Callable[[Indices], tuple[Array, Array]]
@@ -63,7 +69,8 @@ class Round:
     """One pass of the loop: the points fitted, the fit, and what is estimated of its errors.
 
     Errors are relative to the root mean square force over the space. global_lower and global_upper
-    are the limits of global_error, lack_of_fit is s, worst_at the point of the pool where the worst
+    are the limits of global_error, lack_of_fit is s (NaN where the design does not settle the
+    parameters), worst_at the point of the pool where the worst
     error is estimated, parameter_share the share of its square that comes from the parameters,
     floor the root mean square residual of the best fit to all points simulated so far.
     """
@@ -145,7 +152,7 @@ def refine_loop(
         report(done)
         if not verdict:
             try:
-                added = _next_points(loop, done.theta, design)
+                added = _added_points(loop, done.theta, design, goal.batch)
             except InputError as error:
                 verdict, reason = "budget", f"no more points can be designed: {error}"
             else:
@@ -166,7 +173,11 @@ def refine_loop(
 
 
 def _first_points(loop: _Loop) -> Indices:
-    """One point more than there are parameters; refused where there is no room for them."""
+    """One point more than there are parameters, far from each other.
+
+    Where these cannot tell the parameters apart, the points that do it best at some parameters.
+    Refused where there is no room for them, or where no candidates tell the parameters apart.
+    """
     model, pool = loop.fits.model, loop.fits.pool
     parameters, checks = len(model.parameter_names), len(pool.verification)
     first = parameters + 1 if parameters else 0
@@ -177,7 +188,17 @@ def _first_points(loop: _Loop) -> Indices:
             f"refine: the model {model.name} takes {first} simulations to begin with and "
             f"{checks} to verify, more than the {loop.goal.most_simulations} allowed"
         )
-    return _spread_points(pool, first, loop.separation)
+    spread = _spread_points(pool, first, loop.separation)
+    if not first:
+        return spread
+    least, _, theta = best_told_apart(model, pool.factors.take(spread))
+    if least < 0 or least > LEAST_SINGULAR_VALUE:
+        return spread
+    candidates = pool.factors.take(pool.candidates)
+    with naming(f"refine: {len(candidates)} candidates"):
+        check_identifiable(model, candidates)
+    theta = best_told_apart(model, candidates)[2]
+    return _added_points(loop, theta, np.empty(0, dtype=int), first)
 
 
 def _one_round(
@@ -222,14 +243,14 @@ def _spread_points(pool: Pool, count: int, separation: float) -> Indices:
     return np.array(chosen, dtype=int)
 
 
-def _next_points(loop: _Loop, theta: Array, design: Indices) -> Indices:
+def _added_points(loop: _Loop, theta: Array, design: Indices, count: int) -> Indices:
     """The points that teach most about the parameters, besides those of the design."""
     pool, model = loop.fits.pool, loop.fits.model
     taken = np.concatenate([pool.verification, design])
     found = exchange(
         model.gradient(theta, pool.factors.take(pool.candidates)),
-        loop.goal.batch,
-        existing=model.gradient(theta, pool.factors.take(design)),
+        count,
+        existing=model.gradient(theta, pool.factors.take(design)) if len(design) else None,
         coordinates=pool.coordinates[pool.candidates],
         existing_coordinates=pool.coordinates[taken],
         separation=loop.separation,
@@ -253,11 +274,13 @@ def _judged(
     misses = np.where(np.isfinite(misses), misses, np.inf)
     count = len(checks)
     relative = float(np.linalg.norm(misses) / np.linalg.norm(fits.force_n[checks]))
-    lack = float(np.sqrt(np.mean(misses**2 / (1 + fits.variances(theta, design, checks)))))
+    spread = fits.variances(theta, design, checks)
+    # Of a design that does not settle the parameters nothing is known but the errors seen.
+    lack = float(np.sqrt(np.mean(misses**2 / (1 + spread)))) if np.isfinite(spread).all() else nan
     places = np.concatenate([pool.candidates, pool.typical])
     variance = fits.variances(theta, design, places)
     at = int(np.argmax(variance))
-    open_ended = not np.isfinite(variance[at])
+    open_ended = not (np.isfinite(variance[at]) and isfinite(lack))
     width = np.inf
     if not open_ended:
         width = float(stats.t.ppf((1 + LEVEL) / 2, count)) * lack * np.sqrt(1 + variance[at])

@@ -1,4 +1,4 @@
-"""A fitted model as source code without dependencies: a C header, or a Python module.
+"""A fitted model as source code without dependencies: a C header, a Python module, JavaScript.
 
 The code computes what ExpressionModel.evaluate does, operation by operation. Nothing of a fit's
 file gets into it but numbers, the checked formula, and names of letters, digits and underscores.
@@ -96,7 +96,8 @@ class _Writer:
 
     def call(self, function: str, argument: str) -> str:
         """A call of one of the language's functions."""
-        return self.written("call", function=function, argument=argument)
+        own = self.said.get("functions", {})
+        return self.written("call", function=own.get(function, function), argument=argument)
 
     def define(self, variable: str, value: str) -> str:
         return self.written("definition", variable=variable, value=value)
@@ -239,7 +240,7 @@ def _about(fit: FittedModel) -> list[str]:
 
 
 def _number(value: float) -> str:
-    """A number that reads back as the same double, in C and in Python."""
+    """A number that reads back as the same double, in every language."""
     text = repr(float(value))
     return f"({text})" if text.startswith("-") else text
 

@@ -98,9 +98,14 @@ def pace(results: Path, *, host: str) -> float | None:
     return seconds / jobs if jobs else None
 
 
+def headline(results: Path) -> list[str]:
+    """A finished study's headline numbers, as far as they are there."""
+    return [*_force(results), *_model(results), *_claims(results)]
+
+
 def where_to_look(results: Path) -> list[str]:
     """A finished study's headline numbers and the files to open first, as far as they are there."""
-    lines = [*_force(results), *_model(results), *_claims(results)]
+    lines = headline(results)
     for name, what in (
         ("report/summary.html", "the study on one page"),
         ("report/claims.html", "the paper's claims beside ours"),

@@ -48,6 +48,7 @@ from squeezefilm.io.tables import (
 )
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.answers.outputs import with_outputs
+from squeezefilm.reynolds.effects.automatic import kept_out
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.runs import node_cache
@@ -204,6 +205,10 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
                 for scene, solution in zip(scenes, solutions, strict=True)
                 if (reason := _missing(solution))
             ]
+    for note in kept_out(
+        _scenes(table.iloc[:1], config, path=options.scenes)[0], method=settings.method
+    ):
+        print(note, file=sys.stderr)
     smoothed = smoothed_scan_of(config)
     if smoothed is not None:
         print(

@@ -15,19 +15,16 @@ LEAST_SINGULAR_VALUE = 1e-9
 SHARE_OF_DIRECTION = 0.1
 
 
-def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
-    """See that the gradient has full rank at some theta, so that a fit can have one answer.
+def best_told_apart(model: ExpressionModel, factors: Factors) -> tuple[float, Array, Array]:
+    """Where experiments tell a model's parameters apart best, of random theta.
 
-    The rank is taken numerically, with columns scaled to one, at many random theta at which the
-    model is defined: what fails at all of them is a property of the model and the points.
-    Raises InputError naming the parameters that the points cannot tell apart, or a model that is
-    undefined wherever it was tried.
+    The least singular value of the gradient with columns scaled to one, its direction, shape (p,),
+    and theta, shape (p,). The least value is -1 where the model is undefined at every theta tried,
+    and at most LEAST_SINGULAR_VALUE where no theta was found that the experiments tell apart.
     """
     count = len(model.parameter_names)
-    if count == 0:
-        return
     random = np.random.default_rng(SEED)
-    best, direction = -1.0, np.zeros(count)
+    best, direction, where = -1.0, np.zeros(count), np.zeros(count)
     for draw in range(DRAWS):
         spread = SPREADS[draw % len(SPREADS)]
         theta = np.sinh(random.uniform(-spread, spread, count))
@@ -40,9 +37,23 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
             continue
         least, along = _weakest(gradient)
         if least > best:
-            best, direction = least, along
+            best, direction, where = least, along, theta
         if best > 1e3 * LEAST_SINGULAR_VALUE:
-            return
+            break
+    return best, direction, where
+
+
+def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
+    """See that the gradient has full rank at some theta, so that a fit can have one answer.
+
+    The rank is taken numerically, with columns scaled to one, at many random theta at which the
+    model is defined: what fails at all of them is a property of the model and the points.
+    Raises InputError naming the parameters that the points cannot tell apart, or a model that is
+    undefined wherever it was tried.
+    """
+    if not model.parameter_names:
+        return
+    best, direction, _ = best_told_apart(model, factors)
     if best < 0:
         raise InputError(
             f"{model.place}: the formula is undefined at {DRAWS} random parameter sets; no fit can "

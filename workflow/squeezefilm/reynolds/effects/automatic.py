@@ -39,8 +39,7 @@ def decided(
         [
             name
             for name, term in OPEN.items()
-            if _choice(scene, name) == "auto"
-            and _allowed(_with(scene, name, "included"), term, method)
+            if _choice(scene, name) == "auto" and not _refused(scene, name, term, method)
         ]
         for scene in scenes
     ]
@@ -51,6 +50,15 @@ def decided(
             if _matters(budget, name, model_tolerance):
                 found[k] = _with(found[k], name, "included")
     return found
+
+
+def kept_out(scene: Scene, *, method: str = "auto") -> list[str]:
+    """What of a scene is ``auto`` and left out whatever its size, with the reason, in words."""
+    return [
+        f"gas.{name} is auto and left out: {reason}"
+        for name, term in OPEN.items()
+        if _choice(scene, name) == "auto" and (reason := _refused(scene, name, term, method))
+    ]
 
 
 def _choice(scene: Scene, name: str) -> str:
@@ -70,15 +78,16 @@ def _closed(scene: Scene) -> Scene:
     return scene
 
 
-def _allowed(scene: Scene, term: Term, method: str) -> bool:
-    """Whether a scene with a term is solved by the method."""
+def _refused(scene: Scene, name: str, term: Term, method: str) -> str:
+    """Why a scene that had a term would not be solved by the method; empty where it would."""
+    scene = _with(scene, name, "included")
     if wants_modes(scene):
-        return not term.refused_in_modes(scene)
+        return term.refused_in_modes(scene)
     if method == "march":
-        return not term.refused_by_march(scene)
+        return term.refused_by_march(scene)
     if method not in ("auto", "periodic"):
-        return term.knows_limit(method)
-    return not term.refused_on_grid(scene)
+        return "" if term.knows_limit(method) else f"the limit {method} does not know it"
+    return term.refused_on_grid(scene)
 
 
 def _matters(budget: Budget, name: str, model_tolerance: float) -> bool:

@@ -166,7 +166,7 @@ def _verdict(outcome: Outcome, settings: Mapping[str, Any]) -> dict[str, Any]:
         "simulations": last.simulations,
         "fitted_points": len(last.design),
         "verification_points": settings["verification"],
-        "lack_of_fit_n": last.lack_of_fit * outcome.scale_n,
+        **_finite({"lack_of_fit_n": last.lack_of_fit * outcome.scale_n}),
         "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
         "estimated": _finite({key: getattr(last, key) for key in estimated}),
         "settings": dict(settings),

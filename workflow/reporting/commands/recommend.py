@@ -1,0 +1,92 @@
+"""Recommend a model in each space, and the amplitude that it asks for at each position.
+
+  squeezefilm recommend RESULTS --config C.yaml --forces PLAN=FORCES.csv … --output TABLE.csv
+
+RESULTS is the study's folder, with the comparisons models/SPACE.csv and their fits. Recommended is
+the model with the least global error at the control points, that with fewer parameters where two
+are the same. FORCES.csv are simulations that it is judged by; the plan `four_factor` has the
+positions. A row for each space (the finger at the centre) and each position, with the amplitude
+that gives the study's wanted force at its gap (section `extrapolation`) and how far it is trusted;
+none where no model can be judged.
+"""
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from squeezefilm.io.positions import form_of
+from squeezefilm.io.sources import parse_sources, read_columns
+from squeezefilm.io.tables import read_ok_forces, write_table
+from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.force_model import Factors
+from squeezefilm.models.library import SPACES
+from squeezefilm.models.working_point import working_point
+from squeezefilm.studies.config import Config, load_config
+
+SECTIONS = ("extrapolation",)
+LEAST = ("space", "model", "control_error", "h0_m", "x_m", "y_m", "force_n")
+"""Columns of a table with one empty row: no model can be judged."""
+COLUMNS = ("space", "model", "parameters", "control_points", "control_error", "worst_error")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("results", type=Path, metavar="RESULTS", help="the study's results")
+    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--forces", nargs="+", required=True, metavar="PLAN=FORCES.csv")
+    parser.add_argument("--output", required=True, metavar="TABLE.csv", help="table to write")
+
+
+def run(options: argparse.Namespace) -> None:
+    config = load_config(options.config).only(SECTIONS)
+    plans = [word.partition("=")[0] for word in options.forces]
+    paths = parse_sources(options.forces, names=plans, user="recommend")
+    forces = {plan: read_ok_forces(path) for plan, path in paths.items()}
+    rows = [row for space in SPACES for row in _rows(space, options.results, config, forces)]
+    write_table(pd.DataFrame(rows or [dict.fromkeys(LEAST)]), options.output)
+
+
+def _rows(
+    space: str, results: Path, config: Config, forces: dict[str, pd.DataFrame]
+) -> Iterator[dict[str, Any]]:
+    """A space's model at its positions; nothing where the study has not compared any there."""
+    path = results / "models" / f"{space}.csv"
+    if not path.exists():
+        return
+    table = read_columns(path, columns=("model", "parameters", "control_points", "control_error"))
+    judged = table[table["control_error"].notna()]
+    if judged.empty:
+        return
+    best = judged.sort_values(["control_error", "parameters"], kind="stable").iloc[0]
+    fit = read_fit(results / "models" / space / f"{best['model']}.json")
+    every = pd.concat(list(forces.values()), ignore_index=True)
+    fit = fit.judged_by(
+        factors_of(every), force_n=every["force_n"], force_error_n=every["force_error_n"]
+    )
+    about = {
+        "space": space,
+        **{name: best[name] for name in COLUMNS[1:-1]},
+        "worst_error": abs(best["control_worst_relative"]),
+    }
+    wanted = config["extrapolation"]
+    # Root mean square error at the control points, as a share of the force.
+    error_n = float(best["control_error"]) * wanted["force_n"]
+    for place in _places(space, forces.get("four_factor", every)):
+        at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
+        found = working_point(fit, at, force_n=wanted["force_n"], error_n=error_n)
+        yield {**about, "h0_m": wanted["h0_m"], **place, **found}
+
+
+def _places(space: str, table: pd.DataFrame) -> list[dict[str, float]]:
+    """The positions of a plan; the centre alone where models know no other."""
+    names = form_of(table)
+    if space == "two_factor":
+        return [dict.fromkeys(names, 0.0)]
+    positions = table[list(names)].drop_duplicates().sort_values(list(names))
+    return [
+        {str(key): float(value) for key, value in row.items()}
+        for row in positions.to_dict("records")
+    ]

@@ -1,0 +1,105 @@
+"""What a study found, in a few lines of Markdown: what its page and its report begin with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from reporting.pages.notes import Inertia, percent
+from squeezefilm.io.markdown import markdown_table
+from squeezefilm.io.positions import form_of
+from squeezefilm.io.sources import read_columns
+from squeezefilm.io.tables import THIS_SCENE
+from squeezefilm.io.typed_units import to_its_error
+from squeezefilm.runs.console import headline
+
+IN_SHORT = "## In short"
+WORDS = {"two_factor": "with the finger at the centre", "four_factor": "with the finger anywhere"}
+PLACES = {"phi_r_m": ("φr (mm)", 1e3), "phi_deg": ("φφ (°)", 1.0)} | {
+    f"{axis}_m": (f"{axis} (mm)", 1e3) for axis in "xy"
+}
+
+
+def in_short(results: Path, config: Mapping[str, Any]) -> list[str]:
+    """The lines, from a study's results; ``config`` has paper, gas, actuator, screen, validation.
+
+    Of another study than the paper's also the recommended models and their amplitudes.
+    """
+    found = [line[0].upper() + line[1:] for line in headline(results)]
+    amplitudes: list[str] = []
+    recommended = results / "models" / "recommended.csv"
+    if not config["paper"] and recommended.exists():
+        table = read_columns(recommended, columns=("space", "model", "control_error", "force_n"))
+        table = table[table["model"].notna()]
+        band = config["validation"]["relative_error_band"]
+        found += [
+            _recommended(rows.iloc[0], band=band) for _, rows in table.groupby("space", sort=False)
+        ]
+        amplitudes = list(_amplitudes(table)) if len(table) else []
+        if table.empty:
+            found.append("No model compared can be judged; the pages of models say why")
+    found += _left_out(results / "simulations" / "screen" / "budget.csv")
+    found += filter(None, [Inertia.of(config).note(config["screen"]["h0_m"]["stop"])])
+    return [f"{IN_SHORT}\n", "".join(f"- {line}\n" for line in found), *amplitudes]
+
+
+def _recommended(row: pd.Series, *, band: float) -> str:
+    """A space's best model, its error, and whether it holds the study's band."""
+    said = (
+        f"Best model {WORDS[row['space']]}: {row['model']}, {percent(row['control_error'])} off "
+        f"over {row['control_points']:.0f} control points, at one of them "
+        f"{percent(row['worst_error'])}"
+    )
+    if row["worst_error"] <= band:
+        return said
+    return (
+        f"{said}. No model compared holds the study's ±{100 * band:g} % everywhere: simulate, or "
+        "add a formula (section `models`)"
+    )
+
+
+def _amplitudes(table: pd.DataFrame) -> Iterator[str]:
+    """For the wanted force, at each position."""
+    first, names = table.iloc[0], form_of(table)
+    yield (
+        f"Amplitude for {first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm, by models; "
+        "*trusted* is the bound of their error, judged by simulations that they never saw:\n"
+    )
+    rows = []
+    for row in table.to_dict("records"):
+        hv_um = 1e6 * row["hv_m"]
+        shown, _ = to_its_error(hv_um, 1e6 * row["hv_error_m"])
+        within = row["within_percent"]
+        rows.append(
+            {
+                "model": row["model"],
+                **{PLACES[name][0]: f"{PLACES[name][1] * row[name]:g}" for name in names},
+                "hv (µm)": shown if np.isfinite(hv_um) else "none",
+                "trusted": f"within {within:.2g} %"
+                if np.isfinite(within)
+                else "no: " + str(row["note"]),
+            }
+        )
+    yield markdown_table(pd.DataFrame(rows))
+
+
+def _left_out(budget: Path) -> list[str]:
+    """What the film equation leaves out of the screen's forces, in all."""
+    if not budget.exists():
+        return []
+    table = read_columns(budget, columns=("left_out_least_percent", "left_out_most_percent"))
+    ends = table[["left_out_least_percent", "left_out_most_percent"]].to_numpy(dtype=float)
+    if not np.isfinite(ends).all():
+        return ["What the film equation leaves out of the forces is not known everywhere"]
+    above = table["above_range"].fillna("").ne("").any()
+    caveat = "; somewhere too large for a first order" if above else ""
+    basis = table["basis"].iloc[0]
+    of = f"; of {basis}" if basis != THIS_SCENE else ""
+    return [
+        f"The film equation leaves out effects that change a force by {ends.min():+.2g} to "
+        f"{ends.max():+.2g} % in all (first order{caveat}{of}); no other error contains that"
+    ]
