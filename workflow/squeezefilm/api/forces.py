@@ -58,6 +58,7 @@ class Force:
         budget: what the film equation leaves out of the force, effect by effect.
         scan: what the scan of a measured profile leaves open; None without one.
         device: the name of the OpenCL device.
+        kept_out: which terms ``auto`` could not include, and why.
 
     Answers beside the force that were asked for are ``solution.outputs``.
     """
@@ -67,6 +68,7 @@ class Force:
     budget: Budget
     scan: ScanPart | None
     device: str
+    kept_out: tuple[str, ...] = ()
 
     @property
     def force_n(self) -> float:
