@@ -194,8 +194,8 @@ OF_BOTH_TYPES inline void eight_rows(constant_vector a, int inner, constant_vect
 /* c = a b (+ c) for some panels of b and c, (inner, columns) and (rows, columns) numbers behind each
  * other: a is (rows, inner). Of b up to a register more is read, and not used: behind every array there
  * is room for that. */
-OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vector b, vector c,
-                            int columns, int panels, int add)
+OF_BOTH_TYPES void product(constant_vector a, int rows, int inner, constant_vector b, vector c,
+                           int columns, int panels, int add)
 {
     const int panel_b = inner * columns, panel_c = rows * columns;
 #if WORK_ITEMS == 1
@@ -222,6 +222,12 @@ OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vec
                   column, min(column + wide, columns), add);
     }
 #endif
+}
+
+OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vector b, vector c,
+                            int columns, int panels, int add)
+{
+    product(a, rows, inner, b, c, columns, panels, add);
     SYNC;
 }
 
@@ -264,9 +270,9 @@ BLOCKS_OF_BOTH_TYPES void mirrored_rows(constant_vector a, int half_rows, int ro
     }
 }
 
-/* c = a b (+ c) as by `multiply`, for a matrix of twice so many rows and columns that commutes with
+/* c = a b (+ c) as by `product`, for a matrix of twice so many rows and columns that commutes with
  * mirroring: a is (2, half_rows, half_rows). Half as many multiplications. */
-OF_BOTH_TYPES inline void multiply_parts(constant_vector a, int half_rows, constant_vector b, vector c,
+OF_BOTH_TYPES inline void product_of_parts(constant_vector a, int half_rows, constant_vector b, vector c,
                                          int columns, int panels, const int of_nodes,
                                          const int to_nodes, int add)
 {
@@ -297,21 +303,20 @@ OF_BOTH_TYPES inline void multiply_parts(constant_vector a, int half_rows, const
                       min(column + LANES, columns), of_nodes, to_nodes, add);
     }
 #endif
-    SYNC;
 }
 
-OF_BOTH_TYPES void multiply_mirrored(constant_vector a, int half_rows, constant_vector b, vector c,
+OF_BOTH_TYPES void mirrored_product(constant_vector a, int half_rows, constant_vector b, vector c,
                                      int columns, int panels, int kind, int add)
 {
 #if WORK_ITEMS == 1
     switch (kind) {
-    case NODES_TO_NODES: multiply_parts(a, half_rows, b, c, columns, panels, 1, 1, add); break;
-    case NODES_TO_MODES: multiply_parts(a, half_rows, b, c, columns, panels, 1, 0, add); break;
-    default: multiply_parts(a, half_rows, b, c, columns, panels, 0, 1, add);
+    case NODES_TO_NODES: product_of_parts(a, half_rows, b, c, columns, panels, 1, 1, add); break;
+    case NODES_TO_MODES: product_of_parts(a, half_rows, b, c, columns, panels, 1, 0, add); break;
+    default: product_of_parts(a, half_rows, b, c, columns, panels, 0, 1, add);
     }
 #else
     /* One of them: what compilers inline is as long as it must be. */
-    multiply_parts(a, half_rows, b, c, columns, panels, kind != MODES_TO_NODES,
+    product_of_parts(a, half_rows, b, c, columns, panels, kind != MODES_TO_NODES,
                    kind != NODES_TO_MODES, add);
 #endif
 }

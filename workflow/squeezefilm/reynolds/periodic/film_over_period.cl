@@ -98,7 +98,6 @@ static void set_preconditioner(const Grid *whole_grid, const Film *whole_film)
         store4((double4)(share.x, share.x, share.y, share.y), i, film->own_share);
         store4((double4)(other.x, -other.x, other.y, -other.y), i, film->other_share);
     }
-    SYNC;
 }
 
 /* Solve (D Δ − σ A d/dT) u = modal in place. */
@@ -208,6 +207,7 @@ static void residual(const Grid *g, Film *film, vector modal, __local double *sc
         film->diffusivity = mean_diffusivity;
         set_preconditioner(g, film);
     }
+    SYNC;
 }
 
 /* out = preconditioned Jacobian times w, both modal, and both with the terms' own unknowns behind. */

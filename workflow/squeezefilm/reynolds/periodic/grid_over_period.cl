@@ -107,22 +107,25 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     {                                                                                             \
         multiply(in, g->rows, g->nt, transposed, out, g->nt, 1, add);                             \
     }                                                                                             \
-    /* The same by matrices that commute with mirroring, where the axis has its image in it. */   \
+    /* The same by matrices that commute with mirroring, where the axis has its image in it. No   \
+     * barrier stands in a branch: PoCL copies all that comes behind one. */                      \
     OF_BOTH_TYPES void mirrored_x(const Grid *g, int whole, __global const type *a,               \
                                   __global const type *in, __global type *out, int kind, int add) \
     {                                                                                             \
         if (whole)                                                                                \
-            multiply_mirrored(a, g->nx / 2, in, out, g->ny * g->nt, 1, kind, add);                \
+            mirrored_product(a, g->nx / 2, in, out, g->ny * g->nt, 1, kind, add);                 \
         else                                                                                      \
-            along_x(g, a, in, out, add);                                                          \
+            product(a, g->nx, g->nx, in, out, g->ny * g->nt, 1, add);                             \
+        SYNC;                                                                                     \
     }                                                                                             \
     OF_BOTH_TYPES void mirrored_y(const Grid *g, __global const type *a,                          \
                                   __global const type *in, __global type *out, int kind, int add) \
     {                                                                                             \
         if (g->whole_y)                                                                           \
-            multiply_mirrored(a, g->ny / 2, in, out, g->nt, g->nx, kind, add);                    \
+            mirrored_product(a, g->ny / 2, in, out, g->nt, g->nx, kind, add);                     \
         else                                                                                      \
-            along_y(g, a, in, out, add);                                                          \
+            product(a, g->ny, g->ny, in, out, g->nt, g->nx, add);                                 \
+        SYNC;                                                                                     \
     }                                                                                             \
     /* out = Δ in. */                                                                             \
     OF_BOTH_TYPES void laplacian(const Grid *g, __global const type *in_x,                        \
