@@ -10,7 +10,7 @@ from films import film, mean_overpressure
 
 from numerics.inertia.random_scenes import moved_by_leaving_out, random_scenes
 from numerics.strip.force import strip_force
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Formula
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
@@ -179,7 +179,6 @@ def test_the_mirror_halves_are_left_out_with_heat_too() -> None:
         ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
         ({"bearing": 0.1}, {}, "auto", "heat is not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "heat is not known under this finger"),
-        ({}, {"gap": GapShape(tilt_x_m=1e-6)}, "auto", "heat is not known under this finger"),
         ({}, {}, "march", "march does not know heat"),
         ({}, {}, "boundary-layer", "boundary-layer does not know this scene's"),
     ],

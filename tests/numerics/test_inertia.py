@@ -16,7 +16,7 @@ from numerics.inertia.random_scenes import moved_by_leaving_out, random_scenes
 from numerics.peers.numpy_periodic import chebyshev_grid
 from numerics.strip.force import strip_force
 from squeezefilm.cli.main import main
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Formula, Profile
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.tables import write_table
@@ -215,7 +215,6 @@ def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
         ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
         ({"bearing": 0.1}, {}, "auto", "not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "inertia is not known under this finger"),
-        ({}, {"gap": GapShape(tilt_x_m=1e-6)}, "auto", "inertia is not known under this finger"),
         ({}, {}, "march", "march does not know inertia"),
         ({"profile": PISTON}, {}, "closed-form", "closed-form does not know this scene's"),
     ],

@@ -152,7 +152,7 @@ def test_single_precision_turns_the_small_film_red(monkeypatch):
         weights = np.outer(grid.x.weights, grid.y.weights)
         mean = np.einsum("bxyt,xy->b", pressure, weights) / grid.nt
         means = pressure.mean(axis=-1)
-        return replace(states, unknowns=pressure[:, None], mean_in_time=means, mean=mean)
+        return replace(states, kept=pressure[:, None], mean_in_time=means, mean=mean)
 
     def spoilt(landing: periodic.Launch) -> list[list[States]]:
         return [

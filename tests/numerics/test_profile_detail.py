@@ -79,7 +79,7 @@ def off_centre(width_m: float) -> Formula:
         (off_centre(3e-4), 100.0, (1e-2, 1e-4)),
         (off_centre(1.2e-3), 100.0, (1e-2, 1e-4)),
         (wave(1 / 8), 2331.0, (1e-4, 1e-6)),
-        (wave(1 / 12), 2331.0, (1e-4, 1e-6)),
+        (wave(1 / 10), 2331.0, (1e-4, 1e-6)),
     ],
 )
 def test_what_a_grid_sees_is_solved(profile, sigma, tolerances):

@@ -95,7 +95,7 @@ def test_a_fit_that_the_page_cannot_compute_with_is_refused(study):
     with pytest.raises(InputError, match="theta"):
         explorer_page(_study(study, fits={"mine": short}, plans=plans), drawing_library="")
     strange = type(fit)(**(vars(fit) | {"model": 'x"]; evil()'}))
-    with pytest.raises(InputError, match="cannot name a function"):
+    with pytest.raises(InputError, match="is unknown; known are"):
         explorer_page(_study(study, fits={"mine": strange}, plans=plans), drawing_library="")
     with pytest.raises(InputError, match="at least one fit"):
         explorer_page(_study(study, fits={}), drawing_library="")

@@ -180,18 +180,24 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(reposit
     assert "Beyond Re 10" in "\n".join(in_short(tmp_path, levitation))
 
 
-def test_the_report_begins_with_the_headline_and_pictures(tmp_path):
+@pytest.mark.parametrize(
+    ("command", "guide"),
+    [
+        ("front", "the surface lift the finger?"),
+        ("paper-front", "an ultrasonic surface lift a finger?"),
+    ],
+)
+def test_the_report_begins_with_the_headline_and_pictures(tmp_path, command, guide):
     summary = "# Study “a” on one page\n\n## In short\n\n- F = {{ 1 }} N\n\n## More\n\nx\n"
     (tmp_path / "summary.md").write_text(summary, encoding="utf-8")
-    (tmp_path / "guide.rst").write_text("How to read\n===========\n", encoding="utf-8")
     (tmp_path / "a.png").write_bytes(b"picture")
-    words = ["--guide", f"{tmp_path}/guide.rst", "--pictures", f"{tmp_path}/a.png"]
+    words = ["--pictures", f"{tmp_path}/a.png"]
     target = tmp_path / "front.rst"
-    assert cli.main(["front", f"{tmp_path}/summary.md", *words, "--output", str(target)]) == 0
+    assert cli.main([command, f"{tmp_path}/summary.md", *words, "--output", str(target)]) == 0
     page = target.read_text(encoding="utf-8")
     raw, _, rest = page.partition("{% endraw %}")
     assert raw.startswith("{% raw %}")
     assert "<li>F = {{ 1 }} N</li>" in raw
     assert "data:image/png;base64,cGljdHVyZQ==" in raw
     assert "More" not in raw
-    assert "How to read" in rest
+    assert guide in rest

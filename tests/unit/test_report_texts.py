@@ -47,11 +47,11 @@ def test_the_report_s_first_page_names_every_category(repository):
     rules = (path.read_text() for path in (repository / "workflow/rules").glob("*.smk"))
     pattern = re.compile(r'(?:category=|^    "\w+": )"(\d+ [^"]+)"', re.MULTILINE)
     found = {name for text in rules for name in pattern.findall(text)}
-    page = (repository / "workflow/report/workflow.rst").read_text(encoding="utf-8")
+    page = (repository / "workflow/paper/paper_guide.rst").read_text(encoding="utf-8")
     named = {
         f"{number} {name}" for number, name in re.findall(r"^(\d+)\. \*\*(.+?)\*\*", page, re.M)
     }
     assert named == found
-    own = (repository / "workflow/report/study.rst").read_text(encoding="utf-8")
+    own = (repository / "workflow/reporting/pages/study_guide.rst").read_text(encoding="utf-8")
     named_too = {" ".join(each) for each in re.findall(r"^(\d+)\. \*\*(.+?)\*\*", own, re.M)}
     assert named_too == found - {"1 Summary and claims", "2 Tables"} | {"1 Summary"}

@@ -38,7 +38,7 @@ def test_commands_that_read_the_actuator_rest_on_the_scan(bases):
     with_actuator = {command for command, listed in bases.items() if "actuator" in listed}
     assert with_scan == with_actuator
     assert {"smooth", "profile", "simulate", "figure-paper.figures.fig05"} <= with_scan
-    others = {"plan-screen", "gather", "figure-paper.figures.fig08"}
+    others = {"plan-screen", "gather", "claims"}
     assert others <= bases.keys() - with_scan
 
 

@@ -19,8 +19,7 @@ from squeezefilm.reynolds.device import SPARE, Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.refinement import iteration_flops
-from squeezefilm.reynolds.periodic.sizes import sizes_of
+from squeezefilm.reynolds.periodic.sizes import iteration_flops, sizes_of
 from squeezefilm.reynolds.periodic.time_modes import steps_of, time_modes
 
 SOURCES = ("linear_algebra.cl", "vectors.cl", "periodic/grid_over_period.cl", "roofline.cl")

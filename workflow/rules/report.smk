@@ -83,9 +83,8 @@ rule pages:
 
 rule front:
     input:
-        code=code("front"),
+        code=code("paper-front" if PAPER else "front"),
         summary="<results>/summary.md",
-        guide=workflow.source_path("../report/workflow.rst" if PAPER else "../report/study.rst"),
         pictures=expand("<results>/figures/{name}.png", name=FRONT_PICTURES),
     output:
         "<results>/report/front.rst",
@@ -94,10 +93,12 @@ rule front:
     localrule: True
     conda:
         "../../envs/tables.yaml"
+    params:
+        command="paper paper-front" if PAPER else "reporting front",
     message:
         "The report's first page"
     shell:
-        "python -m reporting front {input.summary} --guide {input.guide} --pictures {input.pictures} "
+        "python -m {params.command} {input.summary} --pictures {input.pictures} "
         "--output {output} >{log} 2>&1"
 
 

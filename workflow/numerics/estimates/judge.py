@@ -18,8 +18,8 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.launch import Batch, States, launch
-from squeezefilm.reynolds.periodic.refinement import iteration_flops
 from squeezefilm.reynolds.periodic.resolution import first_grid
+from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_on
 
 # What the judge may be off by, and what its iteration may leave, of the tolerance judged.

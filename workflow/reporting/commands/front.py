@@ -1,49 +1,23 @@
 """Write the first page of a study's report: its headline, its pictures, and how to read the rest.
 
-  squeezefilm front SUMMARY.md --guide study.rst --pictures overview.png … --output front.rst
+  squeezefilm front SUMMARY.md --pictures overview.png … --output front.rst
 
 Snakemake puts it before everything else; the pictures are within it.
 """
 
 import argparse
-import base64
-import html
-import textwrap
 from pathlib import Path
 
-from reporting.pages.headline import IN_SHORT
-from reporting.pages.page import body_of
+from reporting import pages
+from reporting.pages.front import add_front_arguments, front_page
 from squeezefilm.io.atomic import write_text
-from squeezefilm.io.errors import InputError
+
+GUIDE = Path(pages.__file__).with_name("study_guide.rst")
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("summary", type=Path, metavar="SUMMARY.md", help="the study on one page")
-    parser.add_argument("--guide", required=True, type=Path, metavar="GUIDE.rst")
-    parser.add_argument("--pictures", nargs="*", default=[], type=Path, metavar="PICTURE.png")
-    parser.add_argument("--output", required=True, metavar="FRONT.rst")
+add_arguments = add_front_arguments
 
 
 def run(options: argparse.Namespace) -> None:
-    summary = options.summary.read_text(encoding="utf-8")
-    title, _, rest = summary.partition("\n")
-    _, found, lines = rest.partition(IN_SHORT)
-    if not found:
-        raise InputError(f"{options.summary}: it has no part {IN_SHORT!r}")
-    lines = lines.partition("\n## ")[0]
-    study = title.removeprefix("# ").removesuffix(" on one page")
-    parts = [f"<h1>{html.escape(study)}</h1>", body_of(lines), *map(_picture, options.pictures)]
-    # Raw for docutils, and for the templates that captions are.
-    page = textwrap.indent("\n".join(parts), "    ")
-    guide = options.guide.read_text(encoding="utf-8")
-    write_text(f"{{% raw %}}\n.. raw:: html\n\n{page}\n\n{{% endraw %}}\n\n{guide}", options.output)
-
-
-def _picture(path: Path) -> str:
-    try:
-        # In lines: docutils takes no long ones, and a page's data may have breaks.
-        data = base64.encodebytes(path.read_bytes()).decode()
-    except OSError as error:
-        raise InputError(f"{path}: the picture cannot be read: {error}") from None
-    name = html.escape(path.stem.replace("_", " "))
-    return f'<img class="headline" alt="{name}" src="data:image/png;base64,{data}">'
+    page = front_page(options.summary, pictures=options.pictures, guide=GUIDE)
+    write_text(page, options.output)

@@ -26,6 +26,8 @@ from squeezefilm.models.generated_code import source
 
 HERE = Path(__file__).parent
 PAGE = "page.html"
+# Its file, so that the page rests on it.
+LANGUAGE = "javascript.yaml"
 PARTS = {"STYLE": "page.css", "MODEL": "model.js", "TRUST": "trust.js", "SCRIPT": "page.js"}
 WORDS = {"two_factor": "two factors", "four_factor": "four factors"}
 
@@ -111,7 +113,7 @@ def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
 
 def _code(name: str, fit: FittedModel) -> str:
     """The model as a script's line that puts it among MODELS."""
-    code = source(fit, "javascript").replace("</", "<\\/")
+    code = source(fit, LANGUAGE.removesuffix(".yaml")).replace("</", "<\\/")
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
 
 

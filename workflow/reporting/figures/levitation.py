@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs, micrometres
-from reporting.pages.notes import MOST_REYNOLDS
 from squeezefilm.io.sources import read_columns
 from squeezefilm.studies.config import Config
 
@@ -21,6 +20,7 @@ INPUTS = {
     "screen": "simulations/screen/scenes.csv",
 }
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
+MOST_REYNOLDS = 10.0
 COLUMNS = (
     "load_n",
     "hv_um",

@@ -14,7 +14,8 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import pressure_at, wants_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import STATUS, solve_batch
-from squeezefilm.reynolds.periodic.refinement import finer_grid, grid_for, iteration_flops
+from squeezefilm.reynolds.periodic.refinement import finer_grid, grid_for
+from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.solver import ways_of

@@ -28,8 +28,9 @@ from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.changes import margin_of
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, States, launch
-from squeezefilm.reynolds.periodic.refinement import grid_for, iteration_flops
+from squeezefilm.reynolds.periodic.refinement import grid_for
 from squeezefilm.reynolds.periodic.resolution import finer_grid, profile_fall
+from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.solver import each_on_its_own, unexpected, ways_of

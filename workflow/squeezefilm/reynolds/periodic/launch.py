@@ -23,6 +23,7 @@ from squeezefilm.reynolds.layout import (
     scene_by_scene,
 )
 from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
+from squeezefilm.reynolds.periodic.sources import in_single, sources_of
 from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
 from squeezefilm.reynolds.problems import Problems, mean_motion, problems_of, profile_fields
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
@@ -242,7 +243,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     periodic_state = kernel(
         device,
         "periodic_state",
-        sources=_sources(terms, single=single),
+        sources=sources_of(terms, single=single),
         header=_header(terms, inputs.rows.dtype, single=single),
     )
     scenes = sum(batch.scenes for batch in batches)
@@ -359,21 +360,6 @@ def _film_steps(problems: Problems, grid: Grid) -> list[Steps]:
     numbers = problems.numbers
     variation, lagging = mean_motion(problems, grid).T
     return steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=numbers["slow"])
-
-
-def in_single(terms: Terms) -> bool:
-    """Whether GMRES works in single precision: residual and state are double, so that only its
-    steps are rounded. Terms' own lines in the linear system are written for doubles.
-    """
-    return not any("response" in term.HOOKS for term in terms)
-
-
-@lru_cache(maxsize=64)
-def _sources(terms: Terms, *, single: bool) -> tuple[str, ...]:
-    own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
-    vectors = ["vectors.cl"] * (2 if single else 1)
-    grid = ["linear_algebra.cl", *vectors, "periodic/grid_over_period.cl"]
-    return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
 @lru_cache(maxsize=64)

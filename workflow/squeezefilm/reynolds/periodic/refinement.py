@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -40,8 +39,9 @@ from squeezefilm.reynolds.periodic.resolution import (
     profile_fall,
     start_grid,
 )
+from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_on
-from squeezefilm.reynolds.terms import Terms, numbers_of, size_share_of, state_refused, stiffness_of
+from squeezefilm.reynolds.terms import numbers_of, size_share_of, state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
@@ -387,16 +387,6 @@ def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: fl
     progress.state, progress.change, progress.in_time = None, None, 0.0
     progress.failures += 1
     return True
-
-
-@lru_cache(maxsize=4096)
-def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
-    """Floating-point operations of one Krylov iteration's products."""
-    nx, ny, nt = grid.shape
-    in_space = 3 * sum(grid.space_products)
-    in_space += (nx + ny) * sum(term.SPACE_PRODUCTS for term in terms)
-    in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
-    return 2.0 * nx * ny * nt * (in_space + in_time * nt)
 
 
 def _size(grid: Grid) -> str:

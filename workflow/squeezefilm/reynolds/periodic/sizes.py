@@ -1,4 +1,4 @@
-"""What a kernel over the period must know of a grid before it can find anything."""
+"""How large a grid's linear systems are, and what a kernel must know of it beforehand."""
 
 from __future__ import annotations
 
@@ -35,3 +35,13 @@ def sizes_of(grid: Grid, terms: Terms) -> Columns:
         "whole_modes_x": whole_x and not any("x" in term.BREAKS for term in terms),
     }
     return Columns(tuple(sizes), np.array(list(sizes.values()), dtype=np.int64))
+
+
+@lru_cache(maxsize=4096)
+def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
+    """Floating-point operations of one Krylov iteration's products."""
+    nx, ny, nt = grid.shape
+    in_space = 3 * sum(grid.space_products)
+    in_space += (nx + ny) * sum(term.SPACE_PRODUCTS for term in terms)
+    in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
+    return 2.0 * nx * ny * nt * (in_space + in_time * nt)
