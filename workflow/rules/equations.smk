@@ -37,6 +37,7 @@ if BOTH_MADE:
     use rule models_page as equations_page with:
         input:
             code=code("pages"),
+            config=ancient(CONFIG_FILE),
             tables="<results>/tables/equations.md",
         output:
             report(
