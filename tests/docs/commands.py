@@ -86,7 +86,12 @@ BY_HAND = {
     "podman build .": "needs a container engine and a registry",
     "make lock": "takes the newest versions of all packages from the network",
     "python -m squeezefilm.reynolds.limits.inertial_layer": "makes a committed table anew",
-    "python -m numerics inertia --config config/paper.yaml --output TABLE.csv": (
+    "python -m numerics inertia --config config/paper.yaml --output TABLE.csv"
+    " --seed 41 --tolerance 1e-4": "solves hundreds of films twice",
+    "python -m numerics auto-terms --config config/paper.yaml --output TABLE.csv": (
+        "solves hundreds of films with and without each term"
+    ),
+    "python -m numerics estimates --output TABLE.csv --most-work 3e11": (
         "solves hundreds of films twice"
     ),
 }
