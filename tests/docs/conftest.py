@@ -31,7 +31,8 @@ sweep: {points: 30}
 fit: {seeds: {two_factor: 1}}
 """
 SMALLER_PLATE = {
-    r"levels: \d": "levels: 3",
+    r"levels: 4": "levels: 3",
+    r"levels: 6": "levels: 4",
     r"y: \[0, 5 mm\]": "y: [5 mm]",
     r"(model_control: {points:) \d+": r"\1 10",
     r"(four_factor_control: {points:) \d+": r"\1 3",
