@@ -43,6 +43,7 @@ def test_another_stage_is_one_that_every_change_must_pass(repository):
     for text, (stage, file, there) in ELSEWHERE.items():
         assert stage in stages(repository), text
         assert there in (repository / file).read_text(encoding="utf-8"), text
+    assert "make test-docs" in stages(repository)
 
 
 def test_tests_that_the_docs_name_are_run_by_make_test(repository, texts):

@@ -56,6 +56,7 @@ rule check:
 use rule models_page as check_page with:
     input:
         code=code("pages"),
+        config=ancient(CONFIG_FILE),
         tables="<results>/check/check.md",
     output:
         report(
