@@ -136,6 +136,8 @@ def test_films_whose_response_is_not_known_say_why():
     gains = films[["h0_m", "hv_m"]].assign(
         frequency_hz=10.0, gain=1.9, phase_deg=-1.0, error=[0.01, 0.2, None]
     )
+    fast = gains.assign(frequency_hz=4e3, gain=float("nan"), error=float("nan"))
+    assert modulation(films, pd.concat([gains, fast]))["films"][0]["gain"] == [1.9, None]
     known, thick, refused = modulation(films, gains)["films"]
     assert (known["corner_hz"], known["gain"], known["error"]) == (400.0, [1.9], 0.01)
     assert thick["why"] == "the film is not slow against its vibration"

@@ -5,6 +5,7 @@ The page shows, at a point, what lies between the films around it; each number i
 """
 
 from collections.abc import Hashable, Mapping
+from math import isnan
 from typing import Any
 
 import pandas as pd
@@ -35,17 +36,22 @@ def modulation(response: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
     }
 
 
+def _known(column: pd.Series) -> list[float | None]:
+    """None where a modulation is too fast for the slow film."""
+    return [None if isnan(value) else value for value in column]
+
+
 def _film(row: Mapping[Hashable, Any], gains: pd.DataFrame) -> dict[str, Any]:
     """One film's numbers, or why it has none."""
     if row["status"] != "ok":
         return {"why": row["status"]}
-    if not row.get("corner_hz", 0.0) > 0:
+    if not row.get("corner_hz", 0.0) > 0 or gains["gain"].isna().all():
         return {"why": NOT_SLOW}
     return {
         "corner_hz": row["corner_hz"],
         "static_gain": row["static_gain"],
         "prompt_gain": row["prompt_gain"],
         "error": float(gains["error"].max()),
-        "gain": list(gains["gain"]),
-        "phase_deg": list(gains["phase_deg"]),
+        "gain": _known(gains["gain"]),
+        "phase_deg": _known(gains["phase_deg"]),
     }

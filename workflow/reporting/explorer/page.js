@@ -301,8 +301,8 @@
     const source = films.length > 1 ? `between the ${films.length} films examined around this point`
       : "of this very film";
     about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz: `
-      + `${source}, good to ${share(error)} of a gain.${moved} By the slow film equation, without `
-      + "inertia and heat of the gas."
+      + `${source}.${moved} By the slow film equation, which is good to ${share(error)} of its gains, `
+      + "without inertia and heat of the gas: what those change is not known."
       + (byId("validity").hidden ? "" : " At this gap that leaves out what rules the film.");
     return films;
   }
@@ -571,7 +571,7 @@
     byId("gain").parentElement.hidden = !films.length;
     if (!films.length) return;
     const line = (pick, name, more) => ({
-      type: "scatter", mode: "lines", name, x, y: x.map((_, i) => reach(films, (f) => f.gain[i])[pick]),
+      type: "scatter", mode: "lines", name, x, y: x.map((_, i) => (films.every((f) => f.gain[i] !== null) ? reach(films, (f) => f.gain[i])[pick] : null)),
       line: { color: ink.blue, width: 2 }, hovertemplate: `%{x:.4~s} Hz: %{y:.3f}<extra>${name}</extra>`, ...more,
     });
     const marks = [reach(films, (f) => f.corner_hz)].map(([x0, x1]) => (
