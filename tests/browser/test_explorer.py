@@ -1,20 +1,27 @@
 """The explorer shows what the library computes, and can be used with a keyboard and a finger."""
 
+import json
 import math
 import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
-from squeezefilm.io.tables import FACTOR_COLUMNS, read_ok_forces
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors, get_model
-from squeezefilm.models.working_point import amplitude_for_force
+from squeezefilm.models.working_point import amplitude_for_force, gap_for_force
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.dynamics.response import gains, response
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.study import scene_of
 
 from .conftest import DESKTOP, PHONE, Browser
 
@@ -194,9 +201,96 @@ def test_the_wanted_force_is_met(explorer):
     assert explorer.force_n == pytest.approx(1, rel=0, abs=1e-8)
     fit = explorer.fit("two_factor_design")
     amplitude_m = amplitude_for_force(get_model(fit.model), fit.theta, force_n=1.0, h0_m=5e-6)
-    shown = re.match(r"(\d+\.?(\d*)) µm.* for 1 N$", explorer.text("amplitude"))
+    shown = re.match(r"(\d+\.?(\d*)) µm.* for 1 N\b", explorer.text("amplitude"))
     assert shown, explorer.text("amplitude")
     assert float(shown[1]) == pytest.approx(1e6 * amplitude_m, abs=0.501 * 10 ** -len(shown[2]))
+
+
+@pytest.mark.parametrize("name", [*FITS, *CANDIDATES])
+def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer):
+    explorer.choose(name)
+    fit = explorer.fit(name)
+    if not fit.force_model.is_centred:
+        explorer.type(phi_r=1.2, phi_phi=30.0)
+    for hv, load_n in ((1.2, 0.1), (1.9, 0.4)):
+        explorer.type(h0=6.0, hv=hv, wanted=load_n)
+        place = {n: v for n, v in explorer.factors().items() if n in ("phi_r_m", "phi_deg")}
+        given = {"force_n": load_n, "complete": fit.complete, **place}
+        gaps_m = _data(explorer, "fits", name)["trust"]["ranges"]["h0_m"]
+        for element, find, free in (
+            ("gap", gap_for_force, {"hv_m": 1e-6 * hv, "gaps_m": gaps_m}),
+            ("amplitude", amplitude_for_force, {"h0_m": 6e-6}),
+        ):
+            shown = explorer.element(element).get_attribute("data-metres")
+            try:
+                length_m = find(fit.force_model, fit.theta, **free, **given)
+            except InputError:
+                assert shown == ""
+            else:
+                assert float(shown) == pytest.approx(length_m, rel=1e-6)
+
+
+def _data(explorer, section, name):
+    data = json.loads(explorer.element("data").get_attribute("textContent"))
+    return next(each for each in data[section] if each["name"] == name)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"hv": 2.0, "wanted": 1.5}, "none in the fitted points’ 5–10 µm: at 5 µm it gives"),
+        ({"hv": 2.0, "wanted": 0.01}, "above the fitted points’ 5–10 µm: at the widest the film"),
+        ({"hv": 1.0, "wanted": 0.1}, " µm for 0.1 N"),
+    ],
+)
+def test_where_no_gap_carries_the_load_the_page_says_why(values, said, explorer):
+    explorer.type(**values)
+    assert said in explorer.text("gap")
+    used = explorer.element("float")
+    assert used.is_enabled() == said.startswith(" ")
+    if used.is_enabled():
+        used.click()
+        assert explorer.force_n == pytest.approx(0.1, rel=1e-8)
+        assert re.search(r"± \d", explorer.text("gap"))
+
+
+def test_at_contact_no_gap_carries_a_load(explorer):
+    script = "arguments[0].max = 99; arguments[1].max = 99"
+    explorer.browser.run(script, explorer.element("hv"), explorer.element("hv-number"))
+    found = explorer.browser.run(
+        "const data = JSON.parse(document.getElementById('data').textContent);"
+        "const at = completed({h0_m: 2e-5, hv_m: 1.1e-5, phi_r_m: 0, phi_deg: 0});"
+        "return String(gapForForce(data.fits[0], at, 0.1, data.fits[0].trust.ranges.h0_m))"
+    )
+    assert found == "NaN"
+
+
+def test_modulation_is_that_of_the_films_around_the_point(explorer, results, screen):
+    config = load_config(results / "study.yaml")
+    films = (
+        "const data = JSON.parse(document.getElementById('data').textContent).modulation;"
+        "return modulationAt(data, {h0_m: arguments[0], hv_m: arguments[1]})"
+    )
+    row = screen.iloc[len(screen) // 2]
+    (shown,) = explorer.browser.run(films, row.h0_m, row.hv_m)["films"]
+    point = ScenePoint(point_id="1", h0_m=row.h0_m, hv_m=row.hv_m, x_m=0.0, y_m=0.0)
+    scene = scene_of(point, config)
+    library = response(scene)
+    for name in ("corner_hz", "static_gain", "prompt_gain"):
+        assert shown[name] == pytest.approx(getattr(library, name), rel=1e-6)
+    frequency_hz = pd.read_csv(results / "simulations/screen/gains.csv")["frequency_hz"].unique()
+    found = gains(scene, frequency_hz, device=choose_device(), method="slow")
+    assert shown["gain"] == pytest.approx(found.gain, rel=1e-6)
+    assert shown["phase_deg"] == pytest.approx(found.phase_deg, rel=1e-6)
+    levels = [np.unique(screen[name]) for name in ("h0_m", "hv_m")]
+    inside = [0.4 * each[0] + 0.6 * each[1] for each in levels]
+    around = explorer.browser.run(films, *inside)["films"]
+    assert {(f["h0_m"], f["hv_m"]) for f in around} == {
+        (h0_m, hv_m) for h0_m in levels[0][:2] for hv_m in levels[1][:2]
+    }
+    outside = explorer.browser.run(films, 1.1 * levels[0][-1], inside[1])
+    assert outside["films"] == []
+    assert outside["why"].startswith("outside")
 
 
 def test_the_error_is_that_of_the_nearest_simulation_that_the_fit_never_saw(

@@ -240,7 +240,7 @@ def test_what_is_not_derived_for_such_gaps_is_refused():
     for scene, label in ((two, "vibration in two phases"), (tilted, "gap that is shaped at rest")):
         (march,) = solve([scene], tolerance=1e-3, method="march")
         assert march.status == f"march does not know {label}"
-        assert refused(scene).startswith("the response is known of")
+        assert refused(scene).startswith("the response is known of") == (scene is tilted)
     (limit,) = solve([tilted], tolerance=1e-3, method="boundary-layer")
     inert = replace(two, gas=replace(two.gas, inertia="included"))
     (with_inertia,) = solve([inert], tolerance=1e-3, method="matched-limit")

@@ -1,18 +1,22 @@
 """The film under a changing amplitude: the slow equation against marching and the settled film."""
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pytest
 from films import film
 
+from squeezefilm.film.vibration.choice import make_profile
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.dynamics.response import gains, response, steps_of
+from squeezefilm.reynolds.dynamics.response import HASTE, gains, response, steps_of
 from squeezefilm.reynolds.dynamics.scenes import slow_film_of
 from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.limits.boundary_layer import all_weights
 from squeezefilm.reynolds.limits.films import limit_axis
 from squeezefilm.reynolds.march.transient import march
 from squeezefilm.reynolds.problems import problems_of
@@ -157,6 +161,96 @@ def test_a_thick_film_goes_to_the_march_and_its_rise_is_not_known():
     found = gains(scene, np.array([300.0]), device=DEVICE)
     assert found.method == "march"
     assert np.isnan(response(scene).rise_s)
+
+
+class Strip:
+    """A long film in two phases by the full equation, in a column of Chebyshev nodes across it."""
+
+    def __init__(self, *, epsilon: float, sigma: float, nodes: int = 31) -> None:
+        self.epsilon, self.sigma, self.line = epsilon, sigma, limit_axis(nodes)
+        self.parts = self.profile(self.line.all_nodes)
+
+    @staticmethod
+    def profile(x: np.ndarray) -> np.ndarray:
+        """Of a wave that travels and stands, and is uneven about the middle; s₁ + i s₂."""
+        return np.cos(1.5 * x) + 0.7j * np.sin(2 * x + 0.4)
+
+    def gain(
+        self, modulation: int, *, cycles: int, steps: int = 48, depth: float = 0.02
+    ) -> complex:
+        """Marched with the trapezoidal rule; a cycle of the modulation has ``modulation`` periods.
+
+        Over a whole cycle nothing of the vibration itself is in the modulation's harmonic.
+        """
+        slope, weights = self.line.derivative, all_weights(self.line)
+        step, rate = 2 * pi / steps, 1 / modulation
+        rim = 1 + 1.5 * self.epsilon**2 * np.abs(self.parts[[0, -1]]) ** 2
+        square = rim[0] + (rim[1] - rim[0]) * self.line.all_nodes
+        forces = []
+
+        def gap(time: float) -> np.ndarray:
+            size = self.epsilon * (1 + depth * np.sin(rate * time))
+            return 1 + size * (self.parts.real * np.sin(time) + self.parts.imag * np.cos(time))
+
+        def flow(h: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            along = np.diag(h**3 * (slope @ p)) + (h**3 * p)[:, None] * slope
+            return slope @ (h**3 * p * (slope @ p)), slope @ along
+
+        pressure = np.sqrt(square) / gap(0.0)  # settled but for the layer
+        pressure[[0, -1]] = 1
+        for k in range(cycles * modulation * steps):
+            before, after = gap(k * step), gap((k + 1) * step)
+            known = self.sigma * pressure * before + step / 2 * flow(before, pressure)[0]
+            for _ in range(3):
+                out, change = flow(after, pressure)
+                left = self.sigma * pressure * after - step / 2 * out - known
+                matrix = self.sigma * np.diag(after) - step / 2 * change
+                left[[0, -1]], matrix[[0, -1]] = 0, np.eye(len(left))[[0, -1]]
+                pressure = pressure - np.linalg.solve(matrix, left)
+            forces.append(weights @ pressure - 1)
+        last = np.array(forces[-modulation * steps :])
+        turn = rate * step * (np.arange(len(forces))[-modulation * steps :] + 1)
+        return complex(2j * np.mean(last * np.exp(-1j * turn)) / (depth * last.mean()))
+
+    def slow(self, aspect: float, modulation: int) -> np.ndarray:
+        """Change of the slow film's force, and that force, of a strip with ends."""
+        s = np.repeat(self.parts[:, None], 33, axis=1)
+        film = slow_film(epsilon=self.epsilon, sigma=self.sigma, amplitude=s, aspect=aspect)
+        mean = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
+        return np.array([film.response(np.array([1 / modulation]))[0] * mean, mean])
+
+
+def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
+    """A wave that travels and stands: the rim's layer has a part a quarter of a period ahead."""
+    strip = Strip(epsilon=0.3, sigma=300.0)
+    marched = strip.gain(24, cycles=3)
+    change, mean = of_the_middle({aspect: strip.slow(aspect, 24) for aspect in (4.0, 8.0)})
+    assert abs(change / mean / marched - 1) < HASTE / 24**2
+
+
+def test_two_phases_that_are_one_turned_have_its_response():
+    nodes = limit_axis(11).all_nodes
+    s = np.repeat(np.sinc(STRIP * (nodes - 0.3))[:, None], 13, axis=1)
+    turned = [
+        slow_film(epsilon=0.4, sigma=900.0, amplitude=each).response(np.array([0.0, 0.01]))
+        for each in (s, s * np.exp(0.7j))
+    ]
+    assert turned[1] == pytest.approx(turned[0], rel=1e-9)
+
+
+def test_a_travelling_wave_has_a_response_and_no_march():
+    profile = make_profile(
+        kind="travelling-wave", surface=Disc(0.01), wavelength_m=0.03, direction_deg=30.0
+    )
+    scene = film(epsilon=0.3, sigma=2000.0, profile=profile)
+    found = gains(scene, np.array([1.0, 300.0]), device=DEVICE)
+    step = 1e-2
+    scenes = [replace(scene, hv_m=scene.hv_m * (1 + change)) for change in (-step, 0.0, step)]
+    low, force, high = (each.force_n for each in solve(scenes, tolerance=1e-7, device=DEVICE))
+    assert found.gain[0] == pytest.approx((high - low) / (2 * step * force), rel=found.error[0])
+    assert response(scene).rise_s > 0
+    with pytest.raises(InputError, match="one phase only"):
+        gains(scene, np.array([300.0]), device=DEVICE, method="march")
 
 
 @pytest.mark.parametrize("given", [{"inertia": "included"}, {"bearing": 1.0}])

@@ -5,6 +5,7 @@ from math import hypot
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from jsonschema import Draft202012Validator
@@ -47,6 +48,31 @@ def leaves(part: dict[str, Any], place: str = "") -> Any:
             yield f"{place}{name}", key, name in part.get("required", ())
     for choice in part.get("allOf", ()):
         yield from leaves(choice["then"], f"{place}{choice['if']['properties']}.")
+
+
+@pytest.mark.parametrize("levels", [(5, 5), (3, 3), (2, 5)])
+def test_an_error_map_on_points_of_the_screen_is_refused(levels):
+    """Found only when a model was to be judged, after all simulations."""
+    screen = {"h0": {"start": "20 um", "stop": "35 um", "levels": 5}}
+    h0, hv = ({"levels": each} for each in levels)
+    with pytest.raises(InputError, match="error_map: all its points are the screen's"):
+        study(screen=screen, error_map={"h0": h0, "hv": hv})
+
+
+@pytest.mark.parametrize("levels", [2, 5, 17])
+def test_an_error_map_that_is_not_written_has_points_of_its_own(levels):
+    screen = {"h0": {"start": "20 um", "stop": "35 um", "levels": levels}}
+    section = study(screen=screen).only(("screen", "error_map"))
+    (own, fitted) = (
+        {tuple(point) for point in np.stack(np.meshgrid(*_levels(each)), -1).reshape(-1, 2)}
+        for each in (section["error_map"], section["screen"])
+    )
+    assert len(own - fitted) >= len(fitted)
+
+
+def _levels(plan: dict[str, Any]) -> list[np.ndarray]:
+    ends = (plan["h0_m"], plan["hv_m"])
+    return [np.linspace(each["start"], each["stop"], each["levels"]) for each in ends]
 
 
 def test_every_key_is_required_or_has_a_default_that_is_allowed():

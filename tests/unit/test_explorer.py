@@ -8,6 +8,7 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA
 
 from reporting.explorer import Study, explorer_page
+from reporting.explorer.modulation import modulation
 from reporting.pages.notes import Inertia
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
@@ -119,3 +120,29 @@ def test_the_command_writes_the_page(study, tmp_path, refused):
     assert "is not NAME=PATH" in refused(
         "explorer", fit, "--forces", forces.partition("=")[2], *words
     )
+
+
+def test_films_whose_response_is_not_known_say_why():
+    films = pd.DataFrame(
+        {
+            "h0_m": [5e-6, 6e-6, 7e-6],
+            "hv_m": 1e-6,
+            "status": ["ok", "ok", "an ellipse"],
+            "corner_hz": [400.0, None, None],
+            "static_gain": 2.0,
+            "prompt_gain": 1.1,
+        }
+    )
+    gains = films[["h0_m", "hv_m"]].assign(
+        frequency_hz=10.0, gain=1.9, phase_deg=-1.0, error=[0.01, 0.2, None]
+    )
+    fast = gains.assign(frequency_hz=4e3, gain=float("nan"), error=float("nan"))
+    assert modulation(films, pd.concat([gains, fast]))["films"][0]["gain"] == [1.9, None]
+    known, thick, refused = modulation(films, gains)["films"]
+    assert (known["corner_hz"], known["gain"], known["error"]) == (400.0, [1.9], 0.01)
+    assert thick["why"] == "the film is not slow against its vibration"
+    assert refused["why"] == "an ellipse"
+    without_any = films.drop(columns=["corner_hz", "static_gain", "prompt_gain"])
+    assert "why" in modulation(without_any, gains)["films"][0]
+    with pytest.raises(InputError, match="different films"):
+        modulation(films, gains.iloc[:2])

@@ -6,7 +6,7 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model, make_model
-from squeezefilm.models.working_point import amplitude_for_force
+from squeezefilm.models.working_point import amplitude_for_force, gap_for_force
 
 THETA = {
     TWO_FACTOR: np.array(SCREEN_THETA),
@@ -116,6 +116,34 @@ def test_a_force_beyond_contact_is_refused():
     assert 4.9e-6 < below < 5e-6
     with pytest.raises(InputError, match="below contact"):
         amplitude_for_force(TWO_FACTOR, theta, force_n=contact + 1e-3, h0_m=5e-6)
+
+
+@MODELS
+@pytest.mark.parametrize("load_n", [0.3, 0.5])
+def test_gap_for_force_inverts_the_model(model, load_n):
+    where = {"hv_m": 2e-6, "phi_r_m": 1e-3, "phi_deg": 15.0}
+    h0_m = gap_for_force(model, THETA[model], force_n=load_n, gaps_m=(5e-6, 10e-6), **where)
+    assert 5e-6 < h0_m < 10e-6
+    back = model.evaluate(THETA[model], Factors.of(h0_m=h0_m, **where))
+    assert back == pytest.approx([load_n], rel=1e-9)
+
+
+def test_the_widest_of_two_gaps_is_where_a_part_comes_to_rest():
+    settings = {"expression": "t0*(hv/h0 - 0.1)*(0.2 - hv/h0)"}
+    hump = make_model("hump", settings, place="here")
+    found = gap_for_force(hump, [1000.0], force_n=1.6, hv_m=1e-6, gaps_m=(4e-6, 10e-6))
+    assert found == pytest.approx(1e-6 / 0.12, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("hv_m", "load_n", "message"),
+    [(2e-6, 5.0, "for no gap"), (2e-6, 0.001, "for no gap"), (1e-5, 0.5, "touch at every gap")],
+)
+def test_a_load_that_no_gap_carries_is_refused(hv_m, load_n, message):
+    with pytest.raises(InputError, match=message):
+        gap_for_force(
+            *(TWO_FACTOR, THETA[TWO_FACTOR]), force_n=load_n, hv_m=hv_m, gaps_m=(5e-6, 1e-5)
+        )
 
 
 @pytest.mark.parametrize(

@@ -76,3 +76,15 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
 def test_mistakes_are_told(words, said, capsys):
     assert main(words) != 0
     assert said in capsys.readouterr().err
+
+
+def test_a_modulation_that_is_too_fast_takes_nothing_from_the_others(tmp_path, repository):
+    """A tenth of 43.27 kHz is allowed."""
+    scenes, gains = tmp_path / "scenes.csv", tmp_path / "gains.csv"
+    scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\n")
+    words = ["response", str(scenes), "--config", str(repository / "config" / "paper.yaml")]
+    assert main([*words, "--gains", str(gains), "--frequencies", "10Hz,5kHz"]) == 0
+    rows = pd.read_csv(gains)
+    assert list(rows["gain"].isna()) == [False, True]
+    assert rows["status"].iloc[0] == "ok"
+    assert "a tenth" in rows["status"].iloc[1]

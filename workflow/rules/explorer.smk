@@ -24,6 +24,7 @@ rule explorer:
         fits=expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
         candidates=expand("<results>/models/four_factor/{model}.json", model=EXPLORER_CANDIDATES),
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
+        modulation=expand("<results>/simulations/screen/{table}.csv", table=["response", "gains"]),
     output:
         "<results>/explorer.html",
     log:
@@ -39,4 +40,4 @@ rule explorer:
         "The explorer: a page to play with the models"
     shell:
         "python -m reporting explorer {input.fits} {input.candidates} --forces {params.forces} "
-        "--config {input.config} --output {output} >{log} 2>&1"
+        "--modulation {input.modulation} --config {input.config} --output {output} >{log} 2>&1"

@@ -3,19 +3,21 @@
   squeezefilm explorer FIT.json ... --forces PLAN=FORCES.csv ... --config C --output explorer.html
 
 The first fit given is shown first; one that was refused is named with the reason. The forces are
-what the models are judged by, and must have those that each was fitted to. The page needs no
-network.
+what the models are judged by, and must have those that each was fitted to. --modulation takes the
+tables of `squeezefilm response` for a plan of the centred finger. The page needs no network.
 """
 
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from reporting.explorer import Study, explorer_page
+from reporting.explorer.modulation import modulation
 from reporting.pages.notes import Inertia
 from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.sources import parse_sources
+from squeezefilm.io.sources import parse_sources, read_columns
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.studies.config import load_config
@@ -26,6 +28,7 @@ SECTIONS = ("study", "gas", "actuator", "extrapolation", "validation")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fits", nargs="+", metavar="FIT.json", help="fitted models")
     parser.add_argument("--forces", nargs="+", required=True, metavar="PLAN=FORCES.csv")
+    parser.add_argument("--modulation", nargs=2, metavar=("RESPONSE.csv", "GAINS.csv"))
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="EXPLORER.html", help="page to write")
 
@@ -47,10 +50,17 @@ def run(options: argparse.Namespace) -> None:
         hv_m=config["extrapolation"]["hv_m"],
         band=config["validation"]["relative_error_band"],
         inertia=Inertia.of(config),
+        modulation=_modulation(*options.modulation) if options.modulation else None,
         left_out=left_out,
     )
     page = explorer_page(study, drawing_library=get_plotlyjs())
     write_text(page, options.output)
+
+
+def _modulation(response: str, gains: str) -> dict[str, Any]:
+    films = read_columns(response, columns=("h0_m", "hv_m", "status"))
+    rows = read_columns(gains, columns=("h0_m", "hv_m", "frequency_hz", "gain", "error"))
+    return modulation(films, rows)
 
 
 def _named(

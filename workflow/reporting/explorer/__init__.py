@@ -3,7 +3,7 @@
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
 server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
 model.js what ``squeezefilm.models.working_point`` does with it, trust.js the rule of
-``squeezefilm.models.trust``.
+``squeezefilm.models.trust``, and modulation.js reads what ``squeezefilm response`` found.
 """
 
 import json
@@ -28,7 +28,13 @@ HERE = Path(__file__).parent
 PAGE = "page.html"
 # Its file, so that the page rests on it.
 LANGUAGE = "javascript.yaml"
-PARTS = {"STYLE": "page.css", "MODEL": "model.js", "TRUST": "trust.js", "SCRIPT": "page.js"}
+PARTS = {
+    "STYLE": "page.css",
+    "MODEL": "model.js",
+    "TRUST": "trust.js",
+    "MODULATION": "modulation.js",
+    "SCRIPT": "page.js",
+}
 WORDS = {"two_factor": "two factors", "four_factor": "four factors"}
 
 
@@ -46,6 +52,7 @@ class Study:
         h0_m, hv_m: gap and amplitude to begin with.
         band: relative error up to which a model is trusted.
         inertia: how large it is in this gas.
+        modulation: how films follow a changing amplitude, as modulation.py has it, if known.
         left_out: names of models that could not be fitted, with the reason.
     """
 
@@ -58,6 +65,7 @@ class Study:
     hv_m: float
     band: float
     inertia: Inertia
+    modulation: Mapping[str, Any] | None = None
     left_out: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -91,6 +99,7 @@ def _data(study: Study) -> dict[str, Any]:
         "position": form_of(next(iter(study.forces.values()))),
         "band": study.band,
         "inertia": {**asdict(study.inertia), "beyond": study.inertia.beyond},
+        "modulation": study.modulation,
         "start": {"h0_m": study.h0_m, "hv_m": study.hv_m, "force_n": study.force_n},
     }
 

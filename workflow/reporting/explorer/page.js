@@ -195,6 +195,10 @@
     const now = point();
     set("hv", amplitudeForForce(state.fit, now, now.force_n) / UM);
   });
+  byId("float").addEventListener("click", () => {
+    const now = point();
+    set("h0", gapForForce(state.fit, now, now.force_n, state.fit.trust.ranges.h0_m) / UM);
+  });
   for (const span of document.querySelectorAll(".band")) span.textContent = plain(100 * data.band);
 
   // ---- the answer ------------------------------------------------------------------------------------
@@ -228,23 +232,84 @@
     byId("error").textContent = near ? percent(near.error_n / near.force_n) : "there is none";
     byId("nearest").textContent = near
       ? `${near.force_n.toPrecision(4)} N at ${where(near)}, ${away(verdict)}` : "–";
-    const wanted = amplitudeForForce(fit, now, now.force_n);
-    byId("amplitude").textContent = Number.isFinite(wanted)
-      ? `${amplitudeText(fit, now, wanted)} for ${plain(now.force_n)} N`
-      : `none gives ${plain(now.force_n)} N`;
-    byId("take").disabled = !(wanted / UM <= sliders.hv.most);
+    sayLoad(fit, now);
     byId("epsilon").textContent = (now.hv_m / now.h0_m).toFixed(3);
     drawSoon();
   }
 
-  // An amplitude with the digits that the force's error leaves it.
-  function amplitudeText(fit, now, hv_m) {
-    const at = (share) => force(fit, { ...now, hv_m: share * hv_m });
-    const slope = (at(1.0001) - at(0.9999)) / (0.0002 * hv_m);
-    const { error_n } = judged(fit, { ...now, hv_m }, now.force_n);
-    const error = (Number.isFinite(error_n) ? error_n : fit.error_n) / Math.abs(slope);
-    const [digits, around] = toItsError(hv_m / UM, error / UM);
-    return `${digits} µm${around ? ` ± ${around} µm` : ""}`;
+  // What carries the load: the amplitude at this gap, the gap at this amplitude.
+  function sayLoad(fit, now) {
+    const gaps = fit.trust.ranges.h0_m;
+    for (const [id, button, slider, name, found, none] of [
+      ["amplitude", "take", "hv", "hv_m", amplitudeForForce(fit, now, now.force_n), noAmplitude],
+      ["gap", "float", "h0", "h0_m", gapForForce(fit, now, now.force_n, gaps), noGap],
+    ]) {
+      const known = Number.isFinite(found);
+      byId(id).textContent = known
+        ? lengthText(fit, { ...now, [name]: found }, name) : none(fit, now, gaps);
+      byId(id).dataset.metres = known ? String(found) : "";
+      const { least, most } = sliders[slider];
+      byId(button).disabled = !(known && found / UM >= least && found / UM <= most);
+    }
+  }
+
+  function noAmplitude(fit, now) {
+    return `none below contact gives ${plain(now.force_n)} N`;
+  }
+
+  function noGap(fit, now, [least, most]) {
+    if (now.hv_m >= most) return "none: surface and finger touch at every fitted gap";
+    const at = (h0_m) => force(fit, { ...now, h0_m });
+    const low = Math.max(least, now.hv_m * (1 + 1e-12)), narrow = at(low), wide = at(most);
+    const fitted = `the fitted points’ ${range([least, most], "h0_m")}`;
+    if (wide > now.force_n) return `above ${fitted}: at the widest the film gives ${plain(wide, 3)} N`;
+    if (narrow < now.force_n) return `none in ${fitted}: at ${plain(low / UM)} µm it gives ${plain(narrow, 3)} N`;
+    return `none in ${fitted}`;
+  }
+
+  // A gap or an amplitude with the digits that the force's error leaves it; three, and no error, where
+  // the model is not to be trusted.
+  function lengthText(fit, there, name) {
+    const doubted = doubt(fit, there, judged(fit, there, there.force_n)) !== "";
+    const error = doubted ? NaN : lengthError(fit, there, name) / UM;
+    const [digits, around] = toItsError(there[name] / UM, error);
+    const force_n = `for ${plain(there.force_n)} N`;
+    if (doubted) return `${digits} µm ${force_n} (not to be trusted)`;
+    return `${digits} µm ± ${around} µm ${force_n}`;
+  }
+
+  // The error of a gap or an amplitude that gives the wanted force: the force's over the slope.
+  function lengthError(fit, there, name) {
+    const at = (share) => force(fit, { ...there, [name]: share * there[name] });
+    const slope = (at(1.0001) - at(0.9999)) / (0.0002 * there[name]);
+    return judged(fit, there, there.force_n).error_n / Math.abs(slope);
+  }
+
+  // How far films on the grid around the point differ from each other is how far its numbers are known.
+  function sayModulation(now) {
+    if (!data.modulation) return [];
+    const { films, why } = modulationAt(data.modulation, now);
+    const about = byId("modulation");
+    const moved = now.phi_r_m > 0 ? " It is of the centred finger, not of this place." : "";
+    if (!films.length) {
+      about.textContent = `Not known here: ${why}.`;
+      return films;
+    }
+    const [slow, fast, corner] = [["static_gain", 3], ["prompt_gain", 3], ["corner_hz", 2]].map(
+      ([name, digits]) => span(reach(films, (film) => film[name]), digits));
+    const [, error] = reach(films, (film) => film.error);
+    const source = films.length > 1 ? `between the ${films.length} films examined around this point`
+      : "of this very film";
+    about.textContent = `${slow} for slow modulation, ${fast} far above the corner at about ${corner} Hz: `
+      + `${source}.${moved} By the slow film equation, which is good to ${share(error)} of its gains, `
+      + "without inertia and heat of the gas: what those change is not known."
+      + (byId("validity").hidden ? "" : " At this gap that leaves out what rules the film.");
+    return films;
+  }
+
+  function span([least, most], digits) {
+    const [low, high] = [plain(least, digits), plain(most, digits)];
+    return low === high ? low : `${low} to ${high}`;
   }
 
   // ---- the drawings ------------------------------------------------------------------------------------
@@ -258,6 +323,7 @@
       const now = point(), ink = colours();
       drawPlane(now, ink);
       drawSpace(now, ink);
+      drawGain(now, ink);
     });
   }
 
@@ -360,6 +426,17 @@
     const { fit } = state, { trusted: region, points } = positionOf(fit, now);
     const h0 = steps(seen.h0, 200);
     const curve = h0.map((each) => amplitudeForForce(fit, { ...now, h0_m: each * UM }, now.force_n) / UM);
+    // Where the model is trusted; elsewhere its error is not known.
+    const error = h0.map((each, i) => {
+      const there = { ...now, h0_m: each * UM, hv_m: curve[i] * UM };
+      const known = Number.isFinite(curve[i]) && !doubt(fit, there, judged(fit, there, now.force_n));
+      return known ? lengthError(fit, there, "hv_m") / UM : null;
+    });
+    const edge = (sign) => ({
+      type: "scatter", mode: "lines", name: "its error", hoverinfo: "skip", showlegend: false, x: h0,
+      y: curve.map((hv, i) => (error[i] === null ? null : hv + sign * error[i])),
+      line: { color: ink.blue, width: 1 },
+    });
     Plotly.react("plane", [
       {
         type: "heatmap", ...region, showscale: false, hoverinfo: "skip",
@@ -367,6 +444,7 @@
       },
       dots(points.others, ink, ink.dot, "simulated"),
       dots(points.used, ink, ink.ink, "fitted"),
+      edge(-1), edge(1),
       {
         type: "scatter", mode: "lines", name: `${plain(now.force_n)} N`, x: h0, y: curve,
         line: { color: ink.blue, width: 3 }, hovertemplate: `${hover}<extra>${plain(now.force_n)} N</extra>`,
@@ -488,6 +566,24 @@
     }, CONFIG);
   }
 
+  function drawGain(now, ink) {
+    const films = sayModulation(now), x = data.modulation?.frequency_hz || [];
+    byId("gain").parentElement.hidden = !films.length;
+    if (!films.length) return;
+    const line = (pick, name, more) => ({
+      type: "scatter", mode: "lines", name, x, y: x.map((_, i) => (films.every((f) => f.gain[i] !== null) ? reach(films, (f) => f.gain[i])[pick] : null)),
+      line: { color: ink.blue, width: 2 }, hovertemplate: `%{x:.4~s} Hz: %{y:.3f}<extra>${name}</extra>`, ...more,
+    });
+    const marks = [reach(films, (f) => f.corner_hz)].map(([x0, x1]) => (
+      { type: "rect", x0, x1, yref: "paper", y0: 0, y1: 1, fillcolor: ink.shade, line: { color: ink.shade, width: 2 }, layer: "below" }));
+    const { xaxis, yaxis, ...layout } = planeLayout(ink);
+    Plotly.react("gain", [line(0, "least"), line(1, "largest", { fill: "tonexty" })], {
+      ...layout, showlegend: false, shapes: marks,
+      xaxis: { ...xaxis, type: "log", dtick: 1, title: { text: "frequency of modulation (Hz); shaded: corner", standoff: 8 }, range: null, autorange: true },
+      yaxis: { ...yaxis, title: { text: "gain", standoff: 8 }, range: [0, 1.1 * Math.max(...films.flatMap((f) => f.gain))] },
+    }, CONFIG);
+  }
+
   function sayWhere(now) {
     const { fit } = state, { points } = positionOf(fit, now);
     byId("at").textContent = fit.moves && points.at && points.at.phi_r_m > 0
@@ -501,6 +597,7 @@
     Plotly.relayout("space", { "scene.camera.eye": eye() });
   });
 
+  byId("modulated").hidden = !data.modulation;
   for (const [name, reason] of Object.entries(data.left_out)) {
     byId("left-out").append(`Not here: ${name}, for ${reason}. `);
   }

@@ -10,6 +10,7 @@ first order.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,8 @@ EFFECTS = {
 }
 # Contours nearer to the least or the largest value, in shares of the range, have no room.
 EDGE = 0.04
+# Height of a label, as a share of the axes.
+LABEL_SHARE = 0.065
 ON_DISC, ON_RECTANGLE = ("phi_r_mm", "phi_deg"), ("x_mm", "y_mm")
 COLUMNS = (
     "layer",
@@ -134,12 +137,30 @@ def _draw_map(axes: Any, maps: pd.DataFrame, name: str) -> None:
     axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:+.3g}".replace("-", "−"))
 
 
+def _name_ends(axes: Any, ends: Sequence[tuple[float, str, str]], *, at: float) -> None:
+    """A name beside each line's end, from the lowest up and none over another."""
+    low, high = axes.get_ylim()
+    last = -np.inf
+    for value, text, colour in sorted(ends):
+        last = max(value, last + LABEL_SHARE * (high - low))
+        axes.annotate(
+            text,
+            (at, last),
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            color=colour,
+            fontsize=6,
+        )
+
+
 def _draw_lines(axes: Any, rows: pd.DataFrame, places: tuple[str, str]) -> None:
     """Each effect over the first coordinate, for the least of the other and for the largest."""
     place, other = places
     rows = rows.drop_duplicates(list(places)).sort_values(place)
     off = rows[rows[place] != 0]
     least, farthest = min(0.0, float(rows[place].min())), float(rows[place].max())
+    ends: list[tuple[float, str, str]] = []
     for marker, value in (("o", off[other].min()), ("s", off[other].max())):
         at_centre = (rows[place] == 0) & (other == "phi_deg")
         along = rows[at_centre | (rows[other] == value)]
@@ -155,15 +176,9 @@ def _draw_lines(axes: Any, rows: pd.DataFrame, places: tuple[str, str]) -> None:
                 markerfacecolor="white" if marker == "o" else colour,
             )
             if marker == "s" and np.isfinite(values.iloc[-1]):
-                axes.annotate(
-                    label.removesuffix(", C = 1").removesuffix(" in all"),
-                    (float(along[place].iloc[-1]), float(values.iloc[-1])),
-                    xytext=(5, 0),
-                    textcoords="offset points",
-                    va={"heat": "bottom", "rim": "top"}.get(name, "center"),
-                    color=colour,
-                    fontsize=6,
-                )
+                text = label.removesuffix(", C = 1").removesuffix(" in all")
+                ends.append((float(values.iloc[-1]), text, colour))
+    _name_ends(axes, ends, at=farthest)
     axes.set_xlim(least - 0.05 * farthest, farthest + 0.35 * (farthest - least) or 1.0)
     axes.axhline(0, color="black", linewidth=0.5)
     axes.set_xlabel(r"radial position $\phi_r$ (mm)" if other == "phi_deg" else "$x$ (mm)")

@@ -27,6 +27,8 @@ INPUTS = {
     "recommended": "models/recommended.csv",
 }
 SECTIONS = ("extrapolation",)
+ALONE_MM = 5.0
+"""What is shown either way of a single position."""
 DECADE = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
 
@@ -119,6 +121,9 @@ def _draw_positions(figure: Figure, axes: Axes, rows: pd.DataFrame) -> None:
             fontsize=6,
         ).set_in_layout(False)
     axes.margins(0.15)
+    if len(known) + len(none) == 1:  # nothing else says how large a millimetre is
+        axes.set_xlim(-ALONE_MM, ALONE_MM)
+        axes.set_ylim(-ALONE_MM, ALONE_MM)
     axes.set_xlabel("finger's centre, $x$ (mm)")
     axes.set_ylabel("$y$ (mm)")
     axes.set_title("(b) amplitude wanted (µm)")

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs, micrometres
+from reporting.pages.notes import MOST_REYNOLDS
 from squeezefilm.io.sources import read_columns
 from squeezefilm.studies.config import Config
 
@@ -20,7 +21,6 @@ INPUTS = {
     "screen": "simulations/screen/scenes.csv",
 }
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
-MOST_REYNOLDS = 10.0
 COLUMNS = (
     "load_n",
     "hv_um",
@@ -82,6 +82,8 @@ def draw(data: pd.DataFrame) -> Figure:
     ):
         axes.set_xscale("log")
         axes.set_yscale("log")
+        style.plain_numbers(axes.xaxis)
+        style.plain_numbers(axes.yaxis)
         axes.set_xlabel("load (N)")
         axes.set_ylabel(label)
         axes.set_title(title)

@@ -59,7 +59,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     known = maps[maps["corner_hz"].notna()]
     note = "By the slow film equation with the rim's boundary layer, without inertia and heat. "
     if len(known):
-        note += f"Its settled forces are off by up to {100 * float(known['error'].max()):.2g} %."
+        some = "" if len(known) == len(maps) else f"Known of {len(known)} of {len(maps)} films. "
+        note += f"{some}Its settled forces are off by up to {100 * known['error'].max():.2g} %."
     else:
         why = maps["status"].iloc[0]
         note += "Not known: " + ("the films are not slow" if why == "ok" else str(why)) + "."
@@ -101,7 +102,7 @@ def _draw_map(axes: Any, maps: pd.DataFrame, name: str) -> None:
     axes.set_xlim(table.columns.min(), table.columns.max())
     axes.set_ylim(table.index.min(), table.index.max())
     if table.notna().to_numpy().sum() < 4 or min(table.shape) < 2:
-        axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
+        _nothing(axes)
         return
     lines = axes.contour(
         table.columns.to_numpy(),
@@ -114,15 +115,23 @@ def _draw_map(axes: Any, maps: pd.DataFrame, name: str) -> None:
     axes.clabel(lines, fontsize=6, fmt="%.4g")
 
 
+def _nothing(axes: Any) -> None:
+    """Neither lines nor numbers: an empty scale would look like a result."""
+    axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.grid(False)
+
+
 def _draw_lines(axes: Any, lines: pd.DataFrame, name: str) -> None:
     """One line for each of three gaps, named at its end."""
+    gaps = sorted(lines["h0_um"].unique())
+    if not gaps:
+        _nothing(axes)
+        return
     axes.set_xscale("log")
     axes.set_xlabel("frequency of modulation (Hz)")
     axes.grid(True)
-    gaps = sorted(lines["h0_um"].unique())
-    if not gaps:
-        axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center")
-        return
     chosen = dict.fromkeys(gaps[index] for index in (0, len(gaps) // 2, -1))
     for gap, colour in zip(chosen, COLOURS, strict=False):
         line = lines[lines["h0_um"] == gap].sort_values("frequency_hz")

@@ -99,7 +99,8 @@ def _left_out(budget: Path) -> list[str]:
     caveat = "; somewhere too large for a first order" if above else ""
     basis = table["basis"].iloc[0]
     of = f"; of {basis}" if basis != THIS_SCENE else ""
+    least, most = (f"{end:+.2g}".replace("-", "−") for end in (ends.min(), ends.max()))
     return [
-        f"The film equation leaves out effects that change a force by {ends.min():+.2g} to "
-        f"{ends.max():+.2g} % in all (first order{caveat}{of}); no other error contains that"
+        f"The film equation leaves out effects that change a force by {least} to {most} % in all "
+        f"(first order{caveat}{of}); no other error contains that"
     ]

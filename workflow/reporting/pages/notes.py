@@ -59,7 +59,7 @@ class Inertia:
         edge_um = 1e6 * math.sqrt(self.most_reynolds / self.reynolds_per_h0_square)
         return (
             f"Beyond Re {self.most_reynolds:g}: the modified Reynolds number ρωh0²/μ passes it at "
-            f"h0 = {edge_um:.3g} µm and is {reynolds:.2g} at {1e6 * h0_m:.3g} µm; {self.beyond}"
+            f"h0 = {edge_um:.3g} µm and is {reynolds:.3g} at {1e6 * h0_m:.3g} µm; {self.beyond}"
         )
 
 

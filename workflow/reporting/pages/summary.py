@@ -31,6 +31,9 @@ POSITIONS = {
     "y_m": ("y (mm)", 1e3),
 }
 
+NOTHING = 1e-3
+"""Share of a range's largest value below which its least is as good as 0."""
+
 INTRODUCTION = (
     "It re-makes, with other settings where they are named below, Winter, Markovic and Perriard, "
     "*Empirical Modeling of a Squeeze Film Haptic Actuator*, IEEE Trans. Ind. Appl. 50(3), 2014.\n"
@@ -178,7 +181,7 @@ def _model(fit: str, plan: str, fit_path: Path, path: Path) -> dict[str, str]:
         "global error": percent(number(summary, "global_error", path)),
         "worst": percent(worst),
         "within the band": (
-            f"{100 * number(summary, 'share_within_band', path):.4g} % within "
+            f"{100 * number(summary, 'share_within_band', path):.3g} % within "
             f"±{100 * number(summary, 'band', path):g} %"
         ),
     }
@@ -217,7 +220,9 @@ def _largest_error(table: pd.DataFrame) -> float:
 
 
 def _range(column: pd.Series) -> str:
+    """From the least to the largest; what is nothing beside the largest is 0."""
     low, high = float(column.min()), float(column.max())
+    low = 0.0 if abs(low) < NOTHING * abs(high) else low
     return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} – {high:.3g}"
 
 

@@ -1,4 +1,4 @@
-"""The amplitude that gives a wanted force, by a model."""
+"""The amplitude, or the gap, at which a film gives a wanted force, by a model."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -10,8 +10,8 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.force_model import Array, ExpressionModel, Factors
 
-AMPLITUDES = 400
-"""Amplitudes at which a model is looked at before the one for a wanted force is refined."""
+LOOKED_AT = 400
+"""Places at which a model is looked at before the one for a wanted force is refined."""
 STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
 
@@ -67,6 +67,65 @@ def amplitude_for_force(
     Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives the
     force.
     """
+    at_share = _forces(model, theta, force_n=force_n, complete=complete)
+
+    def excess(share: ArrayLike) -> Array:
+        return at_share(h0_m=h0_m, hv_m=np.asarray(share) * h0_m, **position) - force_n
+
+    if (found := _first(excess, force_n)) is not None:
+        return found * h0_m
+    at_rest = excess(0.0)[0] + force_n
+    rest = "" if np.isnan(at_rest) else f"; at rest it gives {at_rest:.3g} N"
+    raise InputError(
+        f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
+        f"below contact (hv_m < h0_m){rest}"
+    )
+
+
+def gap_for_force(
+    model: ExpressionModel,
+    theta: ArrayLike,
+    *,
+    force_n: float,
+    hv_m: float,
+    gaps_m: tuple[float, float],
+    complete: Callable[[Factors], Factors] | None = None,
+    **position: float,
+) -> float:
+    """Widest gap h0 in metres at which an amplitude gives the wanted force at a position.
+
+    gaps_m: the least and the largest gap that are looked at, such as those of the fitted points;
+    the rest as amplitude_for_force has it. A part that comes down from above floats there.
+    Raises InputError where no such gap above contact (h0 > hv) gives the force.
+    """
+    at_share = _forces(model, theta, force_n=force_n, complete=complete)
+    least, most = max(gaps_m[0], float(np.nextafter(hv_m, 1.0))), gaps_m[1]
+    if least >= most:
+        raise InputError(f"hv_m: surface and finger touch at every gap up to {most:g} m")
+
+    def gap(share: ArrayLike) -> Array:
+        return np.asarray(most + np.asarray(share) * (least - most))
+
+    def excess(share: ArrayLike) -> Array:
+        return at_share(h0_m=gap(share), hv_m=hv_m, **position) - force_n
+
+    if (found := _first(excess, force_n)) is not None:
+        return float(gap(found))
+    narrow, wide = (float(excess(share)[0]) + force_n for share in (1.0, 0.0))
+    raise InputError(
+        f"force_n: the model gives {force_n:g} N at hv_m = {hv_m:g} m for no gap from {least:g} m "
+        f"({narrow:.3g} N) to {most:g} m ({wide:.3g} N)"
+    )
+
+
+def _forces(
+    model: ExpressionModel,
+    theta: ArrayLike,
+    *,
+    force_n: float,
+    complete: Callable[[Factors], Factors] | None,
+) -> Callable[..., Array]:
+    """The model as a function of factors, for a force that can be wanted."""
     if not np.isfinite(force_n):
         raise InputError(f"force_n: {force_n} is not a finite number")
     if force_n == 0:
@@ -76,32 +135,30 @@ def amplitude_for_force(
             f"the model {model.name} needs {', '.join(model.column_names)} at each amplitude"
         )
 
-    def excess(epsilon: ArrayLike) -> Array:
-        hv_m = np.asarray(epsilon) * h0_m
-        at = Factors.of(h0_m=h0_m, hv_m=hv_m, **position)
-        at = complete(at) if complete else at
-        return model.evaluate(theta, at) - force_n
+    def forces(**factors: Any) -> Array:
+        at = Factors.of(**factors)
+        return model.evaluate(theta, complete(at) if complete else at)
 
+    return forces
+
+
+def _first(excess: Any, force_n: float) -> float | None:
+    """The first share in [0, 1) at which the excess over a force is zero, if there is one."""
     for low, high in _brackets(excess):
         found = _root(excess, low, high)
         # The sign may change at a pole, too.
         if abs(excess(found)[0]) <= 1e-9 * (1 + abs(force_n)):
-            return found * h0_m
-    at_rest = excess(0.0)[0] + force_n
-    rest = "" if np.isnan(at_rest) else f"; at rest it gives {at_rest:.3g} N"
-    raise InputError(
-        f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
-        f"below contact (hv_m < h0_m){rest}"
-    )
+            return found
+    return None
 
 
 def _brackets(excess: Any) -> Iterable[tuple[float, float]]:
-    """Pairs of excursion ratios in [0, 1) between which a function changes sign, from below.
+    """Pairs of shares in [0, 1) between which a function changes sign, from below.
 
     The edge of the region where the function is defined is found by bisection: a model may reach
     any force just before its pole.
     """
-    grid = np.append(np.linspace(0.0, 1.0, AMPLITUDES, endpoint=False), np.nextafter(1.0, 0.0))
+    grid = np.append(np.linspace(0.0, 1.0, LOOKED_AT, endpoint=False), np.nextafter(1.0, 0.0))
     values = excess(grid)
     for index in range(len(grid) - 1):
         low, high = grid[index], grid[index + 1]

@@ -9,12 +9,15 @@ from __future__ import annotations
 from math import cos, floor, hypot, log10, radians, sin
 from typing import Any
 
+import numpy as np
+
 from squeezefilm.io.errors import InputError
 
 FACTORS = ("h0_m", "hv_m")
 ENDS = ("start", "stop")
 FINER, MOST_LEVELS = 2, 1000
 """The error map's levels over the screen's: they share no points but the corners."""
+SAME = 1e-9
 DIRECTIONS_DEG = (0, 22.5, 45)
 FARTHER = 1.1
 """An amplitude beyond the screen at which its models are tried, over the screen's largest."""
@@ -39,6 +42,7 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
         levels = {name: screen[factor][name] for name in ENDS}
         levels["levels"] = min(FINER * screen[factor]["levels"], MOST_LEVELS)
         control[factor] = levels | control.get(factor, {})
+    _other_points(screen, control)
     wanted.setdefault("h0_m", screen["h0_m"]["start"])
     if "hv_m" not in wanted:
         farthest = float(f"{FARTHER * screen['hv_m']['stop']:.12g}")
@@ -52,6 +56,24 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
         best = (PHYSICS if known else FORMULAS)["refine"][place]
         values["refine"].setdefault(space, list(best))
     return values
+
+
+def _other_points(screen: dict[str, Any], control: dict[str, Any]) -> None:
+    """Refuse an error map all of whose points the screen has: no model could be judged by it."""
+
+    def levels(plan: dict[str, Any], factor: str) -> np.ndarray:
+        start, stop = (plan[factor][name] for name in ENDS)
+        return np.linspace(start, stop, plan[factor]["levels"])
+
+    for factor in FACTORS:
+        own, fitted = levels(control, factor), levels(screen, factor)
+        apart = np.abs(own[:, None] - fitted).min(axis=1)
+        if np.any(apart > SAME * np.abs(own)):
+            return
+    raise InputError(
+        "error_map: all its points are the screen's, and no model can be judged by points that it "
+        "was fitted to; give other levels, or leave error_map out to have twice the screen's"
+    )
 
 
 def _place(positions: dict[str, Any], actuator: dict[str, Any], finger: dict[str, Any]) -> None:

@@ -8,10 +8,12 @@ from typing import Any
 
 import matplotlib as mpl
 import pandas as pd
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.textpath import text_to_path
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from squeezefilm.io.atomic import whole_file
 from squeezefilm.io.errors import InputError
@@ -112,6 +114,13 @@ def _wrapped(text: str, *, width_pt: float) -> list[str]:
         else:
             lines.append(word)
     return lines
+
+
+def plain_numbers(axis: Axis) -> None:
+    """A logarithmic axis with plain numbers at 1, 2 and 5 of each decade."""
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def check_known(styles: Container[Any], keys: Iterable[Any], *, what: str) -> None:

@@ -32,7 +32,14 @@ from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.dynamics.response import METHODS, Gains, gains, response, steps_of
+from squeezefilm.reynolds.dynamics.response import (
+    METHODS,
+    MOST_MODULATION,
+    Gains,
+    gains,
+    response,
+    steps_of,
+)
 from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.runs import node_cache
@@ -152,14 +159,18 @@ def _all_gains(
 ) -> pd.DataFrame:
     parts = []
     for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
-        try:
-            found = asdict(gains(scene, frequency_hz, device=device, method=method))
-            status = "ok"
-        except InputError as error:
-            unknown = dict.fromkeys(("gain", "phase_deg", "error"), np.nan)
-            found = {"frequency_hz": frequency_hz, **unknown, "method": ""}
-            status = _reason(error, scene)
-        parts.append(pd.DataFrame(row | found | {"status": status}))
+        slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz
+        for some in (frequency_hz[slow], frequency_hz[~slow]):
+            if not some.size:
+                continue
+            try:
+                found = asdict(gains(scene, some, device=device, method=method))
+                status = "ok"
+            except InputError as error:
+                unknown = dict.fromkeys(("gain", "phase_deg", "error"), np.nan)
+                found = {"frequency_hz": some, **unknown, "method": ""}
+                status = _reason(error, scene)
+            parts.append(pd.DataFrame(row | found | {"status": status}))
     return pd.concat(parts, ignore_index=True)
 
 

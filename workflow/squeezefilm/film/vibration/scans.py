@@ -17,7 +17,7 @@ size tell; that much is taken off the maximum to which the profile is scaled.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -51,6 +51,9 @@ OUTLIER, LEAST_OUTLIER = 4.5, 0.005
 # More such points, as a share, are no strays.
 LARGEST_STRAY = 0.05
 REFITS = 20
+# An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
+# the points that this is looked at with.
+LESS_WITH_ANGLES, MOST_LOOKED_AT = 0.5, 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,6 +241,8 @@ def smoothed(
     bias_m = bias_of_largest([fit, other][:moving], noise_m, surface)
     bias_m = min(bias_m, LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
+    if axisymmetric and (note := _not_axisymmetric(scan, surface, x, y, in_phase, fit)):
+        scan = replace(scan, notes=(*scan.notes, note))
     result = SmoothedScan(
         scan=scan,
         profile=_in_units(turn * fit.coefficients, fit, peak_m, surface, largest_m),
@@ -279,6 +284,26 @@ def places_on(scan: Scan, surface: Surface, *, axisymmetric: bool) -> tuple[np.n
             f"({surface.key})"
         )
     return x_m, y_m
+
+
+def _not_axisymmetric(
+    scan: Scan, surface: Surface, x: np.ndarray, y: np.ndarray, measured: np.ndarray, fit: Fit
+) -> str:
+    """What is to be said where a profile with angles leaves far less; empty where none does."""
+    if scan.y_m is None:
+        return ""
+    some = slice(None, None, -(-len(x) // MOST_LOOKED_AT))
+    try:
+        free = best_fit(scan.path, surface, x[some], y[some], measured[some], False)
+    except InputError:  # too few points for angles
+        return ""
+    share = min(free.scores.values()) / min(fit.scores.values())
+    if share > LESS_WITH_ANGLES:
+        return ""
+    return (
+        f"the scan is not axisymmetric: a profile with angles leaves {share:.2g} of what this one "
+        "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
+    )
 
 
 def _in_phases(scan: Scan) -> tuple[np.ndarray, np.ndarray, float]:

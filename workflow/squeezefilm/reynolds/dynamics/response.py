@@ -105,6 +105,11 @@ def gains(scene: Scene, frequency_hz: np.ndarray, *, device: Device, method: str
         )
     film, error = _slow(scene, method)
     if method == "march" or (method == "auto" and error > SLOW_ERROR):
+        if scene.two_phases:
+            raise InputError(
+                f"point {scene.point_id}: the march is of vibrations in one phase only, and the "
+                f"slow film's settled force is good to {error:.1%}; {SLOW_ERROR:.0%} is allowed"
+            )
         found, errors = modulated_march.gains(scene, frequency_hz / vibration_hz, device=device)
         return _gains(frequency_hz, found, errors, "march")
     modulations = frequency_hz / vibration_hz

@@ -21,8 +21,6 @@ def refused(scene: Scene) -> str:
     """Why a scene's response is not known; empty where it is."""
     if wants_modes(scene) or not scene.finger.gap.flat:
         return "the response is known of rectangular fingers with a flat gap only"
-    if scene.two_phases:
-        return "the response is known of vibrations in one phase only"
     if scene.epsilon == 0:
         return "the surface is at rest"
     unknown = [term.label for term in terms_of(scene) if not term.knows_limit("boundary-layer")]
@@ -42,7 +40,7 @@ def slow_film_of(scene: Scene) -> tuple[SlowFilm, float]:
     best: tuple[SlowFilm, float] | None = None
     for points in POINTS:
         nodes = limit_axis(points).all_nodes
-        amplitude = scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))
+        amplitude = scene.phasor(*np.meshgrid(nodes, nodes, indexing="ij"))
         film = slow_film(
             epsilon=scene.epsilon,
             sigma=scene.sigma,

@@ -4,12 +4,14 @@ At σ → ∞ the gas under the finger keeps its mass over a period, HP = ψ(X, 
 through the rim over many. Averaged over a period the film equation is a diffusion equation,
 
     σ ∂ψ/∂T = ∇²w,   w = ψ²/2 + 6 Kn ψ,
-    w on the rim = (1 + 3 a²/2 + u)/2 + 6 Kn (1 + a²/2),   a = ε(T) s,   u = ε ∂s/∂n g(a)/√σ,
-    mean overpressure = ∫ ψ/√(1 − ε² s²) − 1 + ∮ d(a)/√σ,
+    w on the rim = (1 + 3 a²/2 + u)/2 + 6 Kn (1 + a²/2),   a = ε(T) |s|,
+    u = ε² (Re(s* ∂s/∂n) g(a)/a + Im(s* ∂s/∂n) q(a)/a)/√σ,
+    mean overpressure = ∫ ψ/√(1 − ε² |s|²) − 1 + ∮ d(a)/√σ,
 
-n the inward normal, d and g the integrals of the rim's boundary layer (limits/boundary_layer.py),
-which follows the amplitude at once. The settled ψ is that of ``limits.forces``. Slopes of ψ at the
-rim do not move its value there: ⟨H³P²⟩ is linear across the layer.
+s the profile, s₁ + i s₂ of a vibration in two phases, n the inward normal, d, g and q the integrals
+of the rim's boundary layer (limits/boundary_layer.py), which follows the amplitude at once. The
+settled ψ is that of ``limits.forces``. Slopes of ψ at the rim do not move its value there: ⟨H³P²⟩
+is linear across the layer.
 """
 
 from __future__ import annotations
@@ -65,10 +67,12 @@ class SlowFilm:
     def rim(self, epsilon: float) -> np.ndarray:
         """w on the rim's nodes, in the order of all nodes; corners are means of both sides."""
         films = self.films
-        a = epsilon * films.rim
+        a = epsilon * np.abs(films.rim)
         values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
         if self.layer:
-            u = epsilon * films.slope * boundary_layer.integrals(a)[1]
+            _, in_phase, ahead = boundary_layer.ratios(a)
+            turned = films.rim.conj() * films.slope
+            u = epsilon**2 * (in_phase * turned.real + ahead * turned.imag)
             values = values + u / np.sqrt(films.layer_number) / 2
         return self._together(values)[~self.inner]
 
@@ -161,13 +165,13 @@ class SlowFilm:
         return np.asarray(self.films.mean(densities) + self._layer(epsilon))
 
     def _root(self, epsilon: float) -> np.ndarray:
-        return np.asarray(np.sqrt(1 - (epsilon * self.films.s[0]) ** 2))
+        return np.asarray(np.sqrt(1 - epsilon**2 * self.films.square[0]))
 
     def _layer(self, epsilon: float) -> float:
         if not self.layer:
             return 0.0
         films = self.films
-        d = films.rim_integral(boundary_layer.integrals(epsilon * films.rim)[0])
+        d = films.rim_integral(boundary_layer.integrals(epsilon * np.abs(films.rim))[0])
         return float((d / np.sqrt(films.layer_number))[0])
 
     def _together(self, values: np.ndarray) -> np.ndarray:
@@ -196,7 +200,10 @@ def slow_film(
     slip: float = 0.0,
     layer: bool = True,
 ) -> SlowFilm:
-    """The film of a profile on the nodes of ``limits.limit_axis``, shape (nx + 2, ny + 2)."""
+    """The film of a profile on the nodes of ``limits.limit_axis``, shape (nx + 2, ny + 2).
+
+    That is s₁ + i s₂ of a vibration in two phases.
+    """
     films = films_of(
         np.array([epsilon]), np.array([sigma]), amplitude[None], aspect=aspect, slip=slip
     )

@@ -1,0 +1,83 @@
+"""A vibrometer's table of two modes with a lag, from the scan to force, thrust and response."""
+
+import io
+from contextlib import redirect_stdout
+
+import numpy as np
+import pytest
+import yaml
+
+import squeezefilm as sf
+from squeezefilm.cli import main as cli
+
+# What moves with the gap's sine, and a quarter of a period ahead of it; x and y in metres.
+FIRST = "1.2*cos(6.2832*x/0.024) + 0.24*sin(6.2832*(0.6*x + 0.8*y)/0.03)"
+AHEAD = "0.66*sin(6.2832*(0.6*x + 0.8*y)/0.03)"
+NOISE_UM = 0.01
+WHERE = {"h0": "5 um", "hv": "2 um", "x": "1 mm"}
+
+
+@pytest.fixture(scope="module")
+def studies(tmp_path_factory):
+    """A study begun with `squeezefilm new`, its scan replaced; and the exact formula."""
+    folder = tmp_path_factory.mktemp("two_modes") / "config"
+    folder.mkdir()
+    measured = folder / "mine.yaml"
+    assert cli.main(["new", "mine", "--folder", str(folder)]) == 0
+    scan = folder / "mine.csv"
+    scan.write_text(_scan(), encoding="utf-8")
+    study = yaml.safe_load(measured.read_text(encoding="utf-8"))
+    axisymmetric = measured.with_name("axisymmetric.yaml")
+    axisymmetric.write_text(yaml.safe_dump(study), encoding="utf-8")
+    study["actuator"]["profile"] = {"kind": "measured", "file": scan.name}
+    measured.write_text(yaml.safe_dump(study), encoding="utf-8")
+    study["actuator"]["profile"] = {"kind": "formula", "expression": FIRST, "quadrature": AHEAD}
+    exact = measured.with_name("exact.yaml")
+    exact.write_text(yaml.safe_dump(study), encoding="utf-8")
+    return measured, exact, axisymmetric
+
+
+def _scan() -> str:
+    """Amplitude and phase by which it leads, every 0.8 mm, with noise."""
+    random, line = np.random.default_rng(2), np.linspace(-9.6, 9.6, 25)
+    x, y = (each.ravel() for each in np.meshgrid(line, line))
+    x, y = (each[np.hypot(x, y) < 9.9] for each in (x, y))
+    second = np.sin(6.2832 * (0.6 * x + 0.8 * y) / 30)
+    motion = 1.2 * np.cos(6.2832 * x / 24) + (0.24 + 0.66j) * second
+    motion = motion + NOISE_UM * (random.normal(size=x.size) + 1j * random.normal(size=x.size))
+    rows = zip(x, y, np.abs(motion), np.degrees(np.angle(motion)), strict=True)
+    lines = ["x_mm,y_mm,amplitude_um,phase_deg"]
+    return "\n".join(lines + [",".join(f"{each:.5g}" for each in row) for row in rows])
+
+
+def test_force_and_thrust_are_those_of_the_modes(studies):
+    measured, exact = (sf.load(each).force(**WHERE, outputs=["thrust"]) for each in studies[:2])
+    assert measured.scan is not None
+    assert measured.force_n == pytest.approx(exact.force_n, abs=measured.error_n)
+    assert measured.error_n < 0.05 * measured.force_n
+    thrust, expected = (each.solution.outputs.value["thrust_x"] for each in (measured, exact))
+    # Its error is without the scan's noise, which is worth about as much of it as of the force.
+    assert thrust == pytest.approx(expected, rel=0.05)
+    assert abs(expected) > 1e-6
+
+
+def test_the_response_is_that_of_the_modes(studies):
+    words = ["--h0", "5um", "--hv", "2um", "--frequencies", "30Hz,300Hz"]
+    rows = []
+    for study in studies[:2]:
+        said = io.StringIO()
+        with redirect_stdout(said):
+            assert cli.main(["response", *words, "--config", str(study)]) == 0
+        table = [line.split() for line in said.getvalue().splitlines()]
+        rows.append([list(map(float, each)) for each in table if each[:1] in (["30"], ["300"])])
+    measured, exact = np.array(rows)
+    assert measured.shape == (2, 4)
+    assert measured[:, 1] == pytest.approx(exact[:, 1], rel=0.01)
+    assert measured[:, 2] == pytest.approx(exact[:, 2], abs=0.5)
+
+
+def test_a_scan_that_is_not_axisymmetric_says_so(studies, capsys, tmp_path):
+    output = str(tmp_path / "smoothed.npz")
+    for study, said in zip(studies[::2], (False, True), strict=True):
+        assert cli.main(["smooth", "--config", str(study), "--output", output]) == 0
+        assert ("is not axisymmetric" in capsys.readouterr().out) == said
