@@ -10,11 +10,13 @@ import pytest
 from films import PISTON, SINC, film
 
 from numerics.estimates import campaign
+from numerics.estimates.any_gap import CLOSURE, GAPS, random_gap_film
 from numerics.estimates.films import random_film
 from numerics.estimates.judge import TIGHTER, judge
 from numerics.estimates.stretched import StretchedAxis
 from squeezefilm import reynolds
 from squeezefilm.cli.main import main
+from squeezefilm.film.scene import check_scene
 from squeezefilm.film.vibration.shapes import Formula
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.reynolds import solve
@@ -206,6 +208,21 @@ def test_random_films_keep_what_they_promise(tmp_path, capsys, monkeypatch):
     assert set(table["verdict"]) == {"kept"}
     assert "boundary-layer" in table["method"].to_list()
     assert "median estimate over error" in capsys.readouterr().out
+
+
+def test_random_gaps_are_of_every_kind_and_keep_what_they_promise(tmp_path):
+    output = tmp_path / "films.csv"
+    command = ["estimates", "--draw", "any-gap", "--output", str(output), "--films", "5"]
+    assert main(command, packages=("numerics.commands",)) == 0
+    assert set(pd.read_csv(output)["verdict"]) == {"kept"}
+    drawn = [random_gap_film(number, seed=15) for number in range(80)]
+    for each in drawn:
+        check_scene(each.scene)
+    assert {each.name.rsplit(", ", 1)[0] for each in drawn} == set(GAPS)
+    assert {each.scene.two_phases for each in drawn if not each.gap.flat} == {True, False}
+    closures = np.array([each.scene.closure() for each in drawn])
+    assert closures.max() <= CLOSURE[1]
+    assert 0.3 < np.median(closures) < 0.6
 
 
 @pytest.mark.parametrize("number", [79, 184, 252, 380, 435])

@@ -6,8 +6,8 @@ from math import ceil, log, log10, pi, sqrt
 import numpy as np
 
 from numerics.peers.yardstick import FloatArray, Fold
-from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
-from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
+from squeezefilm.film.scene import Actuator, Finger, Gas, GapShape, Scene
+from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc, Vibration
 from squeezefilm.film.vibration.surfaces import Disc
 
 LENGTH_M = 0.01
@@ -30,18 +30,20 @@ class Film:
         aspect: the finger's side along y over that along x.
         knudsen: mean free path over mean gap, with first-order slip; 0 for no rarefaction.
         reynolds: modified Reynolds number, with inertia of the gas; 0 for none.
+        gap: the gap's shape at rest, 0 at its centre.
     """
 
     name: str
     epsilon: float
     sigma: float
     bearing: float = 0.0
-    profile: Profile = SINC
+    profile: Vibration = SINC
     x: float = 0.0
     y: float = 0.0
     aspect: float = 1.0
     knudsen: float = 0.0
     reynolds: float = 0.0
+    gap: GapShape = GapShape()
 
     @property
     def scene(self) -> Scene:
@@ -71,7 +73,10 @@ class Film:
             ),
             actuator=Actuator(frequency_hz=FREQUENCY_HZ, surface=Disc(1.0), profile=self.profile),
             finger=Finger(
-                length_x_m=LENGTH_M, length_y_m=self.aspect * LENGTH_M, speed_x_m_per_s=speed
+                length_x_m=LENGTH_M,
+                length_y_m=self.aspect * LENGTH_M,
+                speed_x_m_per_s=speed,
+                gap=self.gap,
             ),
         )
 
