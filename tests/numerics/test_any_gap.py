@@ -12,11 +12,15 @@ from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Formula, StandingWave, TwoPhases, Vibration
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
+from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.derivatives import moved, with_derivatives
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import solve_in_modes
 from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import solve
 
 DISC = Disc(0.01)
@@ -182,6 +186,20 @@ def test_shaped_gaps_cost_at_most_three_times_a_flat_one():
     plain, *others = solve([shaped(flat, each) for each in shapes], tolerance=1e-4)
     assert all(each.status == "ok" and each.method == "periodic" for each in others)
     assert max(each.work for each in others) < 3 * plain.work
+
+
+def test_films_of_many_gaps_share_what_is_known_of_their_place():
+    """And each still has the force that it has alone."""
+    scenes = [
+        replace(shaped(film(epsilon=0.3, sigma=300.0, profile=TWO_MODES)), h0_m=h0_m)
+        for h0_m in (5e-6, 6e-6, 9e-6)
+    ]
+    grid = Grid(16, 16, 12, fold_x=False, fold_y=False)
+    together = problems_of(scenes, grid, tolerance=1e-8)
+    assert len(together.parts) == 1
+    forces = solve_batch(problems=together, grid=grid, device=choose_device()).mean
+    alone = [mean_overpressure(scene, points=16, instants=12, tolerance=1e-8) for scene in scenes]
+    assert forces == pytest.approx(alone, rel=1e-12)
 
 
 @pytest.mark.parametrize("aspect", [1.0, 8.0], ids=["square", "strip"])

@@ -90,7 +90,7 @@ def gap_numbers(scene: Scene) -> dict[str, float]:
     """
     if scene.finger.gap.flat:
         return {"epsilon": scene.epsilon, "sigma": scene.sigma, "bend": 0.0}
-    least = float(scene.rest_gap(*scene.inside()).min())
+    least = float(scene.rest_inside.min())
     bulge = 8 * abs(scene.finger.gap.bulge_m) / scene.h0_m
     return {
         "epsilon": scene.closure(),
