@@ -44,7 +44,7 @@ class AnyGap(Term):
         return {"narrowest": scene.narrowest, "per_rise": 1 / scene.h0_m}
 
     def knows_limit(self, name: str) -> bool:
-        return name != "closed-form" and self.label == TWO_PHASES
+        return name != "closed-form"
 
     def refused_in_modes(self, scene: Scene) -> str:
         return ""
