@@ -6,9 +6,9 @@ Excursion ratios 0.01 to 0.98, squeeze numbers 0.1 to 1e6, bearing numbers up to
 smooth, measured, ridged, kinked and narrow profiles, tolerances 1e-1 to 1e-7, by the periodic
 state and by the method that ``auto`` takes; or gaps of any shape: rectangles that are tilted or
 bulge, surfaces that move in two phases, excursions up to 0.9 of the gap at rest, squeeze numbers 1
-to 1e5, bearing numbers up to 30, tolerances 1e-1 to 1e-6. The judge solves on grids that share no node with the
-force's, to a hundredth of its tolerance. The table grows film by film, dear ones last, and a run
-that was stopped goes on.
+to 1e5, bearing numbers up to 30, tolerances 1e-1 to 1e-6. The judge solves on grids that share no
+node with the force's, to a hundredth of its tolerance. The table grows film by film, dear ones
+last, and a run that was stopped goes on.
 """
 
 import argparse

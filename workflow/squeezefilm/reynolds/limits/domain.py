@@ -18,7 +18,8 @@ def unknown_to(name: str, scene: Scene, needs: Needs) -> str:
         return f"{name} does not know a surface at rest"
     shaped = not scene.finger.gap.flat
     if shaped and name not in SHAPED:
-        return f"{name} was derived for a gap that is even at rest; {' and '.join(SHAPED)} know others"
+        known = " and ".join(SHAPED)
+        return f"{name} was derived for a gap that is even at rest; {known} know others"
     others = [term for term in needs.terms if not isinstance(term, AnyGap)]
     if shaped and others:
         labels = " and ".join(term.label for term in others)

@@ -23,9 +23,7 @@ def expand(films: Films) -> Expansion:
     # ψ²/2 + slip ψ exceeds its value at rest by rise/2, of which `inner` is the part that makes it
     # harmonic.
     # Under a gap G at rest that is so of ψ²/G², and harmonic is what ∇·(G³∇) maps to zero.
-    inner = films.solve_diffusion(
-        -(0.25 + 0.5 * thick) * square * films.diffusion(films.square)
-    )
+    inner = films.solve_diffusion(-(0.25 + 0.5 * thick) * square * films.diffusion(films.square))
     rise = (0.5 + thick) * gap_square + 2 * inner
     total = np.sqrt(thick**2 + rise)
     root = np.sqrt(1 - gap_square)
