@@ -95,7 +95,7 @@ def test_the_command_names_the_scenes_that_will_have_no_force(tmp_path, capsys):
     write_table(plan(h0_m=[5e-6, 6e-6], hv_m=[2e-6, 2e-6]), scenes)
     arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--output", str(output)]
     assert main([*arguments, "--method", "closed-form"]) == 0
-    reason = "closed-form does not know this scene's finger, profile or terms"
+    reason = "closed-form is that of a piston: the profile differs from place to place"
     assert set(pd.read_csv(output)["status"]) == {reason}
     assert f"2 scenes, such as point 1: {reason}" in capsys.readouterr().out
 

@@ -180,7 +180,7 @@ def test_the_mirror_halves_are_left_out_with_heat_too() -> None:
         ({"bearing": 0.1}, {}, "auto", "heat is not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "heat is not known under this finger"),
         ({}, {}, "march", "march does not know heat"),
-        ({}, {}, "boundary-layer", "boundary-layer does not know this scene's"),
+        ({}, {}, "boundary-layer", "boundary-layer does not know heat"),
     ],
 )
 def test_what_does_not_know_heat_refuses_it(

@@ -216,7 +216,7 @@ def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
         ({"bearing": 0.1}, {}, "auto", "not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "inertia is not known under this finger"),
         ({}, {}, "march", "march does not know inertia"),
-        ({"profile": PISTON}, {}, "closed-form", "closed-form does not know this scene's"),
+        ({"profile": PISTON}, {}, "closed-form", "closed-form does not know inertia"),
     ],
 )
 def test_what_does_not_know_inertia_refuses_it(

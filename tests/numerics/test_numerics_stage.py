@@ -84,6 +84,8 @@ CASES = {
     "piston": "piston, σ = 20, ε = 0.5",
     "sliding": "sliding, Λ = 100, σ = 583",
     "small": "sinc, σ = 1, ε = 0.001",
+    "tilted": "tilted, σ = 20",
+    "two phases": "travelling wave, σ = 20",
 }
 
 
@@ -114,6 +116,16 @@ def drop_curvature(fields: Fields) -> None:
     fields["laplacian"] = 0 * fields["laplacian"]
 
 
+def drop_quadrature(fields: Fields) -> None:
+    for parts in fields.values():
+        parts[:, 1:2] *= 0
+
+
+def level_rest(fields: Fields) -> None:
+    for parts in fields.values():
+        parts[:, 2:] *= 0
+
+
 def turn_slope(fields: Fields) -> None:
     if "slope_x" in fields:
         fields["slope_x"] = -fields["slope_x"]
@@ -121,8 +133,13 @@ def turn_slope(fields: Fields) -> None:
 
 @pytest.mark.parametrize(
     ("change", "expected"),
-    [(drop_curvature, {"sinc", "sliding", "small"}), (turn_slope, {"sliding"})],
-    ids=["dropped term", "wrong sign"],
+    [
+        (drop_curvature, {"sinc", "sliding", "small", "tilted", "two phases"}),
+        (turn_slope, {"sliding"}),
+        (drop_quadrature, {"two phases"}),
+        (level_rest, {"tilted"}),
+    ],
+    ids=["dropped term", "wrong sign", "one phase", "even gap"],
 )
 def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
     monkeypatch.setattr(periodic, "profile_fields", spoil_fields(change))

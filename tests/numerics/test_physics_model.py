@@ -129,3 +129,25 @@ def test_table_of_limits_with_inertia_states_its_error(paper, monkeypatch) -> No
     gas = paper["gas"] | {"inertia": "auto"}
     study = Config(path=paper.path, sections=paper.sections | {"gas": gas})
     assert limits.limit_table_of(study).error < 1e-6
+
+
+def test_models_of_the_limits_know_a_tilted_and_bulging_finger(paper, monkeypatch) -> None:
+    """The force by the limit within its error, and the table's polynomials; not with inertia."""
+    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
+    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
+    gap = {"tilt_x_m": 1e-6, "tilt_y_m": 0.0, "bulge_m": 0.5e-6}
+    sections = paper.sections | {"finger": paper["finger"] | {"gap": gap}}
+    study = Config(path=paper.path, sections=sections)
+    table = reference_table("screen").iloc[::7]
+    scenes = [scene_of(point, study) for point in scene_points(table)]
+    still = [replace(each, gas=replace(each.gas, inertia="none")) for each in scenes]
+    known = with_limits(table, still)
+    forces = np.array([each.force_n for each in solve(still, tolerance=1e-5, method="periodic")])
+    assert set(known["status"]) == {"ok"}
+    assert np.all(np.abs(known["limit_n"] - forces) < known["limit_error_n"])
+    assert np.abs(known["limit_n"] / forces - 1).max() < 0.01
+    sections = sections | {"gas": paper["gas"] | {"inertia": "none"}}
+    assert limits.limit_table_of(Config(path=paper.path, sections=sections)).error < 1e-4
+    moving = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
+    (reason,) = set(with_limits(table, moving)["status"])
+    assert "gap that is even at rest" in reason

@@ -193,7 +193,7 @@ def test_a_new_term_is_one_module_and_a_place_in_the_list(tmp_path, monkeypatch)
     ]
     assert refusals == [
         "march does not know drift",
-        "boundary-layer does not know this scene's finger, profile or terms",
+        "boundary-layer does not know bearing and drift",
         "drift is not known under this finger",
     ]
 

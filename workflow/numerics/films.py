@@ -1,13 +1,13 @@
 """Films given by their dimensionless numbers, as scenes for the solver and for the yardsticks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, log, log10, pi, sqrt
 
 import numpy as np
 
 from numerics.peers.yardstick import FloatArray, Fold
-from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
-from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
+from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene
+from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc, TwoPhases, Vibration
 from squeezefilm.film.vibration.surfaces import Disc
 
 LENGTH_M = 0.01
@@ -16,6 +16,7 @@ H0_M = 5e-6
 FREQUENCY_HZ = 43_270.0
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
+FLAT = GapShape()
 
 
 @dataclass(frozen=True)
@@ -30,18 +31,22 @@ class Film:
         aspect: the finger's side along y over that along x.
         knudsen: mean free path over mean gap, with first-order slip; 0 for no rarefaction.
         reynolds: modified Reynolds number, with inertia of the gas; 0 for none.
+        gap: the gap's shape at rest, 0 at its centre.
+        shape: the finger's outline, as a scene's finger has it.
     """
 
     name: str
     epsilon: float
     sigma: float
     bearing: float = 0.0
-    profile: Profile = SINC
+    profile: Vibration = SINC
     x: float = 0.0
     y: float = 0.0
     aspect: float = 1.0
     knudsen: float = 0.0
     reynolds: float = 0.0
+    gap: GapShape = FLAT
+    shape: str = "rectangle"
 
     @property
     def scene(self) -> Scene:
@@ -71,7 +76,11 @@ class Film:
             ),
             actuator=Actuator(frequency_hz=FREQUENCY_HZ, surface=Disc(1.0), profile=self.profile),
             finger=Finger(
-                length_x_m=LENGTH_M, length_y_m=self.aspect * LENGTH_M, speed_x_m_per_s=speed
+                length_x_m=LENGTH_M,
+                length_y_m=self.aspect * LENGTH_M,
+                speed_x_m_per_s=speed,
+                gap=self.gap,
+                shape=self.shape,
             ),
         )
 
@@ -84,10 +93,23 @@ class Film:
         """Whether the film is even about the middle of x and of y, probed at some points."""
         nodes = np.linspace(0.03, 0.46, 7)
         x, y = np.meshgrid(nodes, 1.1 * nodes, indexing="ij")
-        s = self.amplitude(x, y)
-        even_x = np.allclose(self.amplitude(1 - x, y), s, rtol=0, atol=1e-13)
-        even_y = np.allclose(self.amplitude(x, 1 - y), s, rtol=0, atol=1e-13)
-        return bool(even_x and self.bearing == 0), bool(even_y)
+        s = self.scene.parts(x, y)
+        even_x = np.allclose(self.scene.parts(1 - x, y), s, rtol=0, atol=1e-13)
+        even_y = np.allclose(self.scene.parts(x, 1 - y), s, rtol=0, atol=1e-13)
+        even_x = even_x and self.bearing == 0 and self.gap.tilt_x_m == 0
+        return bool(even_x), bool(even_y and self.gap.tilt_y_m == 0)
+
+    @property
+    def mirrored(self) -> "Film":
+        """The film seen in a mirror along x."""
+        profile = self.profile
+        seen: Vibration
+        if isinstance(profile, TwoPhases):
+            seen = replace(profile, first=Mirrored(profile.first), second=Mirrored(profile.second))
+        else:
+            seen = Mirrored(profile)
+        gap = replace(self.gap, tilt_y_m=-self.gap.tilt_y_m)
+        return replace(self, y=-self.y, profile=seen, gap=gap)
 
 
 @dataclass(frozen=True)

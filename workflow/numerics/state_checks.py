@@ -59,19 +59,19 @@ def check_state(film: Film, overpressure: FloatArray) -> StateChecks:
     p = _resample(p, times)
 
     phase = 2 * math.pi * np.arange(times) / times
-    s = film.amplitude(*np.meshgrid(grid_x.x, grid_y.x, indexing="ij"))[:, :, None]
-    squeeze = film.epsilon * s * np.sin(phase)
-    gap = 1 + squeeze
+    places = np.meshgrid(grid_x.x, grid_y.x, indexing="ij")
+    gap = film.scene.gap(*places, phase)
+    squeeze = gap - film.scene.rest_gap(*places)[:, :, None]
     first_x, first_y = grid_x.first, grid_y.first / film.aspect
     conductance = gap**3 * (1 + p) + 6 * film.knudsen * gap**2
     flux_x = conductance * np.tensordot(first_x, p, 1)
     flux_y = conductance * np.matmul(first_y, p)
-    # H P - 1, small where the film is: no digits are lost in its derivatives.
+    # H P less what is there at rest, small where the film is: no digits are lost in its rate.
     mass = squeeze + gap * p
     residual = np.tensordot(first_x, flux_x, 1) + np.matmul(first_y, flux_y)
     residual -= film.sigma * _rate(mass)
     if film.bearing:
-        residual -= film.bearing * np.tensordot(first_x, mass, 1)
+        residual -= film.bearing * np.tensordot(first_x, gap - 1 + gap * p, 1)
 
     weights = grid_x.weights[:, None] * grid_y.weights
     force = float(np.sum(weights * p.mean(axis=-1)))
@@ -87,8 +87,9 @@ def check_state(film: Film, overpressure: FloatArray) -> StateChecks:
     inner = weights[1:-1, 1:-1, None]
     size = float(np.sum(inner * (gap * p)[1:-1, 1:-1] ** 2))
     identity = np.nan
-    if film.bearing == 0 and film.knudsen == 0 and np.ptp(s) == 0:
-        rise = 1.5 * (film.epsilon * s[0, 0, 0]) ** 2
+    even = film.scene.plain and np.ptp(film.amplitude(*places)) == 0
+    if film.bearing == 0 and film.knudsen == 0 and even:
+        rise = 1.5 * (film.epsilon * film.amplitude(*places)[0, 0]) ** 2
         # <H^3 P^2> - 1 from its small parts.
         cubed = squeeze * (3 + squeeze * (3 + squeeze))
         excess = (cubed + (1 + cubed) * p * (2 + p)).mean(axis=-1)
@@ -98,7 +99,9 @@ def check_state(film: Film, overpressure: FloatArray) -> StateChecks:
         lowest_pressure=float(1 + p.min()),
         defect=abs(defect / force),
         state_defect=math.sqrt(float(np.sum(inner * correction**2)) / size),
-        mass_balance=_mass_balance(flux_x, flux_y, grid_x, grid_y, film.aspect),
+        mass_balance=_mass_balance(
+            flux_x - film.bearing * gap, flux_y, grid_x, grid_y, film.aspect
+        ),
         piston_identity=identity,
     )
 
@@ -164,8 +167,7 @@ def _mass_balance(
     grid_y: ChebyshevGrid,
     aspect: float,
 ) -> float:
-    """Net over gross mass that diffuses over the rim in a period; the mass that slides with the
-    surface, Lambda <HP>, is 1 on both sides."""
+    """Net over gross mass that passes the rim in a period."""
     mean_x, mean_y = flux_x.mean(axis=-1), flux_y.mean(axis=-1)
     net = grid_y.weights @ (mean_x[-1] - mean_x[0])
     net += grid_x.weights @ (mean_y[:, -1] - mean_y[:, 0]) / aspect

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import re
 import time
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from numerics.estimates.any_gap import random_gap_film
 from numerics.estimates.films import random_film
 from numerics.estimates.judge import MOST_WORK, TIGHTER, Verdict, judge
 from numerics.films import Film, balanced_points
@@ -22,10 +24,31 @@ from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.resolution import gap_numbers
 from squeezefilm.reynolds.solver import ways_of
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 METHODS = ("periodic", "auto")
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Films by their numbers, and the tolerances that take turns.
+
+    film: called with a number and ``seed``.
+    """
+
+    film: Callable[..., Film]
+    tolerances: tuple[float, ...]
+
+    def tolerance(self, number: int) -> float:
+        return self.tolerances[number % len(self.tolerances)]
+
+
+DRAWS = {
+    "even-gap": Draw(random_film, TOLERANCES),
+    "any-gap": Draw(random_gap_film, TOLERANCES[:-1]),
+}
 # What a force has beside its own error where it was not held against a judge.
 NOT_HELD = ("refused", "not judged")
 
@@ -37,6 +60,7 @@ def campaign(
     seed: int,
     output: Path,
     device: Device,
+    draw: str = "even-gap",
     most_work: float = MOST_WORK,
 ) -> pd.DataFrame:
     """Rows for each film, numbered from ``first`` on, a row for each of METHODS; dear ones last.
@@ -45,31 +69,38 @@ def campaign(
     grid is good to TIGHTER times the tolerance, ``not judged``. The tolerances take turns.
 
     Args:
+        draw: one of DRAWS.
         output: table that is written anew after every film; the films in it are not solved again.
         most_work: see ``judge``.
     """
     table = pd.read_csv(output) if output.exists() else pd.DataFrame({"film": []})
     numbers = range(first, first + films)
-    for number in sorted(numbers, key=lambda number: _dear(number, seed=seed)):
+    drawn = {number: DRAWS[draw].film(number, seed=seed) for number in numbers}
+    dear = {n: _dear(film, tolerance=DRAWS[draw].tolerance(n)) for n, film in drawn.items()}
+    for number in sorted(numbers, key=lambda number: dear[number]):
         if number in set(table["film"]):
             continue
-        rows = _rows(number, seed=seed, device=device, most_work=most_work)
+        tolerance = DRAWS[draw].tolerance(number)
+        rows = _rows(drawn[number], tolerance=tolerance, device=device, most_work=most_work)
+        rows = [{"film": number, **row} for row in rows]
         table = pd.concat([table, pd.DataFrame(rows)] if len(table) else [pd.DataFrame(rows)])
         write_table(table, output)
         say(f"film {number}: {rows[0]['kind']}, {', '.join(row['verdict'] for row in rows)}")
     return table
 
 
-def _dear(number: int, *, seed: int) -> float:
+def _dear(film: Film, *, tolerance: float) -> float:
     """Roughly in proportion to what a film costs, so that the table soon has most of them."""
-    film, tolerance = random_film(number, seed=seed), TOLERANCES[number % len(TOLERANCES)]
-    sigma = max(film.sigma, (5 * film.bearing / (1 - film.epsilon)) ** 2)
-    points = balanced_points(replace(film, sigma=sigma), tolerance, fold=(False, False))
-    return math.prod(points) * max(points) / (1 - film.epsilon)
+    gap = gap_numbers(film.scene)
+    sigma = max(gap["sigma"], (5 * film.bearing / (1 - gap["epsilon"])) ** 2)
+    like = replace(film, epsilon=gap["epsilon"], sigma=sigma)
+    points = balanced_points(like, tolerance, fold=(False, False))
+    return math.prod(points) * max(points) / (1 - gap["epsilon"])
 
 
-def _rows(number: int, *, seed: int, device: Device, most_work: float) -> list[dict[str, Any]]:
-    film, tolerance = random_film(number, seed=seed), TOLERANCES[number % len(TOLERANCES)]
+def _rows(
+    film: Film, *, tolerance: float, device: Device, most_work: float
+) -> list[dict[str, Any]]:
     scene = film.scene
     solutions: list[Solution] = []
     seconds = []
@@ -87,7 +118,6 @@ def _rows(number: int, *, seed: int, device: Device, most_work: float) -> list[d
     judged = time.process_time() - begin
     return [
         {
-            "film": number,
             **_numbers(film),
             "tolerance": tolerance,
             "asked": asked,
@@ -114,6 +144,7 @@ def _numbers(film: Film) -> dict[str, Any]:
         "bearing": film.bearing,
         "x": film.x,
         "y": film.y,
+        "narrowest": film.scene.narrowest,
     }
 
 

@@ -48,20 +48,20 @@ def random_film(index: int, *, seed: int) -> Film:
     return Film(
         name=kind,
         epsilon=random.uniform(*EPSILON),
-        sigma=_between(random, SIGMA),
-        bearing=_between(random, BEARING) if sliding else 0.0,
-        profile=_profile(kind, random, x=x * LENGTH_M, y=y * LENGTH_M),
+        sigma=between(random, SIGMA),
+        bearing=between(random, BEARING) if sliding else 0.0,
+        profile=random_profile(kind, random, x=x * LENGTH_M, y=y * LENGTH_M),
         x=float(x),
         y=float(y),
     )
 
 
-def _between(random: np.random.Generator, bounds: tuple[float, float]) -> float:
+def between(random: np.random.Generator, bounds: tuple[float, float]) -> float:
     """Uniform in its logarithm."""
     return math.exp(random.uniform(*np.log(bounds)))
 
 
-def _profile(kind: str, random: np.random.Generator, *, x: float, y: float) -> Profile:
+def random_profile(kind: str, random: np.random.Generator, *, x: float, y: float) -> Profile:
     """A profile of a kind whose features lie under a finger at x, y (metres)."""
     if kind == "piston":
         return PISTON
@@ -69,7 +69,7 @@ def _profile(kind: str, random: np.random.Generator, *, x: float, y: float) -> P
         if random.uniform() < 0.5:
             return Sinc(wave_number_per_m=random.uniform(30.0, 300.0))
         return StandingWave(
-            wavelength_m=_between(random, (0.5 * LENGTH_M, 3 * LENGTH_M)),
+            wavelength_m=between(random, (0.5 * LENGTH_M, 3 * LENGTH_M)),
             direction_deg=random.uniform(0, 180),
             crest_m=random.uniform(-0.5, 0.5) * LENGTH_M,
             surface=DISC,
@@ -81,11 +81,11 @@ def _profile(kind: str, random: np.random.Generator, *, x: float, y: float) -> P
     along = f"({math.cos(angle):.6f}*(x-({at_x:.6g}))+{math.sin(angle):.6f}*(y-({at_y:.6g})))"
     height = random.uniform(0.1, 0.9)
     if kind == "ridge":
-        width_m = _between(random, (LENGTH_M / 15, LENGTH_M / 3))
+        width_m = between(random, (LENGTH_M / 15, LENGTH_M / 3))
         return _formula(f"1-{height:.4f}*exp(-({along}/{width_m:.6g})**2)")
     if kind == "kink":
         return _formula(f"1-{height:.4f}*abs({along})/{1.5 * DISC_M:.6g}")
-    width_m = _between(random, (LENGTH_M / 25, LENGTH_M / 5))
+    width_m = between(random, (LENGTH_M / 25, LENGTH_M / 5))
     spot = f"exp(-((x-({at_x:.6g}))**2+(y-({at_y:.6g}))**2)/{width_m:.6g}**2)"
     sign = "-" if random.uniform() < 0.5 else "+"
     return _formula(f"1{sign}{height:.4f}*{spot}")

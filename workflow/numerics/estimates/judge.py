@@ -18,7 +18,7 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.launch import Batch, States, launch
-from squeezefilm.reynolds.periodic.resolution import first_grid
+from squeezefilm.reynolds.periodic.resolution import first_grid, gap_numbers
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_on
 
@@ -96,7 +96,7 @@ def judge(
             moments.append(_moments(grid, states))
         else:
             before, moments = None, []
-        left = float(states.residual[0]) / (1 - scene.epsilon)
+        left = float(states.residual[0]) / scene.narrowest
         verdict = Verdict(
             force_n=float(states.mean[0]) * scene.force_scale_n if moments else np.nan,
             error_n=(_error(moments) + left) * scene.force_scale_n,
@@ -112,10 +112,11 @@ def judge(
 def first_of(scene: Scene, needs: Needs, *, tolerance: float) -> StretchedGrid:
     """The first grid, with the stretch along each side that wants few nodes."""
 
+    numbers = gap_numbers(scene)
+
     def guess(sigma: float, bearing: float) -> Grid:
         return first_grid(
-            epsilon=scene.epsilon,
-            sigma=sigma,
+            **{**numbers, "sigma": sigma},
             bearing=bearing,
             aspect=scene.aspect,
             needs=needs,
@@ -125,7 +126,7 @@ def first_of(scene: Scene, needs: Needs, *, tolerance: float) -> StretchedGrid:
 
     inside = guess(1.0, 0.0)
     layers = [
-        guess(scene.sigma / closer**2, abs(scene.bearing_number) / closer)
+        guess(numbers["sigma"] / closer**2, abs(scene.bearing_number) / closer)
         for closer in map(finer_at_rim, STRETCHES)
     ]
     nx, stretch_x = _fewest(inside.nx, [layer.nx for layer in layers])

@@ -1,7 +1,7 @@
 """One operating point of a squeeze film, and the dimensionless numbers that govern it."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import cos, hypot, isfinite, pi, radians, sin, sqrt
 from typing import TypeVar
 
@@ -76,7 +76,7 @@ class GapShape:
 
     @property
     def flat(self) -> bool:
-        return self == GapShape()
+        return not (self.tilt_x_m or self.tilt_y_m or self.bulge_m)
 
     def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Gap at rest less h0 at positions in [0, 1] across the finger."""
@@ -271,8 +271,7 @@ class Scene:
         """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
         if self.finger.gap.flat:
             return 1 - self.epsilon
-        x, y = self.inside()
-        return float((self.rest_gap(x, y) - self.epsilon * self.magnitude(x, y)).min())
+        return float((self.rest_inside - self.epsilon * _moves_inside(AtPlace(self))).min())
 
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and finger touch.
@@ -282,18 +281,17 @@ class Scene:
         """
         if self.finger.gap.flat:
             return self.epsilon * getattr(self.actuator.profile, "largest", 1.0)
-        x, y = self.inside()
-        gap, excursion = self.rest_gap(x, y), self.epsilon * self.magnitude(x, y)
+        gap, excursion = self.rest_inside, self.epsilon * _moves_inside(AtPlace(self))
         return float(np.max(np.where(gap > 0, excursion / gap, 1.0)))
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
         """A net of points x, y over the finger, rim included, in [0, 1]."""
-        if self.finger.shape == "ellipse":
-            r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
-            return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
-        side = np.linspace(0, 1, 25)
-        x, y = np.meshgrid(side, side, indexing="ij")
-        return x, y
+        return _net(self.finger.shape)
+
+    @property
+    def rest_inside(self) -> np.ndarray:
+        """Gap over h0 without vibration on that net."""
+        return 1 + _rises_inside(self.finger) / self.h0_m
 
 
 class AtPlace:
@@ -310,6 +308,31 @@ class AtPlace:
         return isinstance(other, AtPlace) and (
             self.scene is other.scene or self.scene.place == other.scene.place
         )
+
+
+# A study has many gaps and amplitudes at few places.
+
+
+@lru_cache
+def _net(shape: str) -> tuple[np.ndarray, np.ndarray]:
+    if shape == "ellipse":
+        r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
+        return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
+    side = np.linspace(0, 1, 25)
+    x, y = np.meshgrid(side, side, indexing="ij")
+    return x, y
+
+
+@lru_cache(maxsize=256)
+def _rises_inside(finger: Finger) -> np.ndarray:
+    """Gap at rest less h0 on the net over a finger."""
+    return finger.gap.rise_m(*_net(finger.shape))
+
+
+@lru_cache(maxsize=1024)
+def _moves_inside(at: AtPlace) -> np.ndarray:
+    """How far the surface moves over a period on the net, in units of hv."""
+    return at.scene.magnitude(*at.scene.inside())
 
 
 def check_scene(scene: Scene) -> None:

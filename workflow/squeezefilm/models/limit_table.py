@@ -24,8 +24,8 @@ AXES = ("h0_m", "epsilon_square")
 """And the two of the position."""
 POINTS = {"h0_m": 3, "epsilon_square": 11, "phi_r_m": 7, "phi_deg": 6, "x_m": 8, "y_m": 8}
 """Of directions, for 45°: the force over more of them bends more often. Of x and y, on one side."""
-POINTS_WITH_INERTIA = POINTS | {"h0_m": 6}
-"""Inertia grows like the square of the gap."""
+POINTS_OF_SCALES = POINTS | {"h0_m": 6}
+"""Inertia grows like the square of the gap, and a tilt or bulge counts less in a wider one."""
 LARGEST_EPSILON_SQUARE = 0.5
 """Amplitudes up to 0.7 of the gap: beyond a study's, since a wanted force may lie there."""
 SLACK = 1e-9

@@ -26,9 +26,9 @@ class Problems:
             flux's terms c_k H^(3−k) ρ^(1−k) ∇P, and the terms' own numbers; one row per scene.
         terms: those that all of the scenes have.
         aspect: finger's length along y over that along x, one for the batch.
-        parts: of the gap 1 + ε s sin T the profile s, or of any gap s₁, s₂ and what the gap at
-            rest is more than 1 (terms/gap.py), on all nodes of the grid's axes, ends and mirror
-            images included, shape (places, parts, full nx + 2, full ny + 2).
+        parts: of the gap 1 + ε s sin T the profile s, or of any gap (terms/gap.py) s₁, s₂ and by
+            how many metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends
+            and mirror images included, shape (places, parts, full nx + 2, full ny + 2).
         places: row of ``parts`` that each scene has.
         tolerance: relative error of the force that the iteration may leave, one for the batch.
     """
@@ -99,7 +99,7 @@ def _table(rows: Sequence[Any]) -> np.ndarray:
 def _parts(scenes: Sequence[Scene], grids: Sequence[Grid]) -> tuple[list[np.ndarray], np.ndarray]:
     """The gap's parts on all nodes of each grid at each place of the finger, each scene's place."""
     known: dict[object, tuple[int, Scene]] = {}
-    places = [known.setdefault(_place(scene), (len(known), scene))[0] for scene in scenes]
+    places = [known.setdefault(scene.place, (len(known), scene))[0] for scene in scenes]
     nodes = sum(grid.positions[0].size for grid in grids)
     ask = _profile_kept if nodes <= MOST_KEPT else _profile_on
     found = []
@@ -107,11 +107,6 @@ def _parts(scenes: Sequence[Scene], grids: Sequence[Grid]) -> tuple[list[np.ndar
         moving = ask(AtPlace(scene), tuple(grids))
         found.append([_with_rest(scene, *each) for each in zip(grids, moving, strict=True)])
     return [np.stack(on_grid) for on_grid in zip(*found, strict=True)], np.array(places)
-
-
-def _place(scene: Scene) -> object:
-    """What a gap's parts depend on: at rest its shape is over h0."""
-    return scene.place if scene.finger.gap.flat else (scene.place, scene.h0_m)
 
 
 def _profile_on(at: AtPlace, grids: tuple[Grid, ...]) -> list[np.ndarray]:
@@ -131,8 +126,8 @@ def _with_rest(scene: Scene, grid: Grid, moving: np.ndarray) -> np.ndarray:
     if scene.plain:
         return moving
     second = moving[1] if scene.two_phases else np.zeros_like(moving[0])
-    at_rest = scene.rest_gap(*grid.positions).reshape(_whole(grid))
-    return np.stack([moving[0], second, at_rest - 1])
+    rise_m = scene.finger.gap.rise_m(*grid.positions).reshape(_whole(grid))
+    return np.stack([moving[0], second, rise_m])
 
 
 def _whole(grid: Grid) -> tuple[int, int]:
@@ -171,5 +166,7 @@ def mean_motion(problems: Problems, grid: Grid) -> np.ndarray:
     # The rule leaves out the ends; what it gives them is small, and the mean is no result.
     whole = grid.x.weights.sum() * grid.y.weights.sum()
     means = np.asarray(grid.x.weights @ inner @ grid.y.weights / whole)[problems.places]
-    sine, cosine, rise = means.T if means.shape[1] == 3 else (means[:, 0], 0 * means[:, 0], 0.0)
-    return np.stack([sine, cosine], axis=1) * (problems.epsilon / (1 + rise))[:, None]
+    if means.shape[1] == 1:
+        return np.append(means, 0 * means, axis=1) * problems.epsilon[:, None]
+    rest = 1 + problems.numbers["per_rise"] * means[:, 2]
+    return np.asarray(means[:, :2] * (problems.epsilon / rest)[:, None])

@@ -16,6 +16,7 @@ from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.limits import forces as limits
+from squeezefilm.reynolds.limits.domain import unknown_to
 from squeezefilm.reynolds.limits.forces import LimitForces, limit_axis, limit_points
 from squeezefilm.reynolds.march import marching
 from squeezefilm.reynolds.march.marching import solve_marching
@@ -249,8 +250,7 @@ def _way(
     if limit is not None:
         return Way(limit.method, limit=limit)
     if method in LIMITS:
-        reason = f"{method} does not know this scene's finger, profile or terms"
-        return Way(method, refused=reason)
+        return Way(method, refused=unknown_to(method, scene, needs))
     if method == "march":
         march = marching.plan(scene, needs, tolerance=tolerance)
         return Way(march.method, refused=march.refused)
@@ -275,23 +275,12 @@ def by_limits(
             for index, (scene, need) in enumerate(zip(scenes, needs, strict=True))
             if index not in results
             and (method != "auto" or _promises(name, scene, need, tolerance))
-            and _applies(name, scene, need)
+            and not unknown_to(name, scene, need)
         ]
         for index, result in _evaluate(name, scenes, needs, waiting, tolerance=tolerance).items():
             if method != "auto" or result.holds(tolerance):
                 results[index] = result
     return results
-
-
-def _applies(name: str, scene: Scene, needs: Needs) -> bool:
-    """Whether the limit was derived for this scene's finger and terms at all."""
-    # Inertia was derived for one phase alone.
-    lagging = scene.two_phases and scene.gas.inertia == "included"
-    if wants_modes(scene) or lagging or scene.epsilon == 0:
-        return False
-    if not all(term.knows_limit(name) for term in needs.terms):
-        return False
-    return name != "closed-form" or needs.uniform
 
 
 def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
@@ -309,7 +298,8 @@ def _promises(name: str, scene: Scene, needs: Needs, tolerance: float) -> bool:
         case "closed-form":
             order = 0.3 * scene.sigma**-0.5
         case "boundary-layer":
-            order = (0.3 if needs.uniform else 100) * scene.sigma**-1.5
+            even = needs.uniform and scene.finger.gap.flat
+            order = (0.3 if even else 100) * scene.sigma**-1.5
         case "small-amplitude":
             order = scene.epsilon**2
         case "matched-limit":
@@ -328,7 +318,7 @@ def _evaluate(
     tolerance: float,
 ) -> dict[int, LimitResult]:
     """One limit on some of the scenes, those with one grid together."""
-    groups: dict[tuple[int, int], list[int]] = defaultdict(list)
+    groups: dict[tuple[int, int, bool, bool], list[int]] = defaultdict(list)
     for index in which:
         scene = scenes[index]
         layers = scene.sigma if name in RESOLVES_LAYERS else 1.0
@@ -337,9 +327,11 @@ def _evaluate(
         groups[
             max(limit_points(tolerance=tolerance, sigma=layers), 2 * seen_x + 1),
             max(limit_points(tolerance=tolerance, sigma=layers * scene.aspect**2), 2 * seen_y + 1),
+            scene.two_phases,
+            scene.finger.gap.flat,
         ].append(index)
     results = {}
-    for (nx, ny), group in groups.items():
+    for (nx, ny, *_), group in groups.items():
         for start in range(0, len(group), LIMIT_BATCH):
             some = group[start : start + LIMIT_BATCH]
             forces = _limit(name, [scenes[index] for index in some], nx=nx, ny=ny)
@@ -362,12 +354,15 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
         "small-amplitude": limits.small_amplitude,
         "matched-limit": limits.matched_limit,
     }[name]
+    numbers: dict[str, np.ndarray] = _numbers_of_terms(scenes)
+    if not scenes[0].finger.gap.flat:
+        numbers["rest"] = np.stack([scene.rest_gap(x, y) for scene in scenes])
     return function(
         epsilon=epsilon,
         sigma=sigma,
         amplitude=np.stack([places[scene.place] for scene in scenes]),
         aspect=aspect,
-        **_numbers_of_terms(scenes),
+        **numbers,
     )
 
 

@@ -113,9 +113,14 @@ def levitate(
 
 
 def _gaps(scene: Scene) -> np.ndarray:
-    """Gaps to look at, rising."""
-    least, most = scene.hv_m / CLOSEST, scene.hv_m / FARTHEST
-    return np.geomspace(max(least, GAPS_M[0]), min(most, GAPS_M[1]), LOOKED_AT)
+    """Gaps to look at, rising, from where the surface comes near to the finger somewhere."""
+    least, most = max(scene.hv_m / CLOSEST, GAPS_M[0]), min(scene.hv_m / FARTHEST, GAPS_M[1])
+    gap = scene.finger.gap
+    if not gap.flat:
+        x, y = scene.inside()
+        excursion_m = scene.hv_m * scene.magnitude(x, y)
+        least = max(least, float((excursion_m / CLOSEST - gap.rise_m(x, y)).max()))
+    return np.geomspace(least, max(least, most), LOOKED_AT)
 
 
 def _at(scene: Scene, gaps_m: np.ndarray) -> list[Scene]:

@@ -19,8 +19,10 @@ GAIN = 0.9
 
 def refused(scene: Scene) -> str:
     """Why a scene's response is not known; empty where it is."""
-    if wants_modes(scene) or not scene.finger.gap.flat:
-        return "the response is known of rectangular fingers with a flat gap only"
+    if wants_modes(scene):
+        return "the response was derived for rectangular fingers"
+    if not scene.finger.gap.flat:
+        return "the response was derived for a gap that is even at rest, not tilted or bulging"
     if scene.epsilon == 0:
         return "the surface is at rest"
     unknown = [term.label for term in terms_of(scene) if not term.knows_limit("boundary-layer")]

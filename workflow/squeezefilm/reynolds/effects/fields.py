@@ -79,7 +79,8 @@ class Fields:
         sin, cos = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         epsilon = self.number(problems.epsilon)
         moving = parts[:2]
-        self.gap = 1 + epsilon * sum(map(np.multiply, moving, (sin, cos))) + sum(parts[2:])
+        rest = 1 + self.numbers("per_rise", absent=0.0) * sum(parts[2:])
+        self.gap = rest + epsilon * sum(map(np.multiply, moving, (sin, cos)))
         self.gap_rate = epsilon * sum(map(np.multiply, moving, (cos, -sin)))
         self.pressure = 1 + self.with_rim(overpressure)
 

@@ -56,8 +56,11 @@ def layer_correction(
 
     u jumps at corners, so it is never computed. With χ the solution of the adjoint equation with
     the source weight that is zero on the rim, Green's identity turns ∫ u weight dA into
-    −∮ u ∂χ/∂n dl, n inward: ``influence`` is −∂χ/∂n.
+    −∮ u ∂χ/∂n dl, n inward: ``influence`` is −∂χ/∂n. Under a gap G at rest the layer is G times as
+    thick, and Green's identity is that of ∇·(G³∇).
     """
-    scale = 1 / np.sqrt(films.layer_number)
-    net = films.rim_integral(d + influence * change) * scale
-    return net, films.rim_integral(np.abs(d) + np.abs(influence * change)) * scale
+    gap = films.rest_on_rim
+    thick = gap / np.sqrt(films.sigma / (1 + films.slip))[:, None]
+    by_core = gap**3 * influence * change
+    net = films.rim_integral(thick * (d + by_core))
+    return net, films.rim_integral(thick * (np.abs(d) + np.abs(by_core)))

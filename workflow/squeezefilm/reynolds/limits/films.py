@@ -13,11 +13,15 @@ from squeezefilm.reynolds.spectral import Axis, axis
 # The error estimates' constants.
 RIM_SLOPES, INNER_CURVATURE, CORNERS, MEETING = 4.5, 3.0, 0.9, 4.5
 STIFF, FREE, FREE_SIGMA = 0.8, 6.0, 6.0
-STREAMING = 0.6
+STREAMING = 1.5
+SHAPE = 0.02
 SLIP_SHARE = 0.5
 INERTIA_SLOPES, INERTIA_CORNERS, INERTIA_SQUARE = 1.8, 1.2, 2.0
 # Forces on two grids can agree by cancellation where the densities do not.
 DENSITY_SHARE = 0.1
+
+# Of the rounds that solve for the core under a gap that is shaped at rest.
+ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
 
 Numbers = float | np.ndarray
 
@@ -35,7 +39,8 @@ class Films:
 
     Fields have shape (B, nx + 2, ny + 2); values on the rim (B, 2 (nx + ny + 4)), side after side:
     x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. A vibration in two
-    phases has s₁ + i s₂ for s.
+    phases has s₁ + i s₂ for s. Of a gap that is shaped at rest s is over that gap, which is
+    ``rest``, in units of h0; None where it is even.
     """
 
     epsilon: np.ndarray
@@ -44,6 +49,7 @@ class Films:
     aspect: np.ndarray
     slip: np.ndarray
     reynolds: np.ndarray
+    rest: np.ndarray | None = None
 
     @property
     def x(self) -> Axis:
@@ -56,10 +62,11 @@ class Films:
     @property
     def coarser(self) -> Films:
         """The same films on every other node."""
-        return replace(self, s=self.s[:, ::2, ::2])
+        rest = None if self.rest is None else self.rest[:, ::2, ::2]
+        return replace(self, s=self.s[:, ::2, ::2], rest=rest)
 
     def take(self, which: np.ndarray) -> Films:
-        """Some of the films, by a mask (B,)."""
+        """Some of the films, by a mask (B,); those with inertia have an even gap."""
         own = (self.epsilon, self.sigma, self.s, self.aspect, self.slip, self.reynolds)
         return Films(*(values[which] for values in own))
 
@@ -89,6 +96,33 @@ class Films:
         u = np.zeros(source.shape, dtype=modes.dtype)
         u[:, 1:-1, 1:-1] = vectors_x @ modes @ vectors_y.T
         return u
+
+    def diffusion(self, field: np.ndarray) -> np.ndarray:
+        """∇·(G³∇field) with the gap at rest G."""
+        if self.rest is None:
+            return self.laplacian(field)
+        along_x, along_y = self.gradient(field)
+        return self.divergence(self.rest**3 * along_x, self.rest**3 * along_y)
+
+    def solve_diffusion(self, source: np.ndarray) -> np.ndarray:
+        """The u with ∇·(G³∇u) = source that is zero on the rim; NaN where none is found.
+
+        With v = G^(3/2) u that is Δv − q v = source/G^(3/2), q = Δ(G^(3/2))/G^(3/2) (Liouville),
+        where q is nearly the same everywhere: in rounds by Δ less its middle.
+        """
+        if self.rest is None:
+            return self.solve(source)
+        half = self.rest**1.5
+        bend = self.laplacian(half) / half
+        middle = wide((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
+        v = np.zeros_like(half)
+        for _ in range(MOST_ROUNDS):
+            before, v = v, self.solve(source / half + (bend - middle) * v, shift=middle)
+            change = np.abs(v - before).max(axis=(1, 2))
+            known = change <= ROUND_PRECISION * np.abs(v).max(axis=(1, 2))
+            if known.all():
+                break
+        return np.where(wide(known), v / half, np.nan)
 
     def on_rim(self, field: np.ndarray) -> np.ndarray:
         sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
@@ -124,6 +158,11 @@ class Films:
         return np.sum(values * along * share, axis=1)
 
     @cached_property
+    def rest_on_rim(self) -> np.ndarray | float:
+        """The gap at rest there."""
+        return 1.0 if self.rest is None else self.on_rim(self.rest)
+
+    @cached_property
     def square(self) -> np.ndarray:
         """|s|², all that films see of the motion where they need no time."""
         return np.square(np.abs(self.s))
@@ -150,8 +189,12 @@ class Films:
 
     @property
     def layer_number(self) -> np.ndarray:
-        """Squeeze number that sets the layer's thickness: slip makes gas flow more freely."""
-        return self.sigma / (1 + self.slip)
+        """Squeeze number that sets the layer's thickness: slip makes gas flow more freely.
+
+        Where the gap at rest is not even, that of its widest place.
+        """
+        widest = 1.0 if self.rest is None else self.rest.max(axis=(1, 2))
+        return self.sigma / ((1 + self.slip) * widest**2)
 
     @property
     def decay_number(self) -> np.ndarray:
@@ -180,6 +223,7 @@ class Films:
         return (
             remainder
             + self.streaming_remainder
+            + self.shape_remainder
             + self.epsilon**2
             * (
                 RIM_SLOPES * np.sqrt(self.depth) * self.rim_unevenness / sigma**1.5
@@ -195,6 +239,17 @@ class Films:
             return 0.0
         uneven = self.mean(self.unevenness)
         return STREAMING * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+
+    @property
+    def shape_remainder(self) -> np.ndarray | float:
+        """Error of the boundary-layer limit by a gap that is shaped at rest: of order ε²/σ."""
+        if self.rest is None:
+            return 0.0
+        along_x, along_y = self.gradient(self.rest)
+        steep = self.on_rim((along_x**2 + along_y**2) / self.rest**2)
+        bent = self.on_rim(np.abs(self.laplacian(self.rest)) / self.rest)
+        uneven = self.rim_integral((steep + bent) * np.abs(self.rim) ** 2)
+        return SHAPE * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
 
     @property
     def inertia_remainder(self) -> np.ndarray:
@@ -237,13 +292,16 @@ def films_of(
     aspect: Numbers,
     slip: Numbers = 0.0,
     reynolds: Numbers = 0.0,
+    rest: np.ndarray | None = None,
 ) -> Films:
+    """Films of profiles over h0, and of gaps at rest likewise if they are not even."""
     for points in amplitude.shape[1:]:
         limit_axis(points - 2)
     given = (epsilon, sigma, aspect, slip, reynolds)
     numbers = (np.asarray(value, dtype=float) for value in given)
     epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(*numbers)
-    return Films(epsilon, sigma, amplitude, aspect, slip, reynolds)
+    local = amplitude if rest is None else amplitude / rest
+    return Films(epsilon, sigma, local, aspect, slip, reynolds, rest)
 
 
 def grid_error(

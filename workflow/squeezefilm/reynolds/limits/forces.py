@@ -15,6 +15,8 @@ Arguments they share:
         ``limit_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2); nx and
         ny odd, at least 5. See ``limit_points``. With inertia in one phase alone.
     aspect: finger's length along y over that along x, a number or shape (B,).
+    rest: gap at rest over h0 on the same nodes where it is not even, without slip and inertia; for
+        the first two with a profile alone.
     slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
     reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
 
@@ -107,13 +109,17 @@ def fast_limit(
     aspect: Numbers,
     slip: Numbers = 0.0,
     reynolds: Numbers = 0.0,
+    rest: np.ndarray | None = None,
 ) -> LimitForces:
     """The film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the rim.
 
+    Under a gap G that is shaped at rest ∇·(G³ ∇(ψ²/G²)) = 0, and all else by the local ε s/G.
     With inertia core and rim are others (inertial.py). The error is the boundary-layer correction
     and that one's error.
     """
-    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    films = films_of(
+        epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds, rest=rest
+    )
     return _together(films, _fast)
 
 
@@ -125,6 +131,7 @@ def boundary_layer_limit(
     aspect: Numbers,
     slip: Numbers = 0.0,
     reynolds: Numbers = 0.0,
+    rest: np.ndarray | None = None,
 ) -> LimitForces:
     """The fast limit with the rim's boundary layer, correct to 1/√σ (see boundary_layer.py).
 
@@ -133,7 +140,9 @@ def boundary_layer_limit(
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
     inertia the next order is ε²/σ (inertial_layer.py), without it ε²/σ^(3/2).
     """
-    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    films = films_of(
+        epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds, rest=rest
+    )
     return _together(films, _with_layer)
 
 

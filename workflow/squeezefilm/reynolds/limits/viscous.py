@@ -22,7 +22,8 @@ def expand(films: Films) -> Expansion:
     gap_square = square * films.square
     # ψ²/2 + slip ψ exceeds its value at rest by rise/2, of which `inner` is the part that makes it
     # harmonic.
-    inner = films.solve(-(0.25 + 0.5 * thick) * square * films.laplacian(films.square))
+    # Under a gap G at rest that is so of ψ²/G², and harmonic is what ∇·(G³∇) maps to zero.
+    inner = films.solve_diffusion(-(0.25 + 0.5 * thick) * square * films.diffusion(films.square))
     rise = (0.5 + thick) * gap_square + 2 * inner
     total = np.sqrt(thick**2 + rise)
     root = np.sqrt(1 - gap_square)
@@ -32,7 +33,7 @@ def expand(films: Films) -> Expansion:
     layer, gross = layer_correction(
         films,
         **_at_rim(films, *epsilon**2 * boundary_layer.ratios(epsilon * np.abs(films.rim))),
-        influence=-films.inward(films.solve(1 / (2 * total * root))),
+        influence=-films.inward(films.solve_diffusion(1 / (2 * total * root))),
     )
     return Expansion(density=density, layer=layer, gross=gross)
 

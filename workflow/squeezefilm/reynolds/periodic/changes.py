@@ -52,6 +52,7 @@ def changes_of(
     known: Sequence[Change | None],
     in_time: np.ndarray,
     sizes: np.ndarray,
+    least_falls: np.ndarray,
     per_residual: np.ndarray,
     terms: Terms,
     tolerance: float,
@@ -63,6 +64,7 @@ def changes_of(
         known: each film's change to the first of two grids, if there is one.
         in_time: their errors in time that the change from the first of two grids does not show.
         sizes: shares of the changes' sizes that count of each at least.
+        least_falls: factors by which each film's changes are believed to fall at most.
         per_residual: by how much their pressure may be off for the residual that is left.
         terms: those of the films.
     """
@@ -94,7 +96,7 @@ def changes_of(
         last.largest[which] = last[which].steady(before).largest
     taken_over = stages[-1].newton_steps == 0
     fall = np.where(taken_over, np.maximum(fall, UNKNOWN_FALL), fall)
-    return last + per_residual * _unseen(stages[-1]), fall, in_time
+    return last + per_residual * _unseen(stages[-1]), np.maximum(fall, least_falls), in_time
 
 
 def _unseen(states: States) -> np.ndarray:

@@ -157,11 +157,11 @@ static void from_modal(const Grid *g, constant_vector modal, vector work, vector
 }
 
 /* What the gap is more than 1 at some place and four instants, by its parts there: s or, behind each
- * other, s₁, s₂ and what it is at rest (problems.py). By their slopes, the gap's slope. */
+ * other, s₁, s₂ and what it is at rest, in metres (problems.py). By their slopes, the gap's slope. */
 static double4 beyond_even(const Grid *g, const Film *film, matrix parts, int row, int t)
 {
 #ifdef HAS_any_gap
-    return parts[2 * g->rows + row] +
+    return film->row->per_rise * parts[2 * g->rows + row] +
            film->epsilon * (parts[row] * g->sine[t] + parts[g->rows + row] * g->cosine[t]);
 #else
     return film->epsilon * parts[row] * g->sine[t];

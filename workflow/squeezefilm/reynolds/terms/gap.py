@@ -16,7 +16,11 @@ SHAPED, TWO_PHASES = "gap that is shaped at rest", "vibration in two phases"
 
 @dataclass(frozen=True)
 class AnyGap(Term):
-    """``label`` says in which way the gap is not the plain one."""
+    """``label`` says in which way the gap is not the plain one.
+
+    Its numbers: the least gap over h0 in a period, and what the gap at rest is over h0 more than 1
+    for each metre that it is wider than h0.
+    """
 
     NAME = "any_gap"
     ABSENT = LeftOut("gap of any shape", "it is even at rest and moves in one phase")
@@ -37,10 +41,13 @@ class AnyGap(Term):
         return replace(scene, finger=replace(scene.finger, gap=gap))
 
     def numbers(self, scene: Scene) -> Numbers:
-        return {"narrowest": scene.narrowest}
+        return {"narrowest": scene.narrowest, "per_rise": 1 / scene.h0_m}
 
     def knows_limit(self, name: str) -> bool:
-        return name != "closed-form" and self.label == TWO_PHASES
+        return name != "closed-form"
+
+    def refused_by_march(self, scene: Scene) -> str:
+        return f"march is for a gap that is even at rest and moves in one phase, not a {self.label}"
 
     def refused_in_modes(self, scene: Scene) -> str:
         return ""

@@ -21,11 +21,12 @@ from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.limit_table import (
     LARGEST_EPSILON_SQUARE,
     POINTS,
-    POINTS_WITH_INERTIA,
+    POINTS_OF_SCALES,
     LimitTable,
     coefficients_of,
     nodes,
 )
+from squeezefilm.reynolds.limits.domain import unknown_to
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.solver import LimitResult, by_limits
 from squeezefilm.reynolds.terms import terms_of
@@ -53,7 +54,10 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
             if np.isfinite(result.error):
                 columns[column][index] = result.mean * scenes[index].force_scale_n
                 errors[column][index] = result.error * scenes[index].force_scale_n
-    status = np.where(np.isfinite(columns["limit_n"]), "ok", DOES_NOT_HOLD)
+    status = [
+        "ok" if known else unknown_to(_methods(scene)["limit_n"], scene, need) or DOES_NOT_HOLD
+        for scene, need, known in zip(scenes, needs, np.isfinite(columns["limit_n"]), strict=True)
+    ]
     return table.assign(**columns, limit_error_n=errors["limit_n"], status=status)
 
 
@@ -70,10 +74,14 @@ def _results(
             [scenes[index] for index in group],
             [needs[index] for index in group],
             tolerance=TOLERANCE_WITH_INERTIA if inertia else TOLERANCE,
-            method=(METHODS_WITH_INERTIA if inertia else METHODS)[column],
+            method=_methods(scenes[group[0]])[column],
         )
         results.update({group[place]: result for place, result in found.items()})
     return results
+
+
+def _methods(scene: Scene) -> dict[str, str]:
+    return METHODS_WITH_INERTIA if _has_inertia(scene) else METHODS
 
 
 def _with_inertia(scene: Scene) -> Scene:
@@ -96,7 +104,8 @@ def limit_table_of(config: Config) -> LimitTable:
     ranges = {"h0_m": box.pop("h0_m"), "epsilon_square": (0.0, LARGEST_EPSILON_SQUARE), **box}
     h0_m = ranges["h0_m"][1]
     widest = scene_of(ScenePoint("widest", h0_m, 0.1 * h0_m), config, check=False)
-    at, shape = nodes(ranges, POINTS_WITH_INERTIA if _has_inertia(widest) else POINTS)
+    bends = _has_inertia(widest) or not widest.finger.gap.flat
+    at, shape = nodes(ranges, POINTS_OF_SCALES if bends else POINTS)
     limits = _limits(config, at)
     square = at["epsilon_square"].reshape(shape)
     table = LimitTable(
@@ -122,6 +131,6 @@ def _limits(config: Config, at: dict[str, np.ndarray]) -> pd.DataFrame:
     table = plan(position=form_of(at), **factors)
     table = table.assign(**{name: at[name] for name in form_of(at)})
     limits = with_limits(table, [scene_of(point, config) for point in scene_points(table)])
-    if not np.all(np.isfinite(limits[list(METHODS)])):
-        raise InputError(f"{config.path}: {DOES_NOT_HOLD}, or another of the study's space")
+    if missing := [status for status in limits["status"] if status != "ok"]:
+        raise InputError(f"{config.path}: {missing[0]} (of the study's space)")
     return limits

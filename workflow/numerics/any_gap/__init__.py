@@ -1,0 +1,1 @@
+"""Travelling waves, tilted and bulging rectangles, ellipses: extreme films of theirs."""
