@@ -141,10 +141,11 @@ class Pile:
 
     def add_each(self, parts: Mapping[str, np.ndarray], which: np.ndarray | None = None) -> Columns:
         """Where each scene's part begins of arrays with a row for each scene, or for ``which``."""
-        first = self.add(joined(parts))
-        sizes = np.array([part[0].size for part in parts.values()])
-        rows = np.arange(len(next(iter(parts.values())))) if which is None else which
-        return Columns(first.names, first.values + rows[:, None] * sizes)
+        begins = [self.put(part.ravel()) for part in parts.values()]
+        count = len(next(iter(parts.values())))
+        sizes = [part.size // count for part in parts.values()]
+        rows = np.arange(count) if which is None else which
+        return Columns(tuple(parts), begins + np.multiply.outer(rows, sizes))
 
     @property
     def values(self) -> np.ndarray:

@@ -67,15 +67,21 @@ def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Pro
     return problems_on(scenes, {grid: tolerance})[0]
 
 
-def problems_on(scenes: Sequence[Scene], tolerances: Mapping[Grid, float]) -> list[Problems]:
+def problems_on(
+    scenes: Sequence[Scene], tolerances: Mapping[Grid, float], *, terms: Terms | None = None
+) -> list[Problems]:
     """Scenes of one finger shape and like terms on each of some grids.
+
+    Args:
+        terms: those that all of the scenes are known to have; looked for if left out.
 
     Raises:
         ValueError: for scenes of unlike terms.
     """
-    terms = terms_of(scenes[0])
-    if any(terms_of(scene) != terms for scene in scenes):
-        raise ValueError("a batch is of scenes with like terms")
+    if terms is None:
+        terms = terms_of(scenes[0])
+        if any(terms_of(scene) != terms for scene in scenes):
+            raise ValueError("a batch is of scenes with like terms")
     numbers = _table([numbers_of(scene, terms) for scene in scenes])
     parts, places = _parts(scenes, list(tolerances))
     return [

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -147,28 +148,34 @@ def first_grids(
     Args:
         room: most unknowns of a grid that the device has memory for.
     """
+    seen = nodes_for_profile(needs, tolerance=tolerance)
     if judged_from_coarser(needs.terms, tolerance=tolerance):
         last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
-        if grids := _up_to(at_least_judged(last), needs, tolerance=tolerance):
+        if grids := _up_to(at_least_judged(last), seen):
             return grids
-    first = grid_for(scene, needs, tolerance=tolerance, room=room)
-    wanted = _start(first, needs, tolerance=tolerance), first, finer_grid(first, room=room)
+    return _with_finer(grid_for(scene, needs, tolerance=tolerance, room=room), seen, room)
+
+
+@lru_cache(maxsize=4096)
+def _with_finer(first: Grid, seen: tuple[int, int], room: float) -> tuple[Grid, ...]:
+    """The grid, one that starts it, if that pays, and the finer one that tells its error."""
+    wanted = _start(first, seen), first, finer_grid(first, room=room)
     return tuple(grid for grid in wanted if grid is not None)
 
 
-def _up_to(last: Grid, needs: Needs, *, tolerance: float) -> tuple[Grid, ...]:
+@lru_cache(maxsize=4096)
+def _up_to(last: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
     """The coarser grids that tell the error of the last one; none if none do."""
-    grids = judged_grids(last, nodes_for_profile(needs, tolerance=tolerance))
+    grids = judged_grids(last, seen)
     pays = bool(grids) and grids[0].count >= LEAST_STARTED
-    start = _start(grids[0], needs, tolerance=tolerance) if pays else None
+    start = _start(grids[0], seen) if pays else None
     return (start, *grids) if start else grids
 
 
-def _start(grid: Grid, needs: Needs, *, tolerance: float) -> Grid | None:
+def _start(grid: Grid, seen: tuple[int, int]) -> Grid | None:
     start = start_grid(grid)
     # What does not see the profile is no guess.
-    sees = start and start.sees(*nodes_for_profile(needs, tolerance=tolerance))
-    return start if sees else None
+    return start if start and start.sees(*seen) else None
 
 
 def grid_for(
@@ -225,7 +232,8 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     known = [progress.state for progress in group if progress.state is not None]
     if known:  # so that the finer grid does not take the state over as it is
         shares = [TIMELY * left] * len(grids)
-    problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
+    tolerances = dict(zip(grids, shares, strict=True))
+    problems = problems_on(scenes, tolerances, terms=group[0].needs.terms)
     guess = np.stack(known) if known else None
     return Batch(grids=grids, problems=problems, guess=guess, every=False)
 
@@ -382,7 +390,8 @@ def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: fl
     if margin_of(progress.needs.terms) > 1 or again is None or progress.failures == MOST_FAILURES:
         return False
     judged = judged_from_coarser(progress.needs.terms, tolerance=tolerance)
-    grids = _up_to(again, progress.needs, tolerance=tolerance) if judged else ()
+    seen = nodes_for_profile(progress.needs, tolerance=tolerance)
+    grids = _up_to(again, seen) if judged else ()
     progress.grids = grids or (finer, again)
     progress.state, progress.change, progress.in_time = None, None, 0.0
     progress.failures += 1
