@@ -113,9 +113,9 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
 
 
 def _moments(axis: Axis) -> np.ndarray:
-    """What tells how the mean pressure changes, and the first once more: shape (n, 4)."""
-    moments = axis.moments(MOMENTS)
-    return np.stack([*moments, moments[0]], axis=1)
+    """The moments without their weights, and the first, which is 1, once more: shape (n, 4)."""
+    cosines = axis.moments(MOMENTS) / axis.weights
+    return np.stack([*cosines, cosines[0]], axis=1)
 
 
 @lru_cache(maxsize=256)

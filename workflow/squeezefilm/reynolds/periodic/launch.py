@@ -22,10 +22,11 @@ from squeezefilm.reynolds.layout import (
     joined_rows,
     rows_of,
 )
+from squeezefilm.reynolds.periodic.profiles import put_profiles
 from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
 from squeezefilm.reynolds.periodic.sources import in_single, sources_of
 from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
-from squeezefilm.reynolds.problems import Problems, mean_motion, problems_of, profile_fields
+from squeezefilm.reynolds.problems import Problems, mean_motion, problems_of
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
 
 # What stands for no offset.
@@ -333,7 +334,14 @@ def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Co
     kind_of = np.array([kinds[steps] for steps in films])
     coarser = None
     stages = []
-    for grid, problems, place in zip(batch.grids, batch.problems, places, strict=True):
+    each_stage = zip(
+        batch.grids,
+        batch.problems,
+        places,
+        put_profiles(pile, batch.problems, batch.grids),
+        strict=True,
+    )
+    for grid, problems, place, profile in each_stage:
         modes = [time_modes(grid.nt, steps).parts for steps in kinds]
         first_mode = np.array([pile.put(each.values) for each in modes])[kind_of, None]
         stages.append(
@@ -344,7 +352,7 @@ def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Co
                 if coarser
                 else _nothing_to_carry(terms),
                 pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
-                pile.add_each(profile_fields(problems, grid), problems.places),
+                profile,
                 Columns(modes[0].columns.names, first_mode + modes[0].columns.values),
             ]
         )

@@ -40,7 +40,7 @@ static double2 change_of_means(const Grid *g, const Film *film, __local double *
         double4 row = (double4)(0.0);
         for (int y = 0; y < g->ny; y++) {
             const int i = x * g->ny + y;
-            const double change = film->means[i] - film->means_before[i];
+            const double change = g->weights[i] * (film->means[i] - film->means_before[i]);
             row += along_y[y] * (double4)(change, change, change, fabs(change));
         }
         first += along_x[x].x * row;

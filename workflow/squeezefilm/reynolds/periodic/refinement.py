@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -35,10 +34,10 @@ from squeezefilm.reynolds.periodic.resolution import (
     finer_grid,
     first_grid,
     gap_numbers,
-    judged_grids,
     nodes_for_profile,
     profile_fall,
-    start_grid,
+    up_to,
+    with_finer,
 )
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_on
@@ -46,8 +45,6 @@ from squeezefilm.reynolds.terms import numbers_of, size_share_of, state_refused,
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
-# Unknowns of a grid before which a start pays where coarse grids come first anyway.
-LEAST_STARTED = 20_000
 # Share of what the iteration may leave on grids that differ in time alone, or that go on from a
 # known state.
 TIMELY = 0.1
@@ -151,31 +148,9 @@ def first_grids(
     seen = nodes_for_profile(needs, tolerance=tolerance)
     if judged_from_coarser(needs.terms, tolerance=tolerance):
         last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
-        if grids := _up_to(at_least_judged(last), seen):
+        if grids := up_to(at_least_judged(last), seen):
             return grids
-    return _with_finer(grid_for(scene, needs, tolerance=tolerance, room=room), seen, room)
-
-
-@lru_cache(maxsize=4096)
-def _with_finer(first: Grid, seen: tuple[int, int], room: float) -> tuple[Grid, ...]:
-    """The grid, one that starts it, if that pays, and the finer one that tells its error."""
-    wanted = _start(first, seen), first, finer_grid(first, room=room)
-    return tuple(grid for grid in wanted if grid is not None)
-
-
-@lru_cache(maxsize=4096)
-def _up_to(last: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
-    """The coarser grids that tell the error of the last one; none if none do."""
-    grids = judged_grids(last, seen)
-    pays = bool(grids) and grids[0].count >= LEAST_STARTED
-    start = _start(grids[0], seen) if pays else None
-    return (start, *grids) if start else grids
-
-
-def _start(grid: Grid, seen: tuple[int, int]) -> Grid | None:
-    start = start_grid(grid)
-    # What does not see the profile is no guess.
-    return start if start and start.sees(*seen) else None
+    return with_finer(grid_for(scene, needs, tolerance=tolerance, room=room), seen, room)
 
 
 def grid_for(
@@ -391,7 +366,7 @@ def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: fl
         return False
     judged = judged_from_coarser(progress.needs.terms, tolerance=tolerance)
     seen = nodes_for_profile(progress.needs, tolerance=tolerance)
-    grids = _up_to(again, seen) if judged else ()
+    grids = up_to(again, seen) if judged else ()
     progress.grids = grids or (finer, again)
     progress.state, progress.change, progress.in_time = None, None, 0.0
     progress.failures += 1
