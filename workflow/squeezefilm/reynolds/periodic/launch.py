@@ -22,11 +22,11 @@ from squeezefilm.reynolds.layout import (
     joined_rows,
     rows_of,
 )
-from squeezefilm.reynolds.periodic.profiles import put_profiles
+from squeezefilm.reynolds.periodic.profiles import film_steps, put_profiles
 from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
 from squeezefilm.reynolds.periodic.sources import in_single, sources_of
-from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
-from squeezefilm.reynolds.problems import Problems, mean_motion, problems_of
+from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
 
 # What stands for no offset.
@@ -329,7 +329,7 @@ def _inputs(batches: Sequence[Batch], places: _Places) -> _Inputs:
 def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Columns]]:
     """On each grid its sizes, and where what the batch needs lies in the pile and the results."""
     terms, aspect = batch.terms, batch.problems[0].aspect
-    films = _film_steps(batch.problems[-1], batch.grids[-1])
+    films = film_steps(batch.problems[-1], batch.grids[-1])
     kinds = {steps: kind for kind, steps in enumerate(dict.fromkeys(films))}
     kind_of = np.array([kinds[steps] for steps in films])
     coarser = None
@@ -367,13 +367,6 @@ def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Co
 def _nothing_to_carry(terms: Terms) -> Columns:
     names = (*CARRYING, *(name for term in terms for name in term.CARRYING))
     return Columns(names, np.full(len(names), NOTHING))
-
-
-def _film_steps(problems: Problems, grid: Grid) -> list[Steps]:
-    """What tells the films' modes in time, which are alike on all grids."""
-    numbers = problems.numbers
-    variation, lagging = mean_motion(problems, grid).T
-    return steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=numbers["slow"])
 
 
 @lru_cache(maxsize=64)

@@ -10,7 +10,8 @@ import numpy as np
 from squeezefilm.film.scene import AtPlace
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Columns, Joined, Pile, joined
-from squeezefilm.reynolds.problems import Problems, problems_on, profile_fields
+from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of
+from squeezefilm.reynolds.problems import Problems, mean_motion, problems_on, profile_fields
 from squeezefilm.reynolds.terms import Terms
 
 
@@ -33,3 +34,10 @@ def _profile_at(at: AtPlace, grids: tuple[Grid, ...], terms: Terms) -> list[Join
     """The profile's fields at a place, on each grid."""
     problems = problems_on([at.scene], dict.fromkeys(grids, 1.0), terms=terms)
     return [joined(profile_fields(*each)) for each in zip(problems, grids, strict=True)]
+
+
+def film_steps(problems: Problems, grid: Grid) -> list[Steps]:
+    """What tells the films' modes in time, which are alike on all grids."""
+    numbers = problems.numbers
+    variation, lagging = mean_motion(problems, grid).T
+    return steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=numbers["slow"])
