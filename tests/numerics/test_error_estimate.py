@@ -22,13 +22,12 @@ from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.error_estimate import (
-    MOMENTS,
     Change,
     change_between,
     estimate,
     fall_of,
 )
-from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.grid import MOMENTS, Grid
 from squeezefilm.reynolds.modes.galerkin import solve_in_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import refinement

@@ -130,9 +130,11 @@ def _row(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     rest = np.zeros(1)
     (steps,) = steps_of(variation=rest, lagging=rest, lag=rest, slow=rest + 1)
     row = rows_of(
-        sizes_of(grid, ()),
-        pile.add(grid_matrices(grid, aspect=1.0, terms=())),
-        pile.add(time_modes(grid.nt, steps).parts),
+        [
+            sizes_of(grid, ()),
+            pile.add(grid_matrices(grid, aspect=1.0, terms=())),
+            pile.add(time_modes(grid.nt, steps).parts),
+        ],
         numbers=np.empty(1, dtype=[]),
     )
     return row, pile.values

@@ -74,7 +74,7 @@ class GapShape:
     tilt_y_m: float = 0.0
     bulge_m: float = 0.0
 
-    @property
+    @cached_property
     def flat(self) -> bool:
         return not (self.tilt_x_m or self.tilt_y_m or self.bulge_m)
 
@@ -170,7 +170,7 @@ class Scene:
             / (self.gas.ambient_pressure_pa * self.h0_m**2)
         )
 
-    @property
+    @cached_property
     def bearing_number(self) -> float:
         """Bearing number Λ = 6 μ U l0 / (p0 h0²) (paper eq. 1)."""
         return (

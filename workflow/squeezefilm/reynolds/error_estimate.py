@@ -7,12 +7,8 @@ from math import isfinite
 
 import numpy as np
 
-from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.grid import MOMENTS, Grid
 
-# The force can agree between two grids by chance. The lowest moments of the mean pressure hardly
-# ever all do: twice their largest change covered the finer grid's true error in 99.8 % of 414
-# pairs of grids, drawn over ε 0.01–0.95 and σ 0.1–3e5.
-MOMENTS = 3
 # In a thin layer at the rim all moments change like the force, which may be by little. So much of
 # the mean size of the change counts too: of 120 films (ε 0.02–0.9, σ 0.3–1e5) one, a piston at ε
 # 0.87, had 1.5 times its estimate without. Where the finer of two grids is not there to make up for

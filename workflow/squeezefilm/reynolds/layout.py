@@ -52,35 +52,35 @@ class Columns:
     values: np.ndarray
 
 
-def rows_of(*whole: Columns, numbers: np.ndarray, **more: np.ndarray) -> np.ndarray:
-    """One row per scene for a kernel: whole numbers, the scene's own numbers, and more of them.
+def rows_of(
+    *stages: Sequence[Columns], numbers: np.ndarray, **more: np.ndarray | Sequence[float]
+) -> np.ndarray:
+    """Rows for a kernel, scene by scene one for each stage: whole numbers, the scene's, and more.
 
     Args:
-        whole: of names that there are twice the last counts.
+        stages: whole numbers of each stage, of names that there are twice the last counts; every
+            stage has the same names.
         numbers: with a row per scene.
+        more: one for each scene, shape (scenes,), or for each of its rows, (scenes, stages).
     """
-    kind, places = _row_type(tuple(each.names for each in whole), numbers.dtype, tuple(more))
+    kind, places = _row_type(tuple(each.names for each in stages[0]), numbers.dtype, tuple(more))
     # As plain numbers, and many columns at once: a row has some thirty.
-    table = np.empty((len(numbers), kind.itemsize // 8), dtype=np.int64)
-    for place, columns in zip(places, whole, strict=False):
-        table[:, place] = columns.values
+    table = np.empty((len(numbers), len(stages), kind.itemsize // 8), dtype=np.int64)
+    for stage, whole in enumerate(stages):
+        for place, columns in zip(places, whole, strict=False):
+            table[:, stage, place] = columns.values
     reals = table.view(np.float64)
     if numbers.dtype.itemsize:
-        reals[:, places[-1]] = numbers.view(np.float64).reshape(len(numbers), -1)
-    for column, values in enumerate(more.values(), start=reals.shape[1] - len(more)):
-        reals[:, column] = values
-    return table.view(kind)[:, 0]
+        reals[..., places[-1]] = numbers.view(np.float64).reshape(len(numbers), 1, -1)
+    for column, values in enumerate(more.values(), start=reals.shape[-1] - len(more)):
+        reals[..., column] = np.reshape(values, (len(numbers), -1))
+    return table.reshape(-1, table.shape[-1]).view(kind)[:, 0]
 
 
-def scene_by_scene(batches: Iterable[Sequence[np.ndarray]]) -> np.ndarray:
-    """The rows of batches, each of which has arrays of one row per scene, one after the other."""
-    kind, tables = np.dtype(np.int64), []
-    for arrays in batches:
-        kind = arrays[0].dtype
-        # As plain numbers: NumPy is slow to find that structured types are the same.
-        plain = [rows.view(np.int64).reshape(len(rows), -1) for rows in arrays]
-        tables.append(np.stack(plain, axis=1).ravel())
-    return np.concatenate(tables).view(kind)
+def joined_rows(batches: Sequence[np.ndarray]) -> np.ndarray:
+    """The rows of several batches as one array."""
+    # As plain numbers: NumPy is slow to find that structured types are the same.
+    return np.concatenate([rows.view(np.int64) for rows in batches]).view(batches[0].dtype)
 
 
 @lru_cache(maxsize=64)
@@ -141,10 +141,11 @@ class Pile:
 
     def add_each(self, parts: Mapping[str, np.ndarray], which: np.ndarray | None = None) -> Columns:
         """Where each scene's part begins of arrays with a row for each scene, or for ``which``."""
-        first = self.add(joined(parts))
-        sizes = np.array([part[0].size for part in parts.values()])
-        rows = np.arange(len(next(iter(parts.values())))) if which is None else which
-        return Columns(first.names, first.values + rows[:, None] * sizes)
+        begins = [self.put(part.ravel()) for part in parts.values()]
+        count = len(next(iter(parts.values())))
+        sizes = [part.size // count for part in parts.values()]
+        rows = np.arange(count) if which is None else which
+        return Columns(tuple(parts), begins + np.multiply.outer(rows, sizes))
 
     @property
     def values(self) -> np.ndarray:

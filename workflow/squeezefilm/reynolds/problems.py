@@ -31,6 +31,7 @@ class Problems:
             and mirror images included, shape (places, parts, full nx + 2, full ny + 2).
         places: row of ``parts`` that each scene has.
         tolerance: relative error of the force that the iteration may leave, one for the batch.
+        at: the places, where their parts are so few and so simple that they are kept.
     """
 
     numbers: np.ndarray
@@ -39,6 +40,7 @@ class Problems:
     parts: np.ndarray
     places: np.ndarray
     tolerance: float
+    at: tuple[AtPlace, ...] = ()
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -67,17 +69,23 @@ def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Pro
     return problems_on(scenes, {grid: tolerance})[0]
 
 
-def problems_on(scenes: Sequence[Scene], tolerances: Mapping[Grid, float]) -> list[Problems]:
+def problems_on(
+    scenes: Sequence[Scene], tolerances: Mapping[Grid, float], *, terms: Terms | None = None
+) -> list[Problems]:
     """Scenes of one finger shape and like terms on each of some grids.
+
+    Args:
+        terms: those that all of the scenes are known to have; looked for if left out.
 
     Raises:
         ValueError: for scenes of unlike terms.
     """
-    terms = terms_of(scenes[0])
-    if any(terms_of(scene) != terms for scene in scenes):
-        raise ValueError("a batch is of scenes with like terms")
+    if terms is None:
+        terms = terms_of(scenes[0])
+        if any(terms_of(scene) != terms for scene in scenes):
+            raise ValueError("a batch is of scenes with like terms")
     numbers = _table([numbers_of(scene, terms) for scene in scenes])
-    parts, places = _parts(scenes, list(tolerances))
+    parts, places, at = _parts(scenes, list(tolerances))
     return [
         Problems(
             numbers=numbers,
@@ -86,6 +94,7 @@ def problems_on(scenes: Sequence[Scene], tolerances: Mapping[Grid, float]) -> li
             parts=each,
             places=places,
             tolerance=tolerance,
+            at=at,
         )
         for each, tolerance in zip(parts, tolerances.values(), strict=True)
     ]
@@ -96,17 +105,25 @@ def _table(rows: Sequence[Any]) -> np.ndarray:
     return np.array([tuple(row.values()) for row in rows], dtype=kinds)
 
 
-def _parts(scenes: Sequence[Scene], grids: Sequence[Grid]) -> tuple[list[np.ndarray], np.ndarray]:
-    """The gap's parts on all nodes of each grid at each place of the finger, each scene's place."""
+def _parts(
+    scenes: Sequence[Scene], grids: Sequence[Grid]
+) -> tuple[list[np.ndarray], np.ndarray, tuple[AtPlace, ...]]:
+    """The gap's parts on all nodes of each grid at each place of the finger, each scene's place.
+
+    And the places, where they are kept.
+    """
     known: dict[object, tuple[int, Scene]] = {}
     places = [known.setdefault(scene.place, (len(known), scene))[0] for scene in scenes]
     nodes = sum(grid.positions[0].size for grid in grids)
     ask = _profile_kept if nodes <= MOST_KEPT else _profile_on
     found = []
-    for _, scene in known.values():
-        moving = ask(AtPlace(scene), tuple(grids))
-        found.append([_with_rest(scene, *each) for each in zip(grids, moving, strict=True)])
-    return [np.stack(on_grid) for on_grid in zip(*found, strict=True)], np.array(places)
+    at = tuple(AtPlace(scene) for _, scene in known.values())
+    for each in at:
+        scene, moving = each.scene, ask(each, tuple(grids))
+        found.append([_with_rest(scene, *its) for its in zip(grids, moving, strict=True)])
+    kept = ask is _profile_kept and all(each.scene.plain for each in at)
+    parts = [np.stack(on_grid) for on_grid in zip(*found, strict=True)]
+    return parts, np.array(places), at if kept else ()
 
 
 def _profile_on(at: AtPlace, grids: tuple[Grid, ...]) -> list[np.ndarray]:

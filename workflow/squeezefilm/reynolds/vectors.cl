@@ -121,6 +121,9 @@ typedef __global const real *constant_vector;
  * makes LLVM take them as wide, where it prefers half of them. */
 #if LANES > 4
 typedef struct __attribute__((packed)) { lanes numbers; } JOIN(unaligned_, real);
+#if LANES == 16
+typedef struct __attribute__((packed)) { JOIN(real, 8) numbers; } JOIN(half_, real);
+#endif
 #else
 typedef struct { lanes numbers; } JOIN(unaligned_, real);
 #endif
@@ -136,15 +139,17 @@ OF_BOTH_TYPES inline void store(lanes values, vector place, int count)
         ((__global JOIN(unaligned_, real) *)place)->numbers = values;
         return;
     }
-    __global JOIN(real, 4) *fours = (__global JOIN(real, 4) *)place;
 #if LANES == 8
-    fours[0] = values.lo;
+    *(__global JOIN(real, 4) *)place = values.lo;
 #elif LANES == 16
-    fours[0] = values.lo.lo;
-    if (count > 4)
-        fours[1] = values.lo.hi;
+    /* A half at a time: most grids have 8 or 12 instants. */
+    if (count == 4) {
+        *(__global JOIN(real, 4) *)place = values.lo.lo;
+        return;
+    }
+    ((__global JOIN(half_, real) *)place)->numbers = values.lo;
     if (count > 8)
-        fours[2] = values.hi.lo;
+        ((__global JOIN(real, 4) *)place)[2] = values.hi.lo;
 #endif
 }
 

@@ -137,10 +137,12 @@ def march(
     endings = np.empty(scenes, dtype=ENDING)
     pile = Pile()
     rows = rows_of(
-        Columns(("nx", "ny"), np.array([grid.nx, grid.ny])),
-        Columns(("steps",), steps.astype(int)[:, None]),
-        pile.add(instant_matrices(grid, aspect=problems.aspect, terms=problems.terms)),
-        pile.add_each(profile_fields(problems, grid), problems.places),
+        [
+            Columns(("nx", "ny"), np.array([grid.nx, grid.ny])),
+            Columns(("steps",), steps.astype(int)[:, None]),
+            pile.add(instant_matrices(grid, aspect=problems.aspect, terms=problems.terms)),
+            pile.add_each(profile_fields(problems, grid), problems.places),
+        ],
         numbers=problems.numbers,
         tolerance=_stage_tolerance(problems, steps),
         depth=np.full(scenes, modulation.depth),

@@ -24,12 +24,12 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.error_estimate import (
     ITERATION_SHARE,
-    MOMENTS,
     ROUND_OFF,
     UNKNOWN_FALL,
     error_text,
     estimate,
 )
+from squeezefilm.reynolds.grid import MOMENTS
 from squeezefilm.reynolds.modes.film_in_modes import FilmInModes
 from squeezefilm.reynolds.modes.pad_modes import PadGrid, PadModes, pad_modes
 from squeezefilm.reynolds.needs import Needs, needs_of

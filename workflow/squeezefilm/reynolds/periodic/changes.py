@@ -15,7 +15,6 @@ from squeezefilm.reynolds.error_estimate import (
     SIZE_SHARE,
     UNKNOWN_FALL,
     Change,
-    change_between,
     fall_of,
     left_after,
 )
@@ -72,15 +71,13 @@ def changes_of(
     fall = np.full(len(known), UNKNOWN_FALL)
     if telling < 2:
         return None, fall, in_time
-    means = [states.mean_in_time for states in stages[-telling:]]
     judged = judged_from_coarser(terms, tolerance=tolerance)
     share = JUDGED_SIZE_SHARE if judged else SIZE_SHARE
     shares = np.maximum(share, sizes)
+    # The first guess on a grid is the state on the one before.
     changes = [
-        change_between(before, coarse, after, fine, share=shares)
-        for before, coarse, after, fine in zip(
-            means, grids[-telling:], means[1:], grids[-telling + 1 :], strict=False
-        )
+        Change(np.maximum(states.moment, shares * states.size), states.size)
+        for states in stages[1 - telling :]
     ]
     if telling > 2:
         in_time = left_after(UNKNOWN_FALL) * (

@@ -59,13 +59,13 @@ static void set_gap(const Grid *whole_grid, const Film *whole_film)
         const double half_exponent = 0.5 * (3 - k);
         FOR_EACH_POINT(g, row, t, i)
         {
-            const double4 gap = gap_at(g, film, row, t);
-            const double4 along_x = beyond_even(g, film, film->slope_x, row, t) / gap;
-            const double4 along_y = beyond_even(g, film, film->slope_y, row, t) / gap;
+            const double4 gap = gap_at(g, film, row, t), over_gap = 1.0 / gap;
+            const double4 along_x = beyond_even(g, film, film->slope_x, row, t) * over_gap;
+            const double4 along_y = beyond_even(g, film, film->slope_y, row, t) * over_gap;
             const double4 power = half_power(gap, k);
             const double4 potential =
                 half_exponent *
-                (beyond_even(g, film, film->laplacian, row, t) / gap +
+                (beyond_even(g, film, film->laplacian, row, t) * over_gap +
                  (half_exponent - 1.0) * (along_x * along_x + along_y * along_y));
             film->gap_power[k][i] = power;
             film->potential[k][i] = potential;

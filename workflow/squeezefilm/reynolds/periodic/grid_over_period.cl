@@ -29,7 +29,7 @@ typedef struct {
     matrix amplitude, slope_x, slope_y, laplacian;
     field4 gap_power[FLOW_TERMS], potential[FLOW_TERMS];
     field4 p;
-    field means;
+    field means, means_before;
     field work_a, work_b, work_c;
     /* The linear system at the state: per flow term H^(a/2), q and the response to a mass, and what
      * its preconditioner takes each coefficient and its pair's other one by. */

@@ -19,13 +19,14 @@ from squeezefilm.reynolds.layout import (
     c_enum,
     c_struct,
     c_terms,
+    joined_rows,
     rows_of,
-    scene_by_scene,
 )
+from squeezefilm.reynolds.periodic.profiles import film_steps, put_profiles
 from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
 from squeezefilm.reynolds.periodic.sources import in_single, sources_of
-from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
-from squeezefilm.reynolds.problems import Problems, mean_motion, problems_of, profile_fields
+from squeezefilm.reynolds.periodic.time_modes import time_modes
+from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
 
 # What stands for no offset.
@@ -90,7 +91,8 @@ class Batch:
             fields = 2 * flow_terms + 3 + own_fields(self.terms)
             linear = 3 * flow_terms + 3 + (most + 1) * self.fields
             matrices = 3 * (grid.nx**2 + grid.ny**2) + 2 * grid.nt**2
-            sizes.append(grid.count * (fields + linear) + matrices + (most + 4) * (most + 1))
+            small = (most + 4) * (most + 1) + grid.nx * grid.ny
+            sizes.append(grid.count * (fields + linear) + matrices + small)
         return max(sizes) + 2 * self.largest_state
 
 
@@ -106,6 +108,8 @@ class States:
         largest: largest |p|.
         lowest: smallest pressure P, on the last grid of a launch; NaN on others.
         thinnest: smallest product ρ H, by which the local Knudsen number grows, likewise.
+        moment, size: of the change of mean_in_time from the first guess (error_estimate.py): its
+            largest moment, and the mean of its magnitude.
         status: index into STATUS.
         newton_steps, krylov_iterations: work done.
     """
@@ -117,6 +121,8 @@ class States:
     largest: np.ndarray
     lowest: np.ndarray
     thinnest: np.ndarray
+    moment: np.ndarray
+    size: np.ndarray
     status: np.ndarray
     newton_steps: np.ndarray
     krylov_iterations: np.ndarray
@@ -153,12 +159,30 @@ class _Place:
     means: slice
     states: slice | None
 
+    def columns(self, batch: Batch, first: bool) -> Columns:
+        """Where each scene has its own, and what a kernel is to know beside that."""
+        begins = [self.means.start, NOTHING, first and batch.guess is not None, batch.largest_state]
+        steps = [(self.means.stop - self.means.start) // batch.scenes, 0, 0, 0]
+        if self.states:
+            begins[1] = self.states.start
+            steps[1] = (self.states.stop - self.states.start) // batch.scenes
+        names = ("means", "state", "guessed", "largest_state")
+        return Columns(names, begins + np.multiply.outer(np.arange(batch.scenes), steps))
 
-def _places(batches: Sequence[Batch]) -> tuple[list[list[_Place]], int]:
+
+@dataclass(frozen=True)
+class _Places:
     """The places of each batch on each grid, and the size of the results.
 
     They begin with what is said in rows; kernels read states in vectors.
     """
+
+    of: Sequence[Sequence[_Place]]
+    rows: int
+    size: int
+
+
+def _places(batches: Sequence[Batch]) -> _Places:
     rows = sum(batch.scenes * len(batch.grids) for batch in batches)
     end = -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
     places: list[list[_Place]] = []
@@ -172,7 +196,7 @@ def _places(batches: Sequence[Batch]) -> tuple[list[list[_Place]], int]:
                 states = slice(end, end + batch.scenes * batch.fields * grid.count)
                 end = states.stop
             places[-1].append(_Place(means, states))
-    return places, end
+    return _Places(places, rows, end)
 
 
 def solve_batch(
@@ -190,6 +214,7 @@ class Launch:
     """
 
     batches: Sequence[Batch]
+    places: _Places
     device: Device
     results: np.ndarray
     buffer: Any
@@ -198,12 +223,10 @@ class Launch:
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
         self.device.fetch(self.results, self.buffer, after=self.done)
-        places, _ = _places(self.batches)
-        rows = sum(batch.scenes * len(batch.grids) for batch in self.batches)
-        said = self.results[: rows * SAID.itemsize // 8].view(SAID)
+        said = self.results[: self.places.rows * SAID.itemsize // 8].view(SAID)
         states: list[list[States]] = []
         first = 0
-        for batch, of_batch in zip(self.batches, places, strict=True):
+        for batch, of_batch in zip(self.batches, self.places.of, strict=True):
             stages = len(batch.grids)
             last = first + batch.scenes * stages
             states.append([])
@@ -238,7 +261,8 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
             f"{device.work_items} items for many minutes: take one item, as a processor is given "
             "where none are asked for"
         )
-    inputs = _inputs(batches)
+    places = _places(batches)
+    inputs = _inputs(batches, places)
     single = in_single(terms)
     periodic_state = kernel(
         device,
@@ -264,7 +288,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         cl.LocalMemory(8 * device.work_items),
     )
     device.queue.flush()
-    return Launch(batches, device, results=inputs.results, buffer=buffer, done=done)
+    return Launch(batches, places, device, results=inputs.results, buffer=buffer, done=done)
 
 
 @dataclass(frozen=True)
@@ -280,86 +304,69 @@ class _Inputs:
     results: np.ndarray
 
 
-def _inputs(batches: Sequence[Batch]) -> _Inputs:
+def _inputs(batches: Sequence[Batch], places: _Places) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
-    stages = np.concatenate([np.full(batch.scenes, len(batch.grids)) for batch in batches])
-    begins = np.concatenate([[0], np.cumsum(stages)])
-    places, size = _places(batches)
-    results = aligned(size + SPARE)
+    stages = [len(batch.grids) for batch in batches for _ in range(batch.scenes)]
+    begins = np.cumsum([0, *stages], dtype=np.int32)
+    results = aligned(places.size + SPARE)
     pile = Pile()
     rows = []
-    for batch, of_batch_at in zip(batches, places, strict=True):
-        of_batch = []
-        coarser = None
-        films = _film_steps(batch.problems[-1], batch.grids[-1])
-        scenes = np.arange(batch.scenes)
-        for grid, problems, place in zip(batch.grids, batch.problems, of_batch_at, strict=True):
-            guess = batch.guess if coarser is None else None
-            if place.states and guess is not None:
-                results[place.states] = guess.ravel()
-            begin = place.states.start if place.states else NOTHING
-            step = batch.fields * grid.count if place.states else 0
-            where = (
-                place.means.start + grid.nx * grid.ny * scenes,
-                begin + step * scenes,
-                np.full(batch.scenes, guess is not None),
-                np.full(batch.scenes, batch.largest_state),
+    for batch, of_batch in zip(batches, places.of, strict=True):
+        if batch.guess is not None:
+            results[of_batch[0].states] = batch.guess.ravel()
+        tolerances = [problems.tolerance for problems in batch.problems]
+        rows.append(
+            rows_of(
+                *_offsets(pile, batch, of_batch),
+                numbers=batch.problems[0].numbers,
+                # A mass error w moves the pressure by w/H.
+                tolerance=np.multiply.outer(batch.problems[0].narrowest, tolerances),
             )
-            names = ("means", "state", "guessed", "largest_state")
-            of_batch.append(
-                rows_of(
-                    sizes_of(grid, batch.terms),
-                    Columns(names, np.stack(where, axis=1)),
-                    *_offsets(pile, problems, films, grid, coarser=coarser),
-                    numbers=problems.numbers,
-                    # A mass error w moves the pressure by w/H.
-                    tolerance=problems.tolerance * problems.narrowest,
-                )
-            )
-            coarser = grid
-        rows.append(of_batch)
-    return _Inputs(begins.astype(np.int32), scene_by_scene(rows), pile.values, results)
+        )
+    return _Inputs(begins, joined_rows(rows), pile.values, results)
 
 
-def _offsets(
-    pile: Pile, problems: Problems, films: Sequence[Steps], grid: Grid, *, coarser: Grid | None
-) -> list[Columns]:
-    """Where what a batch needs on one grid lies in the pile, which it is put on."""
-    terms, aspect = problems.terms, problems.aspect
-    offsets = [
-        pile.add(carrying_matrices(coarser, grid, terms=terms))
-        if coarser
-        else _nothing_to_carry(terms),
-        pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
-        pile.add_each(profile_fields(problems, grid), problems.places),
-        _time_modes(pile, films, grid),
-    ]
-    for term in terms:
-        if operators := term.operators(problems.numbers, grid, aspect=aspect):
-            offsets.append(pile.add_each(operators))
-    return offsets
+def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Columns]]:
+    """On each grid its sizes, and where what the batch needs lies in the pile and the results."""
+    terms, aspect = batch.terms, batch.problems[0].aspect
+    films = film_steps(batch.problems[-1], batch.grids[-1])
+    kinds = {steps: kind for kind, steps in enumerate(dict.fromkeys(films))}
+    kind_of = np.array([kinds[steps] for steps in films])
+    coarser = None
+    stages = []
+    each_stage = zip(
+        batch.grids,
+        batch.problems,
+        places,
+        put_profiles(pile, batch.problems, batch.grids),
+        strict=True,
+    )
+    for grid, problems, place, profile in each_stage:
+        modes = [time_modes(grid.nt, steps).parts for steps in kinds]
+        first_mode = np.array([pile.put(each.values) for each in modes])[kind_of, None]
+        stages.append(
+            [
+                sizes_of(grid, terms),
+                place.columns(batch, coarser is None),
+                pile.add(carrying_matrices(coarser, grid, terms=terms))
+                if coarser
+                else _nothing_to_carry(terms),
+                pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
+                profile,
+                Columns(modes[0].columns.names, first_mode + modes[0].columns.values),
+            ]
+        )
+        for term in terms:
+            if operators := term.operators(problems.numbers, grid, aspect=aspect):
+                stages[-1].append(pile.add_each(operators))
+        coarser = grid
+    return stages
 
 
 @lru_cache(maxsize=64)
 def _nothing_to_carry(terms: Terms) -> Columns:
     names = (*CARRYING, *(name for term in terms for name in term.CARRYING))
     return Columns(names, np.full(len(names), NOTHING))
-
-
-def _time_modes(pile: Pile, films: Sequence[Steps], grid: Grid) -> Columns:
-    """Where each film's modes in time lie in the pile, which they are put on once for all."""
-    found = {steps: time_modes(grid.nt, steps).parts for steps in dict.fromkeys(films)}
-    begins = {steps: pile.put(parts.values) for steps, parts in found.items()}
-    begin = np.array([begins[steps] for steps in films])
-    starts = found[films[0]].columns
-    return Columns(starts.names, begin[:, None] + starts.values)
-
-
-def _film_steps(problems: Problems, grid: Grid) -> list[Steps]:
-    """What tells the films' modes in time, which are alike on all grids."""
-    numbers = problems.numbers
-    variation, lagging = mean_motion(problems, grid).T
-    return steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=numbers["slow"])
 
 
 @lru_cache(maxsize=64)

@@ -29,6 +29,37 @@ static double2 size_after(const Grid *whole_grid, const Film *whole_film, matrix
     return (double2)(mean, largest + 0.0 * mean);
 }
 
+/* How the mean over the period has changed since film->means_before: the largest of its lowest cosine
+ * moments (error_estimate.py), and the mean of its magnitude. */
+static double2 change_of_means(const Grid *g, const Film *film, __local double *scratch)
+{
+    matrix4 along_x = (matrix4)ARRAY(film, moments_x), along_y = (matrix4)ARRAY(film, moments_y);
+    double4 first = (double4)(0.0), second = first, third = first;
+    FOR_EACH(x, g->nx)
+    {
+        double4 row = (double4)(0.0);
+        for (int y = 0; y < g->ny; y++) {
+            const int i = x * g->ny + y;
+            const double change = g->weights[i] * (film->means[i] - film->means_before[i]);
+            row += along_y[y] * (double4)(change, change, change, fabs(change));
+        }
+        first += along_x[x].x * row;
+        second += along_x[x].y * row;
+        third += along_x[x].z * row;
+    }
+    double largest = 0.0;
+    largest = greater(fabs(sum_over_group(first.x, scratch)), largest);
+    largest = greater(fabs(sum_over_group(first.y, scratch)), largest);
+    largest = greater(fabs(sum_over_group(first.z, scratch)), largest);
+    largest = greater(fabs(sum_over_group(second.x, scratch)), largest);
+    largest = greater(fabs(sum_over_group(second.y, scratch)), largest);
+    largest = greater(fabs(sum_over_group(second.z, scratch)), largest);
+    largest = greater(fabs(sum_over_group(third.x, scratch)), largest);
+    largest = greater(fabs(sum_over_group(third.y, scratch)), largest);
+    largest = greater(fabs(sum_over_group(third.z, scratch)), largest);
+    return (double2)(largest, sum_over_group(first.w, scratch));
+}
+
 /* A change of the mass as a step of p; its largest fall and rise, relative to the pressure. */
 static double2 step_of(const Grid *whole_grid, const Film *whole_film, constant_vector mass, field4 step,
                        __local double *scratch)
@@ -79,6 +110,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
                   vector basis, field small, __local double *scratch)
 {
     const double2 first = size_after(g, film, 0, 0.0, scratch);
+    FOR_EACH(row, g->rows) film->means_before[row] = film->means[row];
     Said s = {.mean = first.x, .largest = first.y, .status = STALLED};
     double least = INFINITY;
     int patience = PATIENCE;
@@ -207,6 +239,7 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             film.p = (field4)state;
             film.own = state + g.count;
             film.means = results + row->means;
+            film.means_before = small + (most_krylov + 4) * (most_krylov + 1);
             if (row->carry_t >= 0 && status == CONVERGED) {
                 carry(&g, &film, row - 1, coarser);
             } else if (!row->guessed) {
@@ -218,6 +251,9 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             Said said =
                 solve(&g, &film, row->tolerance, most_newton, most_krylov, basis, small, scratch);
             status = said.status;
+            const double2 change = change_of_means(&g, &film, scratch);
+            said.moment = change.x;
+            said.size = change.y;
             said.lowest = said.thinnest = NAN;
             if (k + 1 == begins[scene + 1]) {
                 double4 deficit = (double4)(-INFINITY), thinness = deficit;

@@ -34,11 +34,11 @@ from squeezefilm.reynolds.periodic.resolution import (
     finer_grid,
     first_grid,
     gap_numbers,
-    judged_grids,
     least_fall,
     nodes_for_profile,
     profile_fall,
-    start_grid,
+    up_to,
+    with_finer,
 )
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_on
@@ -46,8 +46,6 @@ from squeezefilm.reynolds.terms import numbers_of, size_share_of, state_refused,
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
-# Unknowns of a grid before which a start pays where coarse grids come first anyway.
-LEAST_STARTED = 20_000
 # Share of what the iteration may leave on grids that differ in time alone, or that go on from a
 # known state.
 TIMELY = 0.1
@@ -148,28 +146,12 @@ def first_grids(
     Args:
         room: most unknowns of a grid that the device has memory for.
     """
+    seen = nodes_for_profile(needs, tolerance=tolerance)
     if judged_from_coarser(needs.terms, tolerance=tolerance):
         last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
-        if grids := _up_to(at_least_judged(last), needs, tolerance=tolerance):
+        if grids := up_to(at_least_judged(last), seen):
             return grids
-    first = grid_for(scene, needs, tolerance=tolerance, room=room)
-    wanted = _start(first, needs, tolerance=tolerance), first, finer_grid(first, room=room)
-    return tuple(grid for grid in wanted if grid is not None)
-
-
-def _up_to(last: Grid, needs: Needs, *, tolerance: float) -> tuple[Grid, ...]:
-    """The coarser grids that tell the error of the last one; none if none do."""
-    grids = judged_grids(last, nodes_for_profile(needs, tolerance=tolerance))
-    pays = bool(grids) and grids[0].count >= LEAST_STARTED
-    start = _start(grids[0], needs, tolerance=tolerance) if pays else None
-    return (start, *grids) if start else grids
-
-
-def _start(grid: Grid, needs: Needs, *, tolerance: float) -> Grid | None:
-    start = start_grid(grid)
-    # What does not see the profile is no guess.
-    sees = start and start.sees(*nodes_for_profile(needs, tolerance=tolerance))
-    return start if sees else None
+    return with_finer(grid_for(scene, needs, tolerance=tolerance, room=room), seen, room)
 
 
 def grid_for(
@@ -226,7 +208,8 @@ def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     known = [progress.state for progress in group if progress.state is not None]
     if known:  # so that the finer grid does not take the state over as it is
         shares = [TIMELY * left] * len(grids)
-    problems = problems_on(scenes, dict(zip(grids, shares, strict=True)))
+    tolerances = dict(zip(grids, shares, strict=True))
+    problems = problems_on(scenes, tolerances, terms=group[0].needs.terms)
     guess = np.stack(known) if known else None
     return Batch(grids=grids, problems=problems, guess=guess, every=False)
 
@@ -384,7 +367,8 @@ def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: fl
     if margin_of(progress.needs.terms) > 1 or again is None or progress.failures == MOST_FAILURES:
         return False
     judged = judged_from_coarser(progress.needs.terms, tolerance=tolerance)
-    grids = _up_to(again, progress.needs, tolerance=tolerance) if judged else ()
+    seen = nodes_for_profile(progress.needs, tolerance=tolerance)
+    grids = up_to(again, seen) if judged else ()
     progress.grids = grids or (finer, again)
     progress.state, progress.change, progress.in_time = None, None, 0.0
     progress.failures += 1

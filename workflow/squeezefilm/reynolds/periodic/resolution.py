@@ -28,6 +28,8 @@ START_SHARE = 0.6
 TIME_SHARE = 0.15
 # The same for the last of three grids, of whose error the other two tell more.
 JUDGED_SHARE = 1.0
+# Unknowns of a grid before which a start pays where coarse grids come first anyway.
+LEAST_STARTED = 20_000
 # Grids that differ in space alone, of which the last is judged.
 LEVELS = 3
 # Share of the tolerance that a grid may miss of the profile without a look at how fast that falls.
@@ -220,6 +222,28 @@ def judged_grids(grid: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
     if len(in_space) == 1:
         return ()
     return replace(in_space[0], nt=_more(grid.nt)), *in_space
+
+
+@lru_cache(maxsize=4096)
+def with_finer(first: Grid, seen: tuple[int, int], room: float) -> tuple[Grid, ...]:
+    """The grid, one that starts it, if that pays, and the finer one that tells its error."""
+    wanted = _start(first, seen), first, finer_grid(first, room=room)
+    return tuple(grid for grid in wanted if grid is not None)
+
+
+@lru_cache(maxsize=4096)
+def up_to(last: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
+    """The coarser grids that tell the error of the last one; none if none do."""
+    grids = judged_grids(last, seen)
+    pays = bool(grids) and grids[0].count >= LEAST_STARTED
+    start = _start(grids[0], seen) if pays else None
+    return (start, *grids) if start else grids
+
+
+def _start(grid: Grid, seen: tuple[int, int]) -> Grid | None:
+    start = start_grid(grid)
+    # What does not see the profile is no guess.
+    return start if start and start.sees(*seen) else None
 
 
 @lru_cache(maxsize=4096)
