@@ -293,9 +293,7 @@ def test_a_part_levitates_on_a_tilted_film_from_where_it_does_not_touch():
     device, load_n = choose_device(), 0.02
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = levitate(
-            tilted, load_n=load_n, tolerance=1e-5, model_tolerance=1e-2, device=device
-        )
+        found = levitate(tilted, load_n=load_n, tolerance=1e-5, model_tolerance=1e-2, device=device)
     check_scene(found.scene)
     assert found.force_n == pytest.approx(load_n, rel=2e-5)
     around = [replace(found.scene, h0_m=found.scene.h0_m + step) for step in (1e-9, -1e-9)]
