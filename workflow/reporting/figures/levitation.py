@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs, micrometres
-from reporting.pages.notes import MOST_REYNOLDS
+from reporting.pages import notes
 from squeezefilm.io.sources import read_columns
 from squeezefilm.studies.config import Config
 
@@ -20,6 +20,7 @@ INPUTS = {
     "levitation": "simulations/screen/levitation.csv",
     "screen": "simulations/screen/scenes.csv",
 }
+MOST_REYNOLDS = notes.MOST_REYNOLDS
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
 COLUMNS = (
     "load_n",

@@ -181,23 +181,11 @@ def forces_of(
         method=settings.method,
         device=device,
     )
-    solutions = solve(scenes, tolerance=settings.tolerance, method=settings.method, device=device)
+    how = settings.how(device)
+    solutions = solve(scenes, **how)
     if derivatives:
-        solutions = with_derivatives(
-            scenes,
-            solutions,
-            tolerance=settings.tolerance,
-            method=settings.method,
-            device=device,
-        )
-    solutions = with_outputs(
-        scenes,
-        solutions,
-        outputs=settings.outputs,
-        tolerance=settings.tolerance,
-        method=settings.method,
-        device=device,
-    )
+        solutions = with_derivatives(scenes, solutions, **how)
+    solutions = with_outputs(scenes, solutions, outputs=settings.outputs, **how)
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
     with_force = [scenes[k] for k in known]
     beyond = dict(zip(known, budgets(with_force, device=device), strict=True))

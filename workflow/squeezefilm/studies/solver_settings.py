@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from squeezefilm.io import job
 from squeezefilm.io.errors import InputError
@@ -22,6 +23,15 @@ class SolverSettings:
     model_tolerance: float
     method: str
     outputs: tuple[str, ...] = ()
+
+    def how(self, device: Device) -> dict[str, Any]:
+        """What forces, derivatives and outputs are all to be solved with."""
+        return {
+            "tolerance": self.tolerance,
+            "model_tolerance": self.model_tolerance,
+            "method": self.method,
+            "device": device,
+        }
 
 
 def device_of(config: Config, *, option: str | None = None) -> Device:

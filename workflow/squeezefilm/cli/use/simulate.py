@@ -155,6 +155,7 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
     with node_cache.one_build_at_a_time():
         device = device_of(config, option=options.device)
         warm(device, _scenes(pieces[0], config, path=options.scenes)[0])
+    how = settings.how(device)
     failures: list[str] = []
     solved = 0
     seconds = derivative_seconds = 0.0
@@ -167,35 +168,13 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
         for piece in pieces:
             scenes = _scenes(piece, config, path=options.scenes)
             start = time.perf_counter()
-            solutions = solve(
-                scenes,
-                tolerance=settings.tolerance,
-                model_tolerance=settings.model_tolerance,
-                method=settings.method,
-                device=device,
-                report=bar.update,
-            )
+            solutions = solve(scenes, **how, report=bar.update)
             wall = time.perf_counter() - start
             seconds += wall
             if options.derivatives:
-                solutions = with_derivatives(
-                    scenes,
-                    solutions,
-                    tolerance=settings.tolerance,
-                    model_tolerance=settings.model_tolerance,
-                    method=settings.method,
-                    device=device,
-                )
+                solutions = with_derivatives(scenes, solutions, **how)
                 derivative_seconds += time.perf_counter() - start - wall
-            solutions = with_outputs(
-                scenes,
-                solutions,
-                outputs=settings.outputs,
-                tolerance=settings.tolerance,
-                model_tolerance=settings.model_tolerance,
-                method=settings.method,
-                device=device,
-            )
+            solutions = with_outputs(scenes, solutions, outputs=settings.outputs, **how)
             write(_forces(piece, solutions))
             shares = [wall * share for share in _work_shares(solutions)]
             write_timings(piece[["point_id"]].assign(solve_seconds=shares))
