@@ -62,6 +62,4 @@ def films() -> list[tuple[Film, bool]]:
         "tilted until it touches": Film("", 0.5, 583.0, gap=shape(1.7)),
     }
     in_sample = {"tilted under a travelling wave", "tilted until it touches"}
-    return found + [
-        (replace(film, name=name), name in in_sample) for name, film in single.items()
-    ]
+    return found + [(replace(film, name=name), name in in_sample) for name, film in single.items()]
