@@ -22,6 +22,7 @@ from numerics.peers.numpy_periodic import periodic_state
 from numerics.reference import reference_force
 from numerics.state_checks import check_state
 from numerics.work_precision import FILMS, work_precision
+from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Joined
@@ -42,10 +43,22 @@ Fields = dict[str, np.ndarray]
 )
 def test_the_reference_gives_known_forces_within_its_uncertainty(film, force):
     found = reference_force(
-        epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, fold=film.fold
+        epsilon=film.epsilon, sigma=film.sigma, gap=film.scene.gap, fold=film.fold
     )
     assert found.force == pytest.approx(force, rel=1e-5 if film.profile is PISTON else 1e-9)
     assert 0 < found.uncertainty < 1e-11
+
+
+@pytest.mark.parametrize("kind", ["travelling", "tilted", "bulging"])
+def test_the_reference_has_the_solver_s_forces_of_any_gap(kind):
+    """Elements and the weak form beside collocation: nothing is shared but the equation."""
+    film = next(film for film in FILMS if film.name.startswith(kind))
+    scene = film.scene
+    found = reference_force(
+        epsilon=scene.closure(), sigma=film.sigma, gap=scene.gap, fold=film.fold, degree=14
+    )
+    (solution,) = solve([scene], tolerance=1e-8, method="periodic")
+    assert solution.force_n / scene.force_scale_n == pytest.approx(found.force, rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -206,6 +219,24 @@ def test_a_film_with_inertia_has_its_lines_beside_those_without():
     assert forces["periodic"] / forces["without_inertia"] == pytest.approx(1.019, abs=2e-3)
     assert (table["relative_error"] <= table["estimated_error"]).all()
     assert (table["reference_uncertainty"] < 1e-8).all()
+
+
+@pytest.mark.parametrize("kind", ["tilted", "ellipse"])
+def test_a_shaped_gap_and_an_ellipse_have_their_lines(kind):
+    film = next(film for film in FILMS if film.name.startswith(kind))
+    table = work_precision(
+        (film,),
+        repeats=1,
+        batch=2,
+        longest_seconds=0.1,
+        rungs=2,
+        model_error=0.01,
+        device=choose_device(),
+    )
+    limits = {"fast-limit", "boundary-layer"} if kind == "tilted" else set()
+    assert set(table["method"]) == {"auto", "periodic", *limits}
+    claimed = table[np.isfinite(table["estimated_error"])]
+    assert (claimed["relative_error"] <= claimed["estimated_error"]).all()
 
 
 def test_every_method_comes_near_the_reference():

@@ -111,7 +111,7 @@ def plan(scene: Scene, needs: Needs, *, tolerance: float) -> Plan:
 def _unknown(scene: Scene, needs: Needs) -> str:
     """What of a scene cannot be marched at all; empty where all can."""
     if wants_modes(scene):
-        return "march knows rectangular fingers with a flat gap only"
+        return "march is for rectangular fingers"
     return first_reason(term.refused_by_march(scene) for term in needs.terms)
 
 
