@@ -291,7 +291,7 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
     for batch, of_batch_at in zip(batches, places, strict=True):
         of_batch = []
         coarser = None
-        films = _film_steps(batch.problems[-1], batch.grids[-1])
+        motion = mean_motion(batch.problems[-1], batch.grids[-1])
         scenes = np.arange(batch.scenes)
         for grid, problems, place in zip(batch.grids, batch.problems, of_batch_at, strict=True):
             guess = batch.guess if coarser is None else None
@@ -310,7 +310,7 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
                 rows_of(
                     sizes_of(grid, batch.terms),
                     Columns(names, np.stack(where, axis=1)),
-                    *_offsets(pile, problems, films, grid, coarser=coarser),
+                    *_offsets(pile, problems, motion, grid, coarser=coarser),
                     numbers=problems.numbers,
                     # A mass error w moves the pressure by w/H.
                     tolerance=problems.tolerance * problems.narrowest,
@@ -322,7 +322,7 @@ def _inputs(batches: Sequence[Batch]) -> _Inputs:
 
 
 def _offsets(
-    pile: Pile, problems: Problems, films: Sequence[Steps], grid: Grid, *, coarser: Grid | None
+    pile: Pile, problems: Problems, motion: np.ndarray, grid: Grid, *, coarser: Grid | None
 ) -> list[Columns]:
     """Where what a batch needs on one grid lies in the pile, which it is put on."""
     terms, aspect = problems.terms, problems.aspect
@@ -332,7 +332,7 @@ def _offsets(
         else _nothing_to_carry(terms),
         pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
         pile.add_each(profile_fields(problems, grid), problems.places),
-        _time_modes(pile, films, grid),
+        _time_modes(pile, _film_steps(problems, motion, grid), grid),
     ]
     for term in terms:
         if operators := term.operators(problems.numbers, grid, aspect=aspect):
@@ -355,11 +355,17 @@ def _time_modes(pile: Pile, films: Sequence[Steps], grid: Grid) -> Columns:
     return Columns(starts.names, begin[:, None] + starts.values)
 
 
-def _film_steps(problems: Problems, grid: Grid) -> list[Steps]:
-    """What tells the films' modes in time, which are alike on all grids."""
+def _film_steps(problems: Problems, motion: np.ndarray, grid: Grid) -> list[Steps]:
+    """What tells the films' modes in time on a grid, given how their mean gaps move."""
     numbers = problems.numbers
-    variation, lagging = mean_motion(problems, grid).T
-    return steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=numbers["slow"])
+    across = min(grid.x.full_points, grid.y.full_points / problems.aspect)
+    waves = np.maximum(numbers["waves_per_node"] * across, numbers["damped_waves"])
+    return steps_of(
+        variation=motion[:, 0],
+        lagging=motion[:, 1],
+        lag=numbers["lag"],
+        slow=np.minimum(numbers["slow"], waves / (grid.nt / 2)),
+    )
 
 
 @lru_cache(maxsize=64)

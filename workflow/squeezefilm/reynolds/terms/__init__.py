@@ -6,6 +6,7 @@ Here alone are they listed, in the order in which they are spoken of.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import inf
 from functools import lru_cache
 
 from squeezefilm.film.scene import Scene
@@ -42,7 +43,8 @@ def numbers_of(scene: Scene, terms: Terms) -> Numbers:
     """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P.
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
-    the harmonics that lag (time_modes.py).
+    the harmonics that lag (time_modes.py). Those lag at most that a grid has nodes for, given how many
+    of them it resolves for each of its nodes, or that are damped.
     """
     numbers: dict[str, float | tuple[float, ...]] = {
         "epsilon": scene.epsilon,
@@ -50,6 +52,8 @@ def numbers_of(scene: Scene, terms: Terms) -> Numbers:
         "flow": (1.0,),
         "lag": 0.0,
         "slow": 1.0,
+        "waves_per_node": 0.0,
+        "damped_waves": inf,
     }
     for term in terms:
         numbers.update(term.numbers(scene))

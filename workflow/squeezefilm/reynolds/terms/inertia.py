@@ -33,12 +33,13 @@ LAG_PER_REYNOLDS = 0.1
 # How strongly velocities are carried across a direction, times the square of the highest degree
 # that is carried, on a grid of 24 nodes. With half of it forces at Re 3 to 10 change by up to 5e-4,
 # with twice as much by 1e-4, and GMRES takes two to five times as long.
-MOST_CROSSING = 32.0
+MOST_CROSSING = 0.017
 # Where waves steepen this share of a grid's harmonics has inertia, elsewhere practically all. With
 # all the linear system is all but singular there, for the fast waves are shorter than the grid's
 # spacing: then 12 of 200 random scenes with Re up to 10 were refused at 1e-4, with 0.7 of them 10,
 # with half 6.
 LEAST_SLOW, MOST_SLOW, STEEP = 0.5, 2.0, 0.45
+RESOLVED, DOPPLER, DAMPED = 3.0, 0.8, 2.0
 # Where waves are steeper than this and layers at the rim thinner than in a film of this σ, two
 # grids may agree in all moments by chance, and so much of their difference's size counts: without
 # it one of 200 random forces (Re 2.2, ε 0.76, σ 2173, steepness 0.51) was off by 1.8e-4 at 1e-4,
@@ -109,6 +110,8 @@ class Inertia(Term):
             "lag": lag,
             "crossing": 9 / 7 * lag * inflow,
             "slow": min(slow, MOST_SLOW),
+            "waves_per_node": RESOLVED / (1 + DOPPLER * steepness(scene)) / (lag * scene.sigma) ** 0.5,
+            "damped_waves": DAMPED / lag,
         }
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
@@ -133,7 +136,7 @@ class Inertia(Term):
         parts = {}
         for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True):
             nodes = points.axis.full_points
-            most = np.sqrt(MOST_CROSSING * nodes / 24 / np.maximum(numbers["crossing"], 1e-12))
+            most = nodes * np.sqrt(MOST_CROSSING / np.maximum(numbers["crossing"], 1e-12))
             parts[f"flux_across_{axis}"] = np.stack([points.across(each) / length for each in most])
         return parts
 
