@@ -11,6 +11,7 @@ from squeezefilm.reynolds.spectral import Axis, axis
 
 # How steeply the modes that are kept of a velocity across an axis end.
 ACROSS_STEEPNESS = 8
+BUMP = 0.2
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,24 @@ class FluxPoints:
         degrees = np.arange(self.axis.points) * (2 if self.axis.folded else 1)
         kept = np.exp(-((degrees / most) ** ACROSS_STEEPNESS))
         return np.asarray(first @ (modes * kept) @ to_modes)
+
+    def outflow(self, most: float) -> np.ndarray:
+        """What ``across`` lacks where gas flows out and carries its velocity through the end.
+
+        The velocity there, from the three nodes beside it, times a bump that has this value at the
+        end: its derivative beside what ``across`` makes of it. Rows are those of the nearer end.
+        """
+        nodes = self.axis.nodes
+        near = self.axis.all_nodes[1:4]
+        to_end = np.array([np.prod(np.delete(near, j) / (np.delete(near, j) - x)) for j, x in enumerate(near)])
+        matrix = np.zeros((self.axis.points, self.axis.points))
+        bump = np.exp(-((nodes / BUMP) ** 2))
+        lacking = -2 * nodes / BUMP**2 * bump - self.across(most) @ (bump)
+        half = self.axis.points if self.axis.folded else self.axis.points // 2
+        matrix[:half, :3] = np.outer(lacking[:half], to_end)
+        if not self.axis.folded:
+            matrix[half:] = -matrix[:half][::-1, ::-1]
+        return matrix
 
     def carried_to(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""

@@ -39,6 +39,7 @@ MOST_CROSSING = 0.017
 # spacing: then 12 of 200 random scenes with Re up to 10 were refused at 1e-4, with 0.7 of them 10,
 # with half 6.
 LEAST_SLOW, MOST_SLOW, STEEP = 0.5, 2.0, 0.45
+REVERSING = 0.1
 RESOLVED, DOPPLER, DAMPED = 3.0, 0.8, 2.0
 # Where waves are steeper than this and layers at the rim thinner than in a film of this σ, two
 # grids may agree in all moments by chance, and so much of their difference's size counts: without
@@ -109,6 +110,7 @@ class Inertia(Term):
             "reynolds": reynolds,
             "lag": lag,
             "crossing": 9 / 7 * lag * inflow,
+            "reversing": max(REVERSING * inflow, NEGLIGIBLE),
             "slow": min(slow, MOST_SLOW),
             "waves_per_node": RESOLVED / (1 + DOPPLER * steepness(scene)) / (lag * scene.sigma) ** 0.5,
             "damped_waves": DAMPED / lag,
@@ -138,6 +140,7 @@ class Inertia(Term):
             nodes = points.axis.full_points
             most = nodes * np.sqrt(MOST_CROSSING / np.maximum(numbers["crossing"], 1e-12))
             parts[f"flux_across_{axis}"] = np.stack([points.across(each) / length for each in most])
+            parts[f"flux_outflow_{axis}"] = np.stack([points.outflow(each) / length for each in most])
         return parts
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
