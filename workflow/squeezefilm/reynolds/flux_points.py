@@ -9,10 +9,6 @@ import numpy as np
 
 from squeezefilm.reynolds.spectral import Axis, axis
 
-# How steeply the modes that are kept of a velocity across an axis end.
-ACROSS_STEEPNESS = 8
-BUMP = 0.2
-
 
 @dataclass(frozen=True)
 class FluxPoints:
@@ -64,37 +60,33 @@ class FluxPoints:
         at_nodes = self._values_at(self.axis.all_nodes[1:-1]) @ self._derivative
         return self._folded(at_nodes, odd=True)
 
-    def across(self, most: float) -> np.ndarray:
+    @property
+    def across(self) -> np.ndarray:
         """Derivative on the nodes, along this axis, of a velocity along the other one.
 
-        That velocity vanishes at the ends where the gas comes in, and hardly differs from zero
-        where it goes out. Of its modes along this axis those of degrees up to about ``most`` are
-        differentiated: the highest, carried out through an end where they must vanish, would grow
-        without bound.
+        That velocity is taken to vanish at the ends, as it does where the gas comes in.
         """
-        first = self._folded(self.axis.derivative[1:-1, 1:-1], odd=False)
-        _, modes, to_modes = self.axis.modes
-        degrees = np.arange(self.axis.points) * (2 if self.axis.folded else 1)
-        kept = np.exp(-((degrees / most) ** ACROSS_STEEPNESS))
-        return np.asarray(first @ (modes * kept) @ to_modes)
+        return self._folded(self.axis.derivative[1:-1, 1:-1], odd=False)
 
-    def outflow(self, most: float) -> np.ndarray:
-        """What ``across`` lacks where gas flows out and carries its velocity through the end.
+    @property
+    def rim(self) -> np.ndarray:
+        """What ``across`` lacks per velocity at each end that does not vanish, shape (2, n).
 
-        The velocity there, from the three nodes beside it, times a bump that has this value at the
-        end: its derivative beside what ``across`` makes of it. Rows are those of the nearer end.
+        Of a folded axis both ends are alike and their sum comes first.
         """
-        nodes = self.axis.nodes
-        near = self.axis.all_nodes[1:4]
-        to_end = np.array([np.prod(np.delete(near, j) / (np.delete(near, j) - x)) for j, x in enumerate(near)])
-        matrix = np.zeros((self.axis.points, self.axis.points))
-        bump = np.exp(-((nodes / BUMP) ** 2))
-        lacking = -2 * nodes / BUMP**2 * bump - self.across(most) @ (bump)
-        half = self.axis.points if self.axis.folded else self.axis.points // 2
-        matrix[:half, :3] = np.outer(lacking[:half], to_end)
-        if not self.axis.folded:
-            matrix[half:] = -matrix[:half][::-1, ::-1]
-        return matrix
+        first, last = self.axis.derivative[1 : self.axis.points + 1, [0, -1]].T
+        return np.stack([first + last, 0 * last] if self.axis.folded else [first, last])
+
+    @property
+    def to_end(self) -> np.ndarray:
+        """Factors of the values on the four nodes beside an end for the value there, shape (4,).
+
+        As few because a polynomial through all would grow beyond bounds there.
+        """
+        near = self.axis.all_nodes[1:5]
+        others = [np.delete(near, at) for at in range(len(near))]
+        pairs = zip(near, others, strict=True)
+        return np.array([np.prod(some / (some - node)) for node, some in pairs])
 
     def carried_to(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""

@@ -30,10 +30,6 @@ if TYPE_CHECKING:
 
 # Re of a velocity's lag at the gap h0: the parabola's 1/10.
 LAG_PER_REYNOLDS = 0.1
-# How strongly velocities are carried across a direction, times the square of the highest degree
-# that is carried, on a grid of 24 nodes. With half of it forces at Re 3 to 10 change by up to 5e-4,
-# with twice as much by 1e-4, and GMRES takes two to five times as long.
-MOST_CROSSING = 0.017
 # Where waves steepen this share of a grid's harmonics has inertia, elsewhere practically all. With
 # all the linear system is all but singular there, for the fast waves are shorter than the grid's
 # spacing: then 12 of 200 random scenes with Re up to 10 were refused at 1e-4, with 0.7 of them 10,
@@ -109,7 +105,6 @@ class Inertia(Term):
         return {
             "reynolds": reynolds,
             "lag": lag,
-            "crossing": 9 / 7 * lag * inflow,
             "reversing": max(REVERSING * inflow, NEGLIGIBLE),
             "slow": min(slow, MOST_SLOW),
             "waves_per_node": RESOLVED / (1 + DOPPLER * steepness(scene)) / (lag * scene.sigma) ** 0.5,
@@ -126,22 +121,11 @@ class Inertia(Term):
                 "slope": points.slope / length,
                 "along": points.along / length,
                 "divergence": points.divergence / length,
+                "across": points.across / length,
+                "rim": points.rim / length,
+                "to_end": points.to_end,
             }.items()
         }
-
-    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
-        """The derivatives across each direction, of the modes that a film of these numbers allows.
-
-        They become more as the grid is refined, so that the difference of two grids shows what the
-        others would change.
-        """
-        parts = {}
-        for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True):
-            nodes = points.axis.full_points
-            most = nodes * np.sqrt(MOST_CROSSING / np.maximum(numbers["crossing"], 1e-12))
-            parts[f"flux_across_{axis}"] = np.stack([points.across(each) / length for each in most])
-            parts[f"flux_outflow_{axis}"] = np.stack([points.outflow(each) / length for each in most])
-        return parts
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
         along_x, along_y = _points(grid)
