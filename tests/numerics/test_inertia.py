@@ -312,9 +312,11 @@ def test_flux_points_are_exact_on_polynomials() -> None:
     assert points.divergence @ here**5 == pytest.approx(5 * nodes**4, abs=1e-11)
     finer = flux_points(12, False)
     assert points.carried_to(finer) @ here**5 == pytest.approx(finer.all_points**5, abs=1e-12)
-    # All modes kept: the plain derivative, on the nodes, of what vanishes at the ends.
-    assert points.across(1e3) @ excess(nodes) == pytest.approx(rise(nodes), abs=1e-11)
-    assert np.abs(points.across(3.0)).max() < 0.5 * np.abs(points.across(1e3)).max()
+    assert points.across @ excess(nodes) == pytest.approx(rise(nodes), abs=1e-11)
+    first, last = points.rim
+    through = points.across @ (nodes**3 + 1) + 1 * first + 2 * last
+    assert through == pytest.approx(3 * nodes**2, abs=1e-11)
+    assert points.to_end @ (nodes[:4] ** 3 + 1) == pytest.approx(1.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("odd", [False, True])
@@ -333,7 +335,9 @@ def test_a_folded_axis_has_the_flux_points_of_the_whole_one(odd: bool) -> None:
         carried = whole.carried_to(flux_points(16, False)) @ both
         assert half.carried_to(flux_points(8, True)) @ random == pytest.approx(carried[:8])
     else:
-        assert half.across(5.0) @ random == pytest.approx((whole.across(5.0) @ both)[:n], abs=1e-9)
+        assert half.across @ random == pytest.approx((whole.across @ both)[:n], abs=1e-9)
+        assert half.rim[0] == pytest.approx(whole.rim.sum(axis=0)[:n], abs=1e-9)
+        assert half.to_end == pytest.approx(whole.to_end)
 
 
 def test_the_number_of_a_scene_is_that_of_its_gas() -> None:

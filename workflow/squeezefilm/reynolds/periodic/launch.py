@@ -358,8 +358,8 @@ def _time_modes(pile: Pile, films: Sequence[Steps], grid: Grid) -> Columns:
 def _film_steps(problems: Problems, motion: np.ndarray, grid: Grid) -> list[Steps]:
     """What tells the films' modes in time on a grid, given how their mean gaps move."""
     numbers = problems.numbers
-    across = min(grid.x.full_points, grid.y.full_points / problems.aspect)
-    waves = np.maximum(numbers["waves_per_node"] * across, numbers["damped_waves"])
+    across = max(grid.x.full_points, grid.y.full_points / problems.aspect)
+    waves = numbers["waves_per_node"] * across
     return steps_of(
         variation=motion[:, 0],
         lagging=motion[:, 1],

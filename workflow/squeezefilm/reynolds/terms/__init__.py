@@ -43,8 +43,8 @@ def numbers_of(scene: Scene, terms: Terms) -> Numbers:
     """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P.
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
-    the harmonics that lag (time_modes.py). Those lag at most that a grid has nodes for, given how many
-    of them it resolves for each of its nodes, or that are damped.
+    the harmonics that lag (time_modes.py). No more of them than
+    ``waves_per_node`` for each of a grid's nodes across the finger do.
     """
     numbers: dict[str, float | tuple[float, ...]] = {
         "epsilon": scene.epsilon,
@@ -52,8 +52,7 @@ def numbers_of(scene: Scene, terms: Terms) -> Numbers:
         "flow": (1.0,),
         "lag": 0.0,
         "slow": 1.0,
-        "waves_per_node": 0.0,
-        "damped_waves": inf,
+        "waves_per_node": inf,
     }
     for term in terms:
         numbers.update(term.numbers(scene))

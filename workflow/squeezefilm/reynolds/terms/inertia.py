@@ -36,7 +36,7 @@ LAG_PER_REYNOLDS = 0.1
 # with half 6.
 LEAST_SLOW, MOST_SLOW, STEEP = 0.5, 2.0, 0.45
 REVERSING = 0.1
-RESOLVED, DOPPLER, DAMPED = 3.0, 0.8, 2.0
+RESOLVED, DOPPLER, DAMPED = 3.0, 0.8, 0.1
 # Where waves are steeper than this and layers at the rim thinner than in a film of this σ, two
 # grids may agree in all moments by chance, and so much of their difference's size counts: without
 # it one of 200 random forces (Re 2.2, ε 0.76, σ 2173, steepness 0.51) was off by 1.8e-4 at 1e-4,
@@ -102,13 +102,14 @@ class Inertia(Term):
         lag = LAG_PER_REYNOLDS * reynolds
         inflow = _excursion_at_rim(scene) / max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
         slow = LEAST_SLOW * max(1.0, STEEP / max(steepness(scene), NEGLIGIBLE)) ** 3
+        # That of sound in an axis' lengths per radian is 1/√(lag σ).
+        resolved = RESOLVED / (1 + DOPPLER * steepness(scene)) / (lag * scene.sigma) ** 0.5
         return {
             "reynolds": reynolds,
             "lag": lag,
             "reversing": max(REVERSING * inflow, NEGLIGIBLE),
             "slow": min(slow, MOST_SLOW),
-            "waves_per_node": RESOLVED / (1 + DOPPLER * steepness(scene)) / (lag * scene.sigma) ** 0.5,
-            "damped_waves": DAMPED / lag,
+            "waves_per_node": max(resolved, DAMPED / lag),
         }
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
