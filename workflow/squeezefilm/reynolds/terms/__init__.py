@@ -6,8 +6,8 @@ Here alone are they listed, in the order in which they are spoken of.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf
 from functools import lru_cache
+from math import inf
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.bearing import Bearing
@@ -43,8 +43,8 @@ def numbers_of(scene: Scene, terms: Terms) -> Numbers:
     """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P.
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
-    the harmonics that lag (time_modes.py). No more of them than
-    ``waves_per_node`` for each of a grid's nodes across the finger do.
+    the harmonics that lag (time_modes.py), no more of them than ``waves_per_node`` for each node
+    across the finger.
     """
     numbers: dict[str, float | tuple[float, ...]] = {
         "epsilon": scene.epsilon,
