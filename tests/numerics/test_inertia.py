@@ -281,9 +281,24 @@ def test_the_slow_half_of_the_harmonics_has_inertia() -> None:
         assert slow_part(32, 0.5) @ wave == pytest.approx(kept * wave, abs=5e-3), harmonic
 
 
-def test_waves_that_steepen_are_solved_within_their_estimate() -> None:
-    """With inertia in all harmonics of a grid Newton's method finds no state here."""
-    scene = moving(6.0, epsilon=0.63, sigma=99.0, x=0.27, y=0.03)
+@pytest.mark.parametrize(
+    ("reynolds", "epsilon", "sigma"), [(6.0, 0.63, 99.0), (9.98, 0.474, 164.0)]
+)
+def test_waves_that_steepen_are_solved_within_their_estimate(
+    reynolds: float, epsilon: float, sigma: float
+) -> None:
+    """With inertia in all harmonics of a grid, or in half of them, there is no state here."""
+    scene = moving(reynolds, epsilon=epsilon, sigma=sigma, x=0.27, y=0.03)
+    coarse, fine = (
+        solve([scene], tolerance=tolerance, method="periodic")[0] for tolerance in (1e-3, 1e-4)
+    )
+    assert (coarse.status, fine.status) == ("ok", "ok")
+    assert abs(coarse.force_n - fine.force_n) < coarse.force_error_n
+
+
+def test_gas_carries_its_velocity_out_of_a_thick_film() -> None:
+    """Taken as zero at the rim also where gas goes out, the force creeps by 2e-3 with the grid."""
+    scene = moving(4.31, epsilon=0.654, sigma=17.4, x=0.21, y=0.07)
     coarse, fine = (
         solve([scene], tolerance=tolerance, method="periodic")[0] for tolerance in (1e-3, 1e-4)
     )
@@ -312,9 +327,11 @@ def test_flux_points_are_exact_on_polynomials() -> None:
     assert points.divergence @ here**5 == pytest.approx(5 * nodes**4, abs=1e-11)
     finer = flux_points(12, False)
     assert points.carried_to(finer) @ here**5 == pytest.approx(finer.all_points**5, abs=1e-12)
-    # All modes kept: the plain derivative, on the nodes, of what vanishes at the ends.
-    assert points.across(1e3) @ excess(nodes) == pytest.approx(rise(nodes), abs=1e-11)
-    assert np.abs(points.across(3.0)).max() < 0.5 * np.abs(points.across(1e3)).max()
+    assert points.across @ excess(nodes) == pytest.approx(rise(nodes), abs=1e-11)
+    first, last = points.rim
+    through = points.across @ (nodes**3 + 1) + 1 * first + 2 * last
+    assert through == pytest.approx(3 * nodes**2, abs=1e-11)
+    assert points.to_end @ (nodes[:4] ** 3 + 1) == pytest.approx(1.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("odd", [False, True])
@@ -333,7 +350,9 @@ def test_a_folded_axis_has_the_flux_points_of_the_whole_one(odd: bool) -> None:
         carried = whole.carried_to(flux_points(16, False)) @ both
         assert half.carried_to(flux_points(8, True)) @ random == pytest.approx(carried[:8])
     else:
-        assert half.across(5.0) @ random == pytest.approx((whole.across(5.0) @ both)[:n], abs=1e-9)
+        assert half.across @ random == pytest.approx((whole.across @ both)[:n], abs=1e-9)
+        assert half.rim[0] == pytest.approx(whole.rim.sum(axis=0)[:n], abs=1e-9)
+        assert half.to_end == pytest.approx(whole.to_end)
 
 
 def test_the_number_of_a_scene_is_that_of_its_gas() -> None:

@@ -9,9 +9,6 @@ import numpy as np
 
 from squeezefilm.reynolds.spectral import Axis, axis
 
-# How steeply the modes that are kept of a velocity across an axis end.
-ACROSS_STEEPNESS = 8
-
 
 @dataclass(frozen=True)
 class FluxPoints:
@@ -63,19 +60,33 @@ class FluxPoints:
         at_nodes = self._values_at(self.axis.all_nodes[1:-1]) @ self._derivative
         return self._folded(at_nodes, odd=True)
 
-    def across(self, most: float) -> np.ndarray:
+    @property
+    def across(self) -> np.ndarray:
         """Derivative on the nodes, along this axis, of a velocity along the other one.
 
-        That velocity vanishes at the ends where the gas comes in, and hardly differs from zero
-        where it goes out. Of its modes along this axis those of degrees up to about ``most`` are
-        differentiated: the highest, carried out through an end where they must vanish, would grow
-        without bound.
+        That velocity is taken to vanish at the ends, as it does where the gas comes in.
         """
-        first = self._folded(self.axis.derivative[1:-1, 1:-1], odd=False)
-        _, modes, to_modes = self.axis.modes
-        degrees = np.arange(self.axis.points) * (2 if self.axis.folded else 1)
-        kept = np.exp(-((degrees / most) ** ACROSS_STEEPNESS))
-        return np.asarray(first @ (modes * kept) @ to_modes)
+        return self._folded(self.axis.derivative[1:-1, 1:-1], odd=False)
+
+    @property
+    def rim(self) -> np.ndarray:
+        """What ``across`` lacks per velocity at each end that does not vanish, shape (2, n).
+
+        Of a folded axis both ends are alike and their sum comes first.
+        """
+        first, last = self.axis.derivative[1 : self.axis.points + 1, [0, -1]].T
+        return np.stack([first + last, 0 * last] if self.axis.folded else [first, last])
+
+    @property
+    def to_end(self) -> np.ndarray:
+        """Factors of the values on the four nodes beside an end for the value there, shape (4,).
+
+        As few because a polynomial through all would grow beyond bounds there.
+        """
+        near = self.axis.all_nodes[1:5]
+        others = [np.delete(near, at) for at in range(len(near))]
+        pairs = zip(near, others, strict=True)
+        return np.array([np.prod(some / (some - node)) for node, some in pairs])
 
     def carried_to(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""

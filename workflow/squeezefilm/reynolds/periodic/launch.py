@@ -22,10 +22,9 @@ from squeezefilm.reynolds.layout import (
     joined_rows,
     rows_of,
 )
-from squeezefilm.reynolds.periodic.profiles import film_steps, put_profiles
+from squeezefilm.reynolds.periodic.profiles import put_profiles, put_time_modes
 from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
 from squeezefilm.reynolds.periodic.sources import in_single, sources_of
-from squeezefilm.reynolds.periodic.time_modes import time_modes
 from squeezefilm.reynolds.problems import Problems, problems_of
 from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
 
@@ -329,21 +328,17 @@ def _inputs(batches: Sequence[Batch], places: _Places) -> _Inputs:
 def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Columns]]:
     """On each grid its sizes, and where what the batch needs lies in the pile and the results."""
     terms, aspect = batch.terms, batch.problems[0].aspect
-    films = film_steps(batch.problems[-1], batch.grids[-1])
-    kinds = {steps: kind for kind, steps in enumerate(dict.fromkeys(films))}
-    kind_of = np.array([kinds[steps] for steps in films])
     coarser = None
     stages = []
     each_stage = zip(
         batch.grids,
         batch.problems,
         places,
+        put_time_modes(pile, batch.problems[-1], batch.grids),
         put_profiles(pile, batch.problems, batch.grids),
         strict=True,
     )
-    for grid, problems, place, profile in each_stage:
-        modes = [time_modes(grid.nt, steps).parts for steps in kinds]
-        first_mode = np.array([pile.put(each.values) for each in modes])[kind_of, None]
+    for grid, problems, place, modes, profile in each_stage:
         stages.append(
             [
                 sizes_of(grid, terms),
@@ -353,7 +348,7 @@ def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Co
                 else _nothing_to_carry(terms),
                 pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
                 profile,
-                Columns(modes[0].columns.names, first_mode + modes[0].columns.values),
+                modes,
             ]
         )
         for term in terms:

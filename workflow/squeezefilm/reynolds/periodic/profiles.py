@@ -10,7 +10,7 @@ import numpy as np
 from squeezefilm.film.scene import AtPlace
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Columns, Joined, Pile, joined
-from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of
+from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
 from squeezefilm.reynolds.problems import Problems, mean_motion, problems_on, profile_fields
 from squeezefilm.reynolds.terms import Terms
 
@@ -36,8 +36,31 @@ def _profile_at(at: AtPlace, grids: tuple[Grid, ...], terms: Terms) -> list[Join
     return [joined(profile_fields(*each)) for each in zip(problems, grids, strict=True)]
 
 
-def film_steps(problems: Problems, grid: Grid) -> list[Steps]:
-    """What tells the films' modes in time, which are alike on all grids."""
+def put_time_modes(pile: Pile, problems: Problems, grids: Sequence[Grid]) -> list[Columns]:
+    """Put the films' modes in time on the pile, each once; where each film's lie, on each grid.
+
+    Args:
+        problems: the films on the last of the grids.
+    """
+    columns = []
+    for grid, films in zip(grids, _film_steps(problems, grids), strict=True):
+        found = {steps: time_modes(grid.nt, steps).parts for steps in dict.fromkeys(films)}
+        begins = {steps: pile.put(parts.values) for steps, parts in found.items()}
+        begin = np.array([begins[steps] for steps in films])
+        starts = found[films[0]].columns
+        columns.append(Columns(starts.names, begin[:, None] + starts.values))
+    return columns
+
+
+def _film_steps(problems: Problems, grids: Sequence[Grid]) -> list[list[Steps]]:
+    """What tells the films' modes in time on each grid: only how many harmonics lag varies."""
     numbers = problems.numbers
-    variation, lagging = mean_motion(problems, grid).T
-    return steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=numbers["slow"])
+    variation, lagging = mean_motion(problems, grids[-1]).T
+    of_grids = []
+    for grid in grids if numbers["lag"].any() else grids[:1]:
+        across = max(grid.x.full_points, grid.y.full_points / problems.aspect)
+        slow = np.minimum(numbers["slow"], numbers["waves_per_node"] * across / (grid.nt / 2))
+        of_grids.append(
+            steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=slow)
+        )
+    return of_grids * (len(grids) // len(of_grids))

@@ -24,7 +24,7 @@ from squeezefilm.reynolds.spectral import period
 # share of slow harmonics.
 VARIATION_STEP = 0.05
 LAGS_PER_DECADE = 20
-SLOW_STEP = 0.125
+SLOW_STEP = 1 / 32
 # What a film without inertia has for a lag.
 LEAST_LAG = 1e-12
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
+from math import inf
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.bearing import Bearing
@@ -42,7 +43,8 @@ def numbers_of(scene: Scene, terms: Terms) -> Numbers:
     """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P.
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
-    the harmonics that lag (time_modes.py).
+    the harmonics that lag (time_modes.py), no more of them than ``waves_per_node`` for each node
+    across the finger.
     """
     numbers: dict[str, float | tuple[float, ...]] = {
         "epsilon": scene.epsilon,
@@ -50,6 +52,7 @@ def numbers_of(scene: Scene, terms: Terms) -> Numbers:
         "flow": (1.0,),
         "lag": 0.0,
         "slow": 1.0,
+        "waves_per_node": inf,
     }
     for term in terms:
         numbers.update(term.numbers(scene))

@@ -9,6 +9,8 @@ with Re = ρ₀ ω h₀²/μ; beside it ∂(ρH)/∂T + ∇·(ρ H ū) = 0. Ruye
 15, 2000) have the same numbers for a liquid film. Solved for beside the pressure is the deficit
 b = V − ū, whose divergence joins the Reynolds equation: + σ ∇·(ρ H b).
 
+At the rim gas comes in with no velocity along it, and carries out the one that it has.
+
 With first-order slip V has the factor 1 + 6 Kn/(ρH), and the parabola with slip makes the factor
 Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 """
@@ -30,15 +32,18 @@ if TYPE_CHECKING:
 
 # Re of a velocity's lag at the gap h0: the parabola's 1/10.
 LAG_PER_REYNOLDS = 0.1
-# How strongly velocities are carried across a direction, times the square of the highest degree
-# that is carried, on a grid of 24 nodes. With half of it forces at Re 3 to 10 change by up to 5e-4,
-# with twice as much by 1e-4, and GMRES takes two to five times as long.
-MOST_CROSSING = 32.0
-# Where waves steepen this share of a grid's harmonics has inertia, elsewhere practically all. With
-# all the linear system is all but singular there, for the fast waves are shorter than the grid's
-# spacing: then 12 of 200 random scenes with Re up to 10 were refused at 1e-4, with 0.7 of them 10,
-# with half 6.
+# Where waves steepen this share of a grid's harmonics has inertia, elsewhere practically all: of
+# the products of the others a grid sees little.
 LEAST_SLOW, MOST_SLOW, STEEP = 0.5, 2.0, 0.45
+# And no more than so many whose waves have nodes enough, for each node and wave of the first
+# harmonic, fewer where the gas runs against them at a share of their own speed; or that are damped
+# within a part of a wave. With more the linear system is all but singular, for Newton's steps go
+# along waves that the grid does not resolve: 17 of the 200 random scenes of docs/solver.md had no
+# state on their first grids.
+RESOLVED, AGAINST_THEM, DAMPED = 3.0, 0.8, 0.1
+# Share of a velocity at the rim, about, within which gas is neither coming in nor going out: with a
+# fifth or five times as much a force (Re 4.3, ε 0.65, σ 17) changed by 1e-6.
+REVERSING = 0.1
 # Where waves are steeper than this and layers at the rim thinner than in a film of this σ, two
 # grids may agree in all moments by chance, and so much of their difference's size counts: without
 # it one of 200 random forces (Re 2.2, ε 0.76, σ 2173, steepness 0.51) was off by 1.8e-4 at 1e-4,
@@ -51,7 +56,6 @@ LEAST_ROOT_SIGMA = 4.0
 # (docs/numerics.md): a parabola is too little, or gas is pumped in and out and hardly compressed.
 MOST_REYNOLDS = 10.0
 MOST_REYNOLDS_THICK, THICK_SIGMA = 5.0, 20.0
-RIM = np.array([0.0, 0.5, 1.0])
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class Inertia(Term):
     ESTIMATE_MARGIN = 2.0
     # Without it two grids agreed by chance at σ 1e5, ε 0.5, Re 0.5: four times the error estimate.
     LAYER_STIFFNESS = 2.5
-    MOST_WORK = 1e11  # some ten to twenty seconds of one core
+    MOST_WORK = 3e11  # half a minute to a minute of one core
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
     @classmethod
@@ -102,13 +106,16 @@ class Inertia(Term):
     def numbers(self, scene: Scene) -> Numbers:
         reynolds = scene.modified_reynolds
         lag = LAG_PER_REYNOLDS * reynolds
-        inflow = _excursion_at_rim(scene) / max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
         slow = LEAST_SLOW * max(1.0, STEEP / max(steepness(scene), NEGLIGIBLE)) ** 3
+        thinness = max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
+        # Waves travel at 1/√(lag σ), in units of the finger's length times ω.
+        waves = (lag * scene.sigma) ** 0.5 * (1 + AGAINST_THEM * steepness(scene))
         return {
             "reynolds": reynolds,
             "lag": lag,
-            "crossing": 9 / 7 * lag * inflow,
+            "reversing": REVERSING * max(scene.epsilon, NEGLIGIBLE) / thinness,
             "slow": min(slow, MOST_SLOW),
+            "waves_per_node": max(RESOLVED / waves, DAMPED / lag),
         }
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
@@ -121,21 +128,11 @@ class Inertia(Term):
                 "slope": points.slope / length,
                 "along": points.along / length,
                 "divergence": points.divergence / length,
+                "across": points.across / length,
+                "rim": points.rim / length,
+                "to_end": points.to_end,
             }.items()
         }
-
-    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
-        """The derivatives across each direction, of the modes that a film of these numbers allows.
-
-        They become more as the grid is refined, so that the difference of two grids shows what the
-        others would change.
-        """
-        parts = {}
-        for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True):
-            nodes = points.axis.full_points
-            most = np.sqrt(MOST_CROSSING * nodes / 24 / np.maximum(numbers["crossing"], 1e-12))
-            parts[f"flux_across_{axis}"] = np.stack([points.across(each) / length for each in most])
-        return parts
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
         along_x, along_y = _points(grid)
@@ -170,13 +167,6 @@ class Inertia(Term):
 def steepness(scene: Scene) -> float:
     """A velocity in a thick layer, about, over that of sound."""
     return float(scene.epsilon * (scene.modified_reynolds / 5) ** 0.5)
-
-
-def _excursion_at_rim(scene: Scene) -> float:
-    """Largest excursion over h0 at the corners of the finger and amid its sides."""
-    x, y = np.meshgrid(RIM, RIM)
-    on_rim = (x != 0.5) | (y != 0.5)
-    return scene.epsilon * float(scene.magnitude(x[on_rim], y[on_rim]).max())
 
 
 def _points(grid: Grid) -> tuple[FluxPoints, FluxPoints]:

@@ -16,7 +16,7 @@ static double4 density_rise(const Film *film, double4 p);
 static double4 density_slope(const Film *film, double4 p);
 
 typedef struct {
-    matrix values, slope, along, nodes, divergence, across, amplitude;
+    matrix values, slope, along, nodes, divergence, across, rim, to_end, amplitude;
 } Direction;
 
 static Direction direction_of(const Film *film, int axis)
@@ -29,6 +29,8 @@ static Direction direction_of(const Film *film, int axis)
         d.nodes = ARRAY(film, flux_nodes_x);
         d.divergence = ARRAY(film, flux_divergence_x);
         d.across = ARRAY(film, flux_across_y);
+        d.rim = ARRAY(film, flux_rim_y);
+        d.to_end = ARRAY(film, flux_to_end_y);
         d.amplitude = ARRAY(film, flux_amplitude_x);
     } else {
         d.values = ARRAY(film, flux_values_y);
@@ -37,6 +39,8 @@ static Direction direction_of(const Film *film, int axis)
         d.nodes = ARRAY(film, flux_nodes_y);
         d.divergence = ARRAY(film, flux_divergence_y);
         d.across = ARRAY(film, flux_across_x);
+        d.rim = ARRAY(film, flux_rim_x);
+        d.to_end = ARRAY(film, flux_to_end_x);
         d.amplitude = ARRAY(film, flux_amplitude_y);
     }
     return d;
@@ -80,6 +84,25 @@ static void velocity_across(const Grid *g, const Film *film, field along, field 
 {
     along_axis(g, 1 - axis, direction_of(film, 1 - axis).nodes, other, work, 0);
     along_axis(g, axis, direction_of(film, axis).values, work, along, 0);
+}
+
+/* What the derivative across a direction of a velocity along it has from the ends, where `across` takes
+ * it as zero: so it is where gas comes in, and where gas goes out it carries its velocity along. */
+static double4 carried_out(const Grid *g, const Film *film, const Direction *d, int axis,
+                           matrix4 across, matrix4 velocity, int row, int t)
+{
+    const int n = axis == 0 ? g->ny : g->nx, apart = axis == 0 ? 1 : g->ny;
+    const int whole = axis == 0 ? g->whole_y : g->whole_x, place = row / apart % n;
+    double4 sum = (double4)(0.0);
+    for (int end = 0; end <= whole; end++) {
+        const int last = row + ((end ? n - 1 : 0) - place) * apart, step = end ? -apart : apart;
+        const double4 out = (end ? 1.0 : -1.0) * across[last * g->nt4 + t] / film->row->reversing;
+        double4 there = (double4)(0.0);
+        for (int j = 0; j < 4; j++)
+            there += d->to_end[j] * velocity[(last + j * step) * g->nt4 + t];
+        sum += d->rim[end * n + place] * there * (0.5 + 0.5 * out / sqrt(1.0 + out * out));
+    }
+    return sum;
 }
 
 /* Gap and density at a point of a direction. */
@@ -131,6 +154,9 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
         field4 lagging = (field4)spare, settled = (field4)(film->own_out + axis * g->count);
         field4 flux = (field4)rate;
         velocity_across(g, film, (field)across, state_field(g, film, 1 - axis, ALONG), axis, spare);
+        FOR_EACH_POINT(g, row, t, i)
+            ((field4)across_rate)[i] += carried_out(g, film, &d, axis, across, u, row, t);
+        SYNC;
         along_t(g, g->time_derivative, (field)u, rate, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
@@ -223,7 +249,9 @@ static void response_inertia(const Grid *g, const Film *film, field mass, field 
         FOR_EACH(i, g->count4) crossing[i] *= u_across[i];
         SYNC;
         along_axis(g, 1 - axis, d.across, velocity, along_rate, 0);
-        FOR_EACH(i, g->count4) crossing[i] += across[i] * ((matrix4)along_rate)[i];
+        FOR_EACH_POINT(g, row, t, i)
+            crossing[i] += across[i] * (((matrix4)along_rate)[i] +
+                                        carried_out(g, film, &d, axis, across, v, row, t));
         SYNC;
         along_axis(g, axis, d.along, velocity, along_rate, 0);
         along_t(g, g->time_derivative, relative, rate, 0);
