@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from squeezefilm.film.outlines import Outline, ellipse
 from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of, phasor_of
 from squeezefilm.film.vibration.surfaces import Surface
 from squeezefilm.io.errors import InputError
@@ -112,6 +113,11 @@ class Finger:
             return max(self.length_x_m, self.length_y_m) / 2
         return hypot(self.length_x_m, self.length_y_m) / 2
 
+    @property
+    def smooth_outline(self) -> Outline | None:
+        """The outline in conformal coordinates, unless it is a rectangle."""
+        return ellipse(self.length_y_m / self.length_x_m) if self.shape == "ellipse" else None
+
     def outline(self) -> list[tuple[float, float]]:
         """Points on the rim from the finger's centre, along the actuator's axes: (x_m, y_m).
 
@@ -124,6 +130,12 @@ class Finger:
         else:
             points = [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
         return [self.turned(x, y) for x, y in points]
+
+    def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Whether places in [0, 1] across the sides lie under the pad."""
+        if self.shape == "ellipse":
+            return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1)
+        return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
 
     def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
         """Finger's coordinates in those of the actuator's axes."""

@@ -38,9 +38,19 @@ class Axis:
         return (1 - np.cos(np.pi * np.arange(order + 1) / order)) / 2
 
     @property
+    def inner(self) -> slice:
+        """Which of all nodes carry unknowns."""
+        return slice(1, self.points + 1)
+
+    @property
     def nodes(self) -> np.ndarray:
         """The nodes that carry unknowns, shape (n,)."""
-        return self.all_nodes[1 : self.points + 1]
+        return self.all_nodes[self.inner]
+
+    @property
+    def in_halves(self) -> bool:
+        """Whether kernels act on the even and the odd part of what is on all of the axis."""
+        return not self.folded
 
     @cached_property
     def derivative(self) -> np.ndarray:
