@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import atanh, pi, sqrt
+from math import atanh, log, pi, sqrt
 from typing import Protocol
 
 import numpy as np
@@ -24,6 +24,9 @@ LEAST_ASPECT = 1.05
 # Points around by which a map is found, and how well it meets the outline, relative to its size.
 MAP_POINTS = 256
 MAP_EXACT = 1e-12
+# The same for outlines that are known less well.
+CURVE_POINTS = 512
+CURVE_EXACT = 1e-8
 MOST_STEPS = 30
 
 
@@ -49,6 +52,7 @@ class Outline:
         rim: μ on the outline.
         aspect: length along y.
         turned: the longer side lies along y: ν = 0 is at the end of the y axis.
+        exact: what the coefficients left out are, over the outline's size.
         even_x, even_y: whether the outline is even about its middle along x, y.
     """
 
@@ -58,6 +62,7 @@ class Outline:
     turned: bool
     even_x: bool
     even_y: bool
+    exact: float = MAP_EXACT
 
     @cached_property
     def area(self) -> float:
@@ -90,6 +95,12 @@ class Outline:
     def mean_stretch(self) -> float:
         """J's mean over the strip."""
         return self.area / (2 * pi * self.rim)
+
+    @cached_property
+    def strip(self) -> float:
+        """Half the width in ν, as a complex number, in which J has no zero, about."""
+        waves = len(self.coefficients) - 1
+        return min(self.rim, -log(self.exact) / waves) if waves > 1 else self.rim
 
     @cached_property
     def typical_stretch(self) -> float:
@@ -148,14 +159,24 @@ def _mapped_ellipse(longer: float, shorter: float, rim: float) -> np.ndarray:
     return coefficients
 
 
-def conformal_map(curve: Curve, rim: float, points: int = MAP_POINTS) -> np.ndarray:
+def conformal_map(
+    curve: Curve,
+    rim: float,
+    *,
+    points: int = MAP_POINTS,
+    exact: float = MAP_EXACT,
+    first_guess: Callable[[np.ndarray], np.ndarray] = np.copy,
+) -> np.ndarray:
     """The coefficients a_n by which the strip up to ``rim`` is mapped inside a closed curve.
 
     Newton's method for the curve's parameter over ν: on the rim the Fourier coefficients of
     x + iy obey Z_(−n) = exp(−2 n rim) Z_n.
 
     Args:
-        curve: x + iy and its derivative at parameters in [0, 2π), against the clock.
+        curve: x + iy and its derivative at parameters, of period 2π, against the clock.
+        points: around, by which it is found.
+        exact: how well it meets the curve, relative to its size.
+        first_guess: of the curve's parameter at ν.
 
     Raises:
         ValueError: if the map does not meet the curve.
@@ -165,25 +186,25 @@ def conformal_map(curve: Curve, rim: float, points: int = MAP_POINTS) -> np.ndar
     n = np.arange(1, half)
     decay = np.exp(-2 * n * rim)
     waves = np.exp(-1j * np.outer(n, nu)) / points
-    angle = nu.copy()
+    angle = first_guess(nu)
     for _ in range(MOST_STEPS):
         z, slope = curve(angle)
         spectrum = np.fft.fft(z) / points
         off = spectrum[:half:-1] - decay * spectrum[1:half]
         size = float(np.abs(z - z.mean()).max())
-        if np.abs(off).max() <= MAP_EXACT * size:
+        if np.abs(off).max() <= exact * size:
             break
         jacobian = (waves.conj() - decay[:, None] * waves) * slope
         rows = np.vstack([jacobian.real, jacobian.imag])
         step = np.linalg.lstsq(rows, -np.concatenate([off.real, off.imag]), rcond=1e-10)[0]
         angle = angle + step * min(1.0, 0.3 / float(np.abs(step).max()))
     else:
-        raise ValueError("no conformal map was found")
+        raise ValueError("no conformal map of the outline was found")
     coefficients = np.zeros(half, dtype=complex)
     coefficients[0] = spectrum[0]
     coefficients[1:] = 2 * spectrum[1:half] * np.exp(-n * rim)
-    kept = np.abs(coefficients[1:]) * np.cosh(np.minimum(n * rim, 700)) > MAP_EXACT * size
+    kept = np.abs(coefficients[1:]) * np.cosh(np.minimum(n * rim, 700)) > exact * size
     last = int(np.flatnonzero(kept).max(initial=0)) + 2
     if last >= half - 2:
-        raise ValueError("the outline is not smooth enough")
+        raise ValueError("the conformal map of the outline has too many waves")
     return coefficients[:last]

@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from squeezefilm.film.contour import DENSE, Contour
 from squeezefilm.film.outlines import Outline, ellipse
 from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of, phasor_of
 from squeezefilm.film.vibration.surfaces import Surface
@@ -88,10 +89,11 @@ class GapShape:
 
 @dataclass(frozen=True)
 class Finger:
-    """A pad of rectangular or elliptical outline, sliding along its own x axis at constant speed.
+    """A pad, sliding along its own x axis at constant speed.
 
-    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, or the axes of the ellipse;
-    the finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
+    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, the axes of the ellipse, or
+    the extents of a ``curve``, the closed ``contour``, whose middle is the pad's centre; the
+    finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
     """
 
     length_x_m: float
@@ -100,15 +102,20 @@ class Finger:
     shape: str = "rectangle"
     rotation_deg: float = 0.0
     gap: GapShape = GapShape()
+    contour: Contour | None = None
 
     @property
     def area_m2(self) -> float:
+        if self.contour:
+            return self.contour.outline.area * self.length_x_m**2
         share = pi / 4 if self.shape == "ellipse" else 1.0
         return share * self.length_x_m * self.length_y_m
 
     @property
     def reach_m(self) -> float:
         """Distance of the outline's farthest point from the finger's centre."""
+        if self.contour:
+            return float(np.abs(self.contour.rim).max()) * self.length_x_m
         if self.shape == "ellipse":
             return max(self.length_x_m, self.length_y_m) / 2
         return hypot(self.length_x_m, self.length_y_m) / 2
@@ -116,15 +123,20 @@ class Finger:
     @property
     def smooth_outline(self) -> Outline | None:
         """The outline in conformal coordinates, unless it is a rectangle."""
+        if self.contour:
+            return self.contour.outline
         return ellipse(self.length_y_m / self.length_x_m) if self.shape == "ellipse" else None
 
     def outline(self) -> list[tuple[float, float]]:
         """Points on the rim from the finger's centre, along the actuator's axes: (x_m, y_m).
 
-        A rectangle's four corners, or points all around an ellipse.
+        A rectangle's four corners, or points all around another pad.
         """
         half_x, half_y = self.length_x_m / 2, self.length_y_m / 2
-        if self.shape == "ellipse":
+        if self.contour:
+            rim = self.contour.rim[:: DENSE // (2 * OUTLINE_POINTS)] * self.length_x_m
+            points = list(zip(rim.real.tolist(), rim.imag.tolist(), strict=True))
+        elif self.shape == "ellipse":
             angles = (2 * pi * step / OUTLINE_POINTS for step in range(OUTLINE_POINTS))
             points = [(half_x * cos(angle), half_y * sin(angle)) for angle in angles]
         else:
@@ -133,8 +145,11 @@ class Finger:
 
     def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Whether places in [0, 1] across the sides lie under the pad."""
+        if self.contour:
+            z = (x - 0.5) + 1j * (y - 0.5) * self.contour.aspect
+            return self.contour.within(z.ravel()).reshape(z.shape)
         if self.shape == "ellipse":
-            return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1)
+            return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1 + 1e-12)
         return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
 
     def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
@@ -300,6 +315,9 @@ class Scene:
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
         """A net of points x, y over the finger, rim included, in [0, 1]."""
+        if self.finger.contour:
+            across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
+            return self.finger.contour.outline.positions(across, nu)
         if self.finger.shape == "ellipse":
             r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
             return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
@@ -349,7 +367,7 @@ def check_scene(scene: Scene) -> None:
     reach = surface.reach(x_m, y_m)
     farthest = int(np.argmax(reach))
     if reach[farthest] > 1 + SLACK:
-        part = "the rim" if scene.finger.shape == "ellipse" else "a corner"
+        part = "a corner" if scene.finger.shape == "rectangle" else "the rim"
         raise InputError(
             f"point {scene.point_id}: with its centre at x = {scene.x_m * 1e3:.2f} mm, "
             f"y = {scene.y_m * 1e3:.2f} mm {part} of the finger lies "

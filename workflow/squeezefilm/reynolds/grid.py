@@ -44,9 +44,14 @@ class Grid:
 
     @property
     def y(self) -> Axis | Around:
-        if self.outline:
-            return around(self.ny, *self.outline.folds(self))
-        return axis(self.ny, self.fold_y)
+        return self.around if self.outline else axis(self.ny, self.fold_y)
+
+    @property
+    def around(self) -> Around:
+        """ν of an outline."""
+        if self.outline is None:
+            raise ValueError("a rectangle's grid has nothing around it")
+        return around(self.ny, *self.outline.folds(self))
 
     @property
     def t(self) -> Period:

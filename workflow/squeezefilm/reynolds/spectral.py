@@ -159,7 +159,11 @@ class Axis:
     @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def interpolation_to(self, finer: Axis) -> np.ndarray:
         """Matrix that carries values on this axis to another one, shape (finer.points, n)."""
-        return self._fold(self.to_points(finer.nodes)[:, 1:-1], square=False)
+        return self.at(finer.nodes)
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Matrix from the unknowns to some places (m,), shape (m, n)."""
+        return self._fold(self.to_points(places)[:, 1:-1], square=False)
 
     def to_points(self, places: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes, ends included, to some places (m,), shape (m, nodes).

@@ -182,6 +182,8 @@ def refused(scene: Scene, needs: Needs, *, tolerance: float) -> str:
 
 
 def _unknown(terms: Terms, scene: Scene) -> str:
+    if scene.finger.contour:
+        return "a finger with an outline from a file does not slide: its modes are not known"
     return first_reason(term.refused_in_modes(scene) for term in terms)
 
 

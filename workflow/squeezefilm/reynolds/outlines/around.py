@@ -94,11 +94,38 @@ class Around:
     @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def interpolation_to(self, finer: Around) -> np.ndarray:
         """Matrix that carries values on this axis to another one, shape (finer.points, n)."""
-        return self._fold(self.to_points(finer.nodes))
+        return self.at(finer.nodes)
 
     def to_points(self, places: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes to some places (m,), shape (m, full_points)."""
         return self._all.at(places - self.all_nodes[0])
+
+    @property
+    def unfolded(self) -> np.ndarray:
+        """Which unknown each of all nodes has the value of, shape (full_points,)."""
+        n, full = self.points, self.full_points
+        index = np.arange(full)
+        if self.lengthwise:
+            index = np.minimum(index, full - 1 - index)
+        if self.crosswise:
+            # Mirrored about the end of the sector.
+            index = np.where(index < n, index, 2 * n - 1 - index)
+        return index
+
+    @property
+    def mirrored(self) -> list[np.ndarray]:
+        """By each of its symmetries the nodes' images, of all nodes."""
+        images = -self.all_nodes, np.pi - self.all_nodes
+        step = 2 * np.pi / self.full_points
+        return [
+            np.round((image - self.all_nodes[0]) / step).astype(int) % self.full_points
+            for image, has in zip(images, (self.lengthwise, self.crosswise), strict=True)
+            if has
+        ]
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Matrix from the unknowns to some places (m,), shape (m, n)."""
+        return self._fold(self.to_points(places))
 
     @property
     def _all(self) -> Period:
@@ -111,15 +138,8 @@ class Around:
 
     def _fold(self, matrix: np.ndarray) -> np.ndarray:
         """What the unknowns say of all, by the symmetry of what a matrix acts on."""
-        n, full = self.points, self.full_points
-        index = np.arange(full)
-        if self.lengthwise:
-            index = np.minimum(index, full - 1 - index)
-        if self.crosswise:
-            # Mirrored about the end of the sector.
-            index = np.where(index < n, index, 2 * n - 1 - index)
-        folded = np.zeros((len(matrix), n))
-        for at, column in zip(index, matrix.T, strict=True):
+        folded = np.zeros((len(matrix), self.points))
+        for at, column in zip(self.unfolded, matrix.T, strict=True):
             folded[:, at] += column
         return folded
 

@@ -183,7 +183,7 @@ def _nodes_around(digits: float, epsilon: float, curvature: float, outline: Outl
     real ν than about the rim's μ; the gap has those of ``_nodes``. Coefficients fall by as much for
     each of half the nodes.
     """
-    strip = outline.rim
+    strip = outline.strip
     if epsilon and curvature:
         strip = min(strip, sqrt(2 * (1 - epsilon) / (epsilon * curvature)))
     return 8 + digits * log(10) / (0.8 * strip)
