@@ -261,8 +261,8 @@ def _fitted(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]
         return fit, off
     raise InputError(
         f"points of the outline lie up to {off * 1e6:.3g} µm off the smooth curve of {most} waves "
-        f"through them, and {allowed * 1e6:.3g} µm are allowed: write finger.outline.scatter if they "
-        "are known no better, give more points, or round corners off"
+        f"through them, and {allowed * 1e6:.3g} µm are allowed: write finger.outline.scatter if "
+        "they are known no better, give more points, or round corners off"
     )
 
 

@@ -121,6 +121,15 @@ class Finger:
         return hypot(self.length_x_m, self.length_y_m) / 2
 
     @property
+    def rectangle_within(self) -> float:
+        """Sides of the largest rectangle of its proportions about its centre, over its own."""
+        if self.contour:
+            rim = self.contour.rim
+            across = np.maximum(2 * np.abs(rim.real), 2 * np.abs(rim.imag) / self.contour.aspect)
+            return float(across.min())
+        return sqrt(0.5) if self.shape == "ellipse" else 1.0
+
+    @property
     def smooth_outline(self) -> Outline | None:
         """The outline in conformal coordinates, unless it is a rectangle."""
         if self.contour:
