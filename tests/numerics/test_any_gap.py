@@ -9,7 +9,8 @@ import pytest
 from films import PISTON, film, mean_overpressure, periodic_state
 
 from squeezefilm.cli.main import main
-from squeezefilm.film.scene import GapShape, Scene, check_scene
+from squeezefilm.film.existence import check_scene
+from squeezefilm.film.scene import GapShape, Scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Formula, StandingWave, TwoPhases, Vibration
 from squeezefilm.film.vibration.surfaces import Disc

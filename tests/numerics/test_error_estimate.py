@@ -16,7 +16,7 @@ from numerics.estimates.judge import TIGHTER, judge
 from numerics.estimates.stretched import StretchedAxis
 from squeezefilm import reynolds
 from squeezefilm.cli.main import main
-from squeezefilm.film.scene import check_scene
+from squeezefilm.film.existence import check_scene
 from squeezefilm.film.vibration.shapes import Formula
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.reynolds import solve

@@ -10,7 +10,7 @@ import yaml
 
 from squeezefilm.cli.study.example_scan import EXAMPLES, PLATE, scan_text
 from squeezefilm.film.directions import Mirrors, symmetry_from_dict
-from squeezefilm.film.scene import check_scene
+from squeezefilm.film.existence import check_scene
 from squeezefilm.film.vibration import legendre
 from squeezefilm.film.vibration.scans import smoothed_scan
 from squeezefilm.film.vibration.shapes import StandingWave, largest_magnitude

@@ -6,7 +6,7 @@ from math import nan
 import numpy as np
 import pytest
 
-from squeezefilm.film.scene import check_scene
+from squeezefilm.film.existence import check_scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Piston, Sinc
 from squeezefilm.film.vibration.surfaces import Disc

@@ -82,7 +82,7 @@ def measure(
         ways: dict[str, Solve] = {"": solve, "time (always periodic)": _always_periodic}
         ways |= {
             "mirror halves": partial(_changed_needs, fold_x=False, fold_y=False),
-            **{kind.ABSENT.what: _with(kind.put_back) for kind in terms},
+            **{kind.ABSENT.what: _with(kind.put_back) for kind in terms if kind.ABSENT},
             "finest modes for all": _one_grid,
             "everything": _with(*(kind.put_back for kind in terms), solve=_one_grid),
         }

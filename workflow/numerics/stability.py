@@ -20,7 +20,7 @@ from numerics.peers import numpy_periodic
 from numerics.peers.explicit_march import step_limit
 from numerics.peers.fixed_grid import solve_on_grid
 from numerics.state_checks import check_state, unfold
-from squeezefilm.film.scene import check_scene
+from squeezefilm.film.existence import check_scene
 from squeezefilm.film.vibration.shapes import Sinc
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.progress import say

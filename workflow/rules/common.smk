@@ -64,7 +64,7 @@ try:
     CHECKED = checked_study(Path(CONFIG_FILE), code=CODE, memory=MEMORY)
 except InputError as error:
     refuse(error)
-CONFIG, SCAN = CHECKED.config, CHECKED.scan
+CONFIG, SCAN, OUTLINE = CHECKED.config, CHECKED.scan, CHECKED.outline
 STUDY = CONFIG["study"]
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
 PAPER = CONFIG["paper"]
@@ -83,7 +83,8 @@ def code(command, *modules, key=None):
     """What decides the results of a command, as one file to name as a rule's input.
 
     It stands for the code, that of modules which the command loads by a name made at run time too,
-    and the sections of the study that they read, with the scan of a measured profile. ``key`` is
+    and the sections of the study that they read, with the scan of a measured profile
+    and the outline of the finger. ``key`` is
     the kind of work where what is read goes by it. To be called while the rules are read: Snakemake
     looks which files there are before it asks a rule's functions.
     """
@@ -95,7 +96,11 @@ def code(command, *modules, key=None):
             code=CODE,
             files=CODE.of(command, *modules),
             sections={name: CONFIG[name] for name in sections},
-            data=[SCAN] if SCAN and "actuator" in sections else [],
+            data=[
+                file
+                for file, section in ((SCAN, "actuator"), (OUTLINE, "finger"))
+                if file and section in sections
+            ],
         )
     except InputError as error:
         refuse(error)

@@ -2,18 +2,17 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from math import cos, hypot, isfinite, pi, radians, sin, sqrt
+from math import cos, hypot, pi, radians, sin, sqrt
 from typing import TypeVar
 
 import numpy as np
 
+from squeezefilm.film.contour import DENSE, Contour
+from squeezefilm.film.outlines import Outline, ellipse
 from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of, phasor_of
 from squeezefilm.film.vibration.surfaces import Surface
-from squeezefilm.io.errors import InputError
 
-GAPS_M = (1e-9, 1e-3)
 OUTLINE_POINTS = 144
-SLACK = 1e-9
 
 Number = TypeVar("Number", float, np.ndarray)
 
@@ -87,10 +86,11 @@ class GapShape:
 
 @dataclass(frozen=True)
 class Finger:
-    """A pad of rectangular or elliptical outline, sliding along its own x axis at constant speed.
+    """A pad, sliding along its own x axis at constant speed.
 
-    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, or the axes of the ellipse;
-    the finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
+    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, the axes of the ellipse, or
+    the extents of a ``curve``, the closed ``contour``, whose middle is the pad's centre; the
+    finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
     """
 
     length_x_m: float
@@ -99,31 +99,64 @@ class Finger:
     shape: str = "rectangle"
     rotation_deg: float = 0.0
     gap: GapShape = GapShape()
+    contour: Contour | None = None
 
     @property
     def area_m2(self) -> float:
+        if self.contour:
+            return self.contour.outline.area * self.length_x_m**2
         share = pi / 4 if self.shape == "ellipse" else 1.0
         return share * self.length_x_m * self.length_y_m
 
     @property
     def reach_m(self) -> float:
         """Distance of the outline's farthest point from the finger's centre."""
+        if self.contour:
+            return float(np.abs(self.contour.rim).max()) * self.length_x_m
         if self.shape == "ellipse":
             return max(self.length_x_m, self.length_y_m) / 2
         return hypot(self.length_x_m, self.length_y_m) / 2
 
+    @property
+    def rectangle_within(self) -> float:
+        """Sides of the largest rectangle of its proportions about its centre, over its own."""
+        if self.contour:
+            rim = self.contour.rim
+            across = np.maximum(2 * np.abs(rim.real), 2 * np.abs(rim.imag) / self.contour.aspect)
+            return float(across.min())
+        return sqrt(0.5) if self.shape == "ellipse" else 1.0
+
+    @property
+    def smooth_outline(self) -> Outline | None:
+        """The outline in conformal coordinates, unless it is a rectangle."""
+        if self.contour:
+            return self.contour.outline
+        return ellipse(self.length_y_m / self.length_x_m) if self.shape == "ellipse" else None
+
     def outline(self) -> list[tuple[float, float]]:
         """Points on the rim from the finger's centre, along the actuator's axes: (x_m, y_m).
 
-        A rectangle's four corners, or points all around an ellipse.
+        A rectangle's four corners, or points all around another pad.
         """
         half_x, half_y = self.length_x_m / 2, self.length_y_m / 2
-        if self.shape == "ellipse":
+        if self.contour:
+            rim = self.contour.rim[:: DENSE // (2 * OUTLINE_POINTS)] * self.length_x_m
+            points = list(zip(rim.real.tolist(), rim.imag.tolist(), strict=True))
+        elif self.shape == "ellipse":
             angles = (2 * pi * step / OUTLINE_POINTS for step in range(OUTLINE_POINTS))
             points = [(half_x * cos(angle), half_y * sin(angle)) for angle in angles]
         else:
             points = [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
         return [self.turned(x, y) for x, y in points]
+
+    def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Whether places in [0, 1] across the sides lie under the pad."""
+        if self.contour:
+            z = (x - 0.5) + 1j * (y - 0.5) * self.contour.aspect
+            return self.contour.within(z.ravel()).reshape(z.shape)
+        if self.shape == "ellipse":
+            return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1 + 1e-12)
+        return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
 
     def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
         """Finger's coordinates in those of the actuator's axes."""
@@ -286,7 +319,7 @@ class Scene:
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
         """A net of points x, y over the finger, rim included, in [0, 1]."""
-        return _net(self.finger.shape)
+        return _net(self.finger)
 
     @property
     def rest_inside(self) -> np.ndarray:
@@ -313,9 +346,12 @@ class AtPlace:
 # A study has many gaps and amplitudes at few places.
 
 
-@lru_cache
-def _net(shape: str) -> tuple[np.ndarray, np.ndarray]:
-    if shape == "ellipse":
+@lru_cache(maxsize=256)
+def _net(finger: Finger) -> tuple[np.ndarray, np.ndarray]:
+    if finger.contour:
+        across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
+        return finger.contour.outline.positions(across, nu)
+    if finger.shape == "ellipse":
         r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
         return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
     side = np.linspace(0, 1, 25)
@@ -326,53 +362,10 @@ def _net(shape: str) -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=256)
 def _rises_inside(finger: Finger) -> np.ndarray:
     """Gap at rest less h0 on the net over a finger."""
-    return finger.gap.rise_m(*_net(finger.shape))
+    return finger.gap.rise_m(*_net(finger))
 
 
 @lru_cache(maxsize=1024)
 def _moves_inside(at: AtPlace) -> np.ndarray:
     """How far the surface moves over a period on the net, in units of hv."""
     return at.scene.magnitude(*at.scene.inside())
-
-
-def check_scene(scene: Scene) -> None:
-    """Refuse a scene that has no solution or lies off the actuator.
-
-    Raises InputError naming the point, the factor and what is allowed.
-    """
-    for name in ("h0_m", "hv_m", "x_m", "y_m"):
-        if not isfinite(getattr(scene, name)):
-            raise InputError(f"point {scene.point_id}: {name} is not a finite number")
-    if not GAPS_M[0] <= scene.h0_m <= GAPS_M[1]:
-        raise InputError(
-            f"point {scene.point_id}: h0_m = {scene.h0_m:g} must lie between {GAPS_M[0]:g} and "
-            f"{GAPS_M[1]:g}: thinner, there is no film of gas, thicker, it is none"
-        )
-    if scene.hv_m < 0:
-        raise InputError(f"point {scene.point_id}: hv_m = {scene.hv_m:g} must not be negative")
-    if scene.hv_m >= scene.h0_m:
-        raise InputError(
-            f"point {scene.point_id}: hv_m = {scene.hv_m:g} reaches h0_m = {scene.h0_m:g}: "
-            "surface and finger touch; the amplitude must stay below the mean gap"
-        )
-    surface, outline = scene.actuator.surface, np.array(scene.finger.outline())
-    x_m, y_m = scene.x_m + outline[:, 0], scene.y_m + outline[:, 1]
-    reach = surface.reach(x_m, y_m)
-    farthest = int(np.argmax(reach))
-    if reach[farthest] > 1 + SLACK:
-        part = "the rim" if scene.finger.shape == "ellipse" else "a corner"
-        raise InputError(
-            f"point {scene.point_id}: with its centre at x = {scene.x_m * 1e3:.2f} mm, "
-            f"y = {scene.y_m * 1e3:.2f} mm {part} of the finger lies "
-            f"{surface.where(x_m[farthest], y_m[farthest])}, off the actuator's {surface.text}"
-        )
-    if scene.finger.gap.flat and scene.closure() >= 1:
-        raise InputError(
-            f"point {scene.point_id}: hv_m = {scene.hv_m:g} is so near h0_m = {scene.h0_m:g} that "
-            "surface and finger touch within the noise of the measured profile"
-        )
-    if scene.closure() >= 1:
-        raise InputError(
-            f"point {scene.point_id}: at h0_m = {scene.h0_m:g}, hv_m = {scene.hv_m:g} the tilted "
-            "or bulging finger touches the surface; finger.gap leaves too little there"
-        )

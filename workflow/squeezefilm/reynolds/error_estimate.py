@@ -160,7 +160,7 @@ def change_between(
         share: of the change's size that counts as a moment, one or one for each film.
     """
     carried = coarse.x.interpolation_to(fine.x) @ before @ coarse.y.interpolation_to(fine.y).T
-    change = after - carried
+    change = (after - carried) * fine.density
     moments = fine.x.moments(MOMENTS) @ change @ fine.y.moments(MOMENTS).T
     # As products of matrices, film by film: those of vectors round by how many films there are.
     size = np.asarray(fine.x.weights[None] @ np.abs(change) @ fine.y.weights[:, None])[..., 0, 0]

@@ -106,6 +106,7 @@ def _on_grids(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
         left_out=need.halves_left_out + need.terms_left_out,
         expected_error=tolerance,
         expected_mflop=_expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance)
+        * _times_under_outline(scene, need)
         / 1e6,
     )
 
@@ -161,6 +162,15 @@ def _expected_flops(
     if len(grids) < 3:  # the first of them goes from rest to the tolerance
         iterations = [from_rest + refining, 0.75 * refining][: len(grids)]
     return sum(n * iteration_flops(grid, terms) for n, grid in zip(iterations, grids, strict=True))
+
+
+def _times_under_outline(scene: Scene, need: Needs) -> float:
+    """How many times the iterations under a rectangle those under a smooth outline are.
+
+    Its preconditioner takes the area behind each point for equal: fitted to 80 ellipses (ε
+    0.02–0.9, σ 1–1e5, axes up to 1:3), mostly right within a factor of two.
+    """
+    return 1 + 0.4 * need.outline.rim * log10(1 + scene.sigma) ** 2 if need.outline else 1.0
 
 
 def _iterations_in_modes(epsilon: float) -> float:

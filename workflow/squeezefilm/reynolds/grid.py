@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import sqrt
 
 import numpy as np
 
+from squeezefilm.film.outlines import Outline
 from squeezefilm.reynolds.layout import Joined, joined
+from squeezefilm.reynolds.outlines.around import Around, around
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 from squeezefilm.reynolds.terms import Terms
 
@@ -26,7 +29,10 @@ CARRYING = ("carry_t", "carry_x", "carry_y")
 class Grid:
     """Collocation points per direction, and which directions are folded by symmetry.
 
-    ``nx`` and ``ny`` count unknowns: a folded axis has half as many as it has nodes.
+    ``nx`` and ``ny`` count unknowns: a folded axis has half as many as it has nodes. Under an
+    outline that is no rectangle x and y are its coordinates μ, in units of the strip's width, and
+    ν (film/outlines.py); the film is even about the pad's middle along x, y where ``fold_x``,
+    ``fold_y`` say so.
     """
 
     nx: int
@@ -34,14 +40,22 @@ class Grid:
     nt: int
     fold_x: bool
     fold_y: bool
+    outline: Outline | None = None
 
     @property
     def x(self) -> Axis:
-        return axis(self.nx, self.fold_x)
+        return axis(self.nx, self.outline.folds(self)[0] if self.outline else self.fold_x)
 
     @property
-    def y(self) -> Axis:
-        return axis(self.ny, self.fold_y)
+    def y(self) -> Axis | Around:
+        return self.around if self.outline else axis(self.ny, self.fold_y)
+
+    @property
+    def around(self) -> Around:
+        """ν of an outline."""
+        if self.outline is None:
+            raise ValueError("a rectangle's grid has nothing around it")
+        return around(self.ny, *self.outline.folds(self))
 
     @property
     def t(self) -> Period:
@@ -50,7 +64,31 @@ class Grid:
     @property
     def positions(self) -> tuple[np.ndarray, np.ndarray]:
         """All nodes x, y across the finger, ends and mirror images included, row by row."""
-        return _positions(self.x, self.y)
+        return _positions(self.x, self.y, self.outline)
+
+    @property
+    def density(self) -> np.ndarray | float:
+        """Area of the finger that the unknowns stand for, over the mean, shape (nx, ny) or 1."""
+        if self.outline is None:
+            return 1.0
+        return _stretch(self.x, self.y, self.outline) / self.outline.mean_stretch
+
+    @property
+    def stretch(self) -> np.ndarray | float:
+        """The same over what its lengths are in units of."""
+        if self.outline is None:
+            return 1.0
+        return self.density * self.outline.mean_stretch / self.outline.typical_stretch
+
+    def lengths(self, aspect: float) -> tuple[float, float]:
+        """Of the axes' units, for a finger whose y side is ``aspect`` of its x side, which is 1.
+
+        Under an outline they are such that the film equation has ``stretch`` with its rates.
+        """
+        if self.outline is None:
+            return 1.0, aspect
+        unit = sqrt(self.outline.typical_stretch)
+        return 2 * self.outline.rim * unit, unit
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -69,21 +107,26 @@ class Grid:
     @property
     def space_products(self) -> tuple[int, int]:
         """Multiply-adds along x and y for each number: half of a row where an axis is whole."""
-        return self.nx if self.fold_x else self.nx // 2, self.ny if self.fold_y else self.ny // 2
+        halved = self.x.in_halves, self.y.in_halves
+        return self.nx // (1 + halved[0]), self.ny // (1 + halved[1])
 
     def sees(self, nodes_x: int, nodes_y: int) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
 
-    def finer_than(self, other: Grid) -> bool:
-        """In every direction: only then does the difference between two grids show every error."""
-        return all(mine > its for mine, its in zip(self.shape, other.shape, strict=True))
+
+@lru_cache(maxsize=256)
+def _positions(x: Axis, y: Axis | Around, outline: Outline | None) -> tuple[np.ndarray, np.ndarray]:
+    along_x, along_y = np.meshgrid(x.all_nodes, y.all_nodes, indexing="ij")
+    if outline:
+        return outline.positions(along_x.ravel(), along_y.ravel())
+    return along_x.ravel(), along_y.ravel()
 
 
 @lru_cache(maxsize=256)
-def _positions(x: Axis, y: Axis) -> tuple[np.ndarray, np.ndarray]:
-    along_x, along_y = np.meshgrid(x.all_nodes, y.all_nodes, indexing="ij")
-    return along_x.ravel(), along_y.ravel()
+def _stretch(x: Axis, y: Around, outline: Outline) -> np.ndarray:
+    mu = outline.rim * (2 * x.nodes - 1)
+    return outline.stretch(mu[:, None], y.nodes)
 
 
 @lru_cache(maxsize=256)
@@ -91,17 +134,19 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
     """The matrices of a grid over the period, under the names that kernels know them by."""
     values_x, vectors_x, inverse_x = grid.x.modes_in_parts
     values_y, vectors_y, inverse_y = grid.y.modes_in_parts
+    length_x, length_y = grid.lengths(aspect)
+    values_x, values_y = values_x / length_x**2, values_y / length_y**2
     parts = {
-        "laplace_x": grid.x.in_parts,
+        "laplace_x": grid.x.in_parts / length_x**2,
         "modes_x": vectors_x,
         "to_modes_x": inverse_x,
-        "laplace_y": grid.y.in_parts / aspect**2,
+        "laplace_y": grid.y.in_parts / length_y**2,
         "modes_y": vectors_y,
         "to_modes_y": inverse_y,
         "time_derivative": grid.t.derivative.T,
-        "eigenvalues": np.add.outer(values_x, values_y / aspect**2),
-        "eigenvalues_y": values_y / aspect**2,
-        "weights": np.outer(grid.x.weights, grid.y.weights),
+        "eigenvalues": np.add.outer(values_x, values_y),
+        "eigenvalues_y": values_y,
+        "weights": np.outer(grid.x.weights, grid.y.weights) * grid.density,
         "moments_x": _moments(grid.x),
         "moments_y": _moments(grid.y),
         "sine": np.sin(grid.t.nodes),
@@ -112,7 +157,7 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
     return joined(parts)
 
 
-def _moments(axis: Axis) -> np.ndarray:
+def _moments(axis: Axis | Around) -> np.ndarray:
     """The moments without their weights, and the first, which is 1, once more: shape (n, 4)."""
     cosines = axis.moments(MOMENTS) / axis.weights
     return np.stack([*cosines, cosines[0]], axis=1)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.outlines import Outline
+from squeezefilm.film.scene import Finger, Scene
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
 from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
 
@@ -23,12 +24,14 @@ class Needs:
         fold_x, fold_y: the film is even about the finger's middle along x, y: half is enough.
         terms: what the equation has beside squeezing.
         profile: the profile under the finger.
+        outline: the finger's, unless it is a rectangle.
     """
 
     fold_x: bool
     fold_y: bool
     terms: Terms
     profile: UnderFinger
+    outline: Outline | None = None
 
     @property
     def uniform(self) -> bool:
@@ -54,15 +57,23 @@ class Needs:
 
 def needs_of(scene: Scene) -> Needs:
     """What the scene needs, found from its profile, motion and gas."""
-    return _needs(under_finger(scene), terms_of(scene), scene.finger.gap)
+    return _needs(under_finger(scene), terms_of(scene), scene.finger)
 
 
 @lru_cache(maxsize=4096)
-def _needs(profile: UnderFinger, terms: Terms, gap: GapShape) -> Needs:
+def _needs(profile: UnderFinger, terms: Terms, finger: Finger) -> Needs:
+    gap, outline = finger.gap, finger.smooth_outline
     broken = {axis for term in terms for axis in term.BREAKS}
     return Needs(
-        fold_x=profile.even_x and "x" not in broken and gap.tilt_x_m == 0,
-        fold_y=profile.even_y and "y" not in broken and gap.tilt_y_m == 0,
+        fold_x=profile.even_x
+        and "x" not in broken
+        and gap.tilt_x_m == 0
+        and (outline is None or outline.even_x),
+        fold_y=profile.even_y
+        and "y" not in broken
+        and gap.tilt_y_m == 0
+        and (outline is None or outline.even_y),
         terms=terms,
         profile=profile,
+        outline=outline,
     )

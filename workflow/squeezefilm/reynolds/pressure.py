@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Finger, Scene
 from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.modes.galerkin import pressure_at, wants_modes
+from squeezefilm.reynolds.modes.galerkin import pressure_at, solved_in_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import STATUS, solve_batch
 from squeezefilm.reynolds.periodic.refinement import finer_grid, grid_for
@@ -59,7 +59,7 @@ def pressure(
     (way,) = ways_of([scene], [needs], tolerance=tolerance, method="periodic")
     if way.refused:
         raise RunError(way.refused)
-    if wants_modes(scene):
+    if solved_in_modes(scene):
         return _in_modes(scene, x=x, y=y, instants=instants, tolerance=tolerance)
     if not device.processor:
         check_device(device)
@@ -77,10 +77,12 @@ def pressure(
             thinnest = float(states.thinnest[0])
             if refused := state_refused(scene, needs.terms, thinnest=thinnest):
                 raise RunError(refused)
-            found = _at(states.overpressure[0], grid, x=x, y=y, instants=instants)
+            found = _at(
+                states.overpressure[0], grid, finger=scene.finger, x=x, y=y, instants=instants
+            )
             if before is not None:
-                change = float(np.abs(found - before).max())
-                if change <= tolerance * np.abs(found).max():
+                change = float(np.nanmax(np.abs(found - before)))
+                if change <= tolerance * np.nanmax(np.abs(found)):
                     return Pressure(found, change)
             before, ending = found, NO_STATE
         grid = finer_grid(grid)
@@ -88,28 +90,35 @@ def pressure(
 
 
 def _at(
-    unknowns: np.ndarray, grid: Grid, *, x: np.ndarray, y: np.ndarray, instants: int
+    unknowns: np.ndarray,
+    grid: Grid,
+    *,
+    finger: Finger,
+    x: np.ndarray,
+    y: np.ndarray,
+    instants: int,
 ) -> np.ndarray:
     """A state on a grid, shape (nx, ny, nt), at other places and instants: (instants, y, x)."""
-    along_x, along_y = (
-        axis.to_points(places)[:, 1:-1] for axis, places in ((grid.x, x), (grid.y, y))
-    )
-    field = unknowns
-    for which, folded in enumerate((grid.x.folded, grid.y.folded)):
-        if folded:  # the other half is its image
-            field = np.concatenate([field, np.flip(field, axis=which)], axis=which)
     in_time = period(grid.nt).interpolation_to(period(instants))
-    return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, field, optimize=True)
+    if grid.outline is None:
+        along_x, along_y = grid.x.at(x), grid.y.at(y)
+        return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, unknowns, optimize=True)
+    across, along = np.meshgrid(x, y)
+    inside = finger.within(across, along)
+    u, v = grid.outline.coordinates(across[inside], along[inside])
+    found = np.einsum("xa,abi->xbi", grid.x.at(u), unknowns)
+    found = np.einsum("xb,xbi->xi", grid.y.at(v), found)
+    values = np.full((instants, *across.shape), np.nan)
+    values[:, inside] = in_time @ found.T
+    return values
 
 
 def _in_modes(
     scene: Scene, *, x: np.ndarray, y: np.ndarray, instants: int, tolerance: float
 ) -> Pressure:
-    """The same for a pad or a gap that the grid does not know."""
+    """The same for a sliding pad that the grid does not know."""
     across, along = np.meshgrid(x, y)
-    inside = np.ones(across.shape, dtype=bool)
-    if scene.finger.shape == "ellipse":
-        inside = (2 * across - 1) ** 2 + (2 * along - 1) ** 2 <= 1 + 1e-12
+    inside = scene.finger.within(across, along)
     values = np.full((instants, *across.shape), np.nan)
     found = pressure_at(
         scene, x=across[inside], y=along[inside], instants=instants, tolerance=tolerance

@@ -28,7 +28,7 @@ class Problems:
         aspect: finger's length along y over that along x, one for the batch.
         parts: of the gap 1 + ε s sin T the profile s, or of any gap (terms/gap.py) s₁, s₂ and by
             how many metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends
-            and mirror images included, shape (places, parts, full nx + 2, full ny + 2).
+            and mirror images included, shape (places, parts, nodes along x, nodes along y).
         places: row of ``parts`` that each scene has.
         tolerance: relative error of the force that the iteration may leave, one for the batch.
         at: the places, where their parts are so few and so simple that they are kept.
@@ -139,7 +139,7 @@ _profile_kept = lru_cache(maxsize=256)(_profile_on)
 
 
 def _with_rest(scene: Scene, grid: Grid, moving: np.ndarray) -> np.ndarray:
-    """The parts of a scene's gap, shape (parts, full nx + 2, full ny + 2)."""
+    """The parts of a scene's gap, shape (parts, nodes along x, nodes along y)."""
     if scene.plain:
         return moving
     second = moving[1] if scene.two_phases else np.zeros_like(moving[0])
@@ -149,7 +149,7 @@ def _with_rest(scene: Scene, grid: Grid, moving: np.ndarray) -> np.ndarray:
 
 def _whole(grid: Grid) -> tuple[int, int]:
     """Nodes of a grid, ends and mirror images included."""
-    return grid.x.full_points + 2, grid.y.full_points + 2
+    return len(grid.x.all_nodes), len(grid.y.all_nodes)
 
 
 def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
@@ -159,15 +159,17 @@ def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
     lengths in units of the finger's x side.
     """
     parts = problems.parts
-    along_x = grid.x.derivative @ parts
-    along_y = parts @ grid.y.derivative.T / problems.aspect
+    length_x, length_y = grid.lengths(problems.aspect)
+    along_x = grid.x.derivative @ parts / length_x
+    along_y = parts @ grid.y.derivative.T / length_y
     everywhere = {
         "amplitude": parts,
         "slope_x": along_x,
         "slope_y": along_y,
-        "laplacian": grid.x.derivative @ along_x + along_y @ grid.y.derivative.T / problems.aspect,
+        "laplacian": grid.x.derivative @ along_x / length_x
+        + along_y @ grid.y.derivative.T / length_y,
     }
-    inner = (..., slice(1, grid.nx + 1), slice(1, grid.ny + 1))
+    inner = (..., grid.x.inner, grid.y.inner)
     fields = {name: values[inner] for name, values in everywhere.items()}
     for term in problems.terms:
         fields.update(term.profile_fields(parts, grid))
@@ -179,9 +181,9 @@ def mean_motion(problems: Problems, grid: Grid) -> np.ndarray:
 
     The factors of sin T and of cos T.
     """
-    inner = problems.parts[..., 1 : grid.nx + 1, 1 : grid.ny + 1]
+    inner = problems.parts[..., grid.x.inner, grid.y.inner] * grid.density
     # The rule leaves out the ends; what it gives them is small, and the mean is no result.
-    whole = grid.x.weights.sum() * grid.y.weights.sum()
+    whole = grid.x.weights @ np.broadcast_to(grid.density, grid.shape[:2]) @ grid.y.weights
     means = np.asarray(grid.x.weights @ inner @ grid.y.weights / whole)[problems.places]
     if means.shape[1] == 1:
         return np.append(means, 0 * means, axis=1) * problems.epsilon[:, None]

@@ -21,7 +21,7 @@ from squeezefilm.reynolds.limits.forces import LimitForces, limit_axis, limit_po
 from squeezefilm.reynolds.march import marching
 from squeezefilm.reynolds.march.marching import solve_marching
 from squeezefilm.reynolds.modes import galerkin
-from squeezefilm.reynolds.modes.galerkin import solve_in_modes, wants_modes
+from squeezefilm.reynolds.modes.galerkin import solve_in_modes, solved_in_modes
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile, unseen_profile
@@ -254,7 +254,7 @@ def _way(
     if method == "march":
         march = marching.plan(scene, needs, tolerance=tolerance)
         return Way(march.method, refused=march.refused)
-    if wants_modes(scene):
+    if solved_in_modes(scene):
         refused = galerkin.refused(scene, needs, tolerance=tolerance)
         return Way(galerkin.METHOD, refused=refused)
     refused = first_reason(term.refused_on_grid(scene) for term in needs.terms)

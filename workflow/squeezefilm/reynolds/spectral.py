@@ -38,9 +38,19 @@ class Axis:
         return (1 - np.cos(np.pi * np.arange(order + 1) / order)) / 2
 
     @property
+    def inner(self) -> slice:
+        """Which of all nodes carry unknowns."""
+        return slice(1, self.points + 1)
+
+    @property
     def nodes(self) -> np.ndarray:
         """The nodes that carry unknowns, shape (n,)."""
-        return self.all_nodes[1 : self.points + 1]
+        return self.all_nodes[self.inner]
+
+    @property
+    def in_halves(self) -> bool:
+        """Whether kernels act on the even and the odd part of what is on all of the axis."""
+        return not self.folded
 
     @cached_property
     def derivative(self) -> np.ndarray:
@@ -149,7 +159,11 @@ class Axis:
     @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def interpolation_to(self, finer: Axis) -> np.ndarray:
         """Matrix that carries values on this axis to another one, shape (finer.points, n)."""
-        return self._fold(self.to_points(finer.nodes)[:, 1:-1], square=False)
+        return self.at(finer.nodes)
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Matrix from the unknowns to some places (m,), shape (m, n)."""
+        return self._fold(self.to_points(places)[:, 1:-1], square=False)
 
     def to_points(self, places: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes, ends included, to some places (m,), shape (m, nodes).

@@ -12,10 +12,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from squeezefilm.film.outlines import Outline
 from squeezefilm.film.scene import AtPlace, Scene
 from squeezefilm.film.vibration.landmarks import landmarks_of
 from squeezefilm.reynolds.grid import MOST_SPACE
-from squeezefilm.reynolds.spectral import axis
+from squeezefilm.reynolds.outlines.around import Around, around
+from squeezefilm.reynolds.spectral import Axis, axis, period
 
 # Values of a profile that should agree by symmetry agree to rounding, relative to its largest.
 SYMMETRIC = 1e-13
@@ -64,9 +66,12 @@ class UnderFinger:
         self._probes = [first]
         self._largest = max(float(np.abs(parts).max()), float(np.abs(between).max()))
         same = SYMMETRIC * self._largest
-        self.even_x = bool(np.abs(parts[:, ::-1] - parts).max() <= same)
-        self.even_y = bool(np.abs(parts[:, :, ::-1] - parts).max() <= same)
-        if first.missed > SYMMETRIC:  # else what the nodes say holds between them
+        self.even_x = self.even_y = True
+        if scene.finger.smooth_outline is None:
+            self.even_x = bool(np.abs(parts[:, ::-1] - parts).max() <= same)
+            self.even_y = bool(np.abs(parts[:, :, ::-1] - parts).max() <= same)
+        # Else what the nodes say holds between them.
+        if first.missed > SYMMETRIC or scene.finger.smooth_outline:
             self.even_x = self.even_x and self._mirrored(along_x=True) <= same
             self.even_y = self.even_y and self._mirrored(along_x=False) <= same
         still = max(np.abs(parts - 1).max(), np.abs(between - 1).max()) < SYMMETRIC
@@ -101,7 +106,8 @@ class UnderFinger:
 
     def _mirrored(self, *, along_x: bool) -> float:
         """Largest difference to the mirror image, between the nodes."""
-        x, y = _between(MANY)
+        prober = _prober(PROBES[1], self._scene.finger.smooth_outline)
+        x, y = prober.x, prober.y
         mirrored = (1 - x, y) if along_x else (x, 1 - y)
         return float(np.abs(self._scene.parts(*mirrored) - self._scene.parts(x, y)).max())
 
@@ -123,19 +129,27 @@ def _probed(
 
     A profile in two phases has two parts, and needs what the worse of them needs.
     """
-    prober = _prober(points)
+    outline = scene.finger.smooth_outline
+    prober = _prober(points, outline)
     x, y, to_x, to_y = prober.x, prober.y, prober.to_x, prober.to_y
     if len(landmarks[0]):
+        u, v = landmarks
+        if outline:
+            u, v = outline.coordinates(u, v)
+            landmarks = outline.positions(u, v)
         x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
-        to_x = np.vstack([to_x, axis(points, False).to_points(landmarks[0])])
-        to_y = np.vstack([to_y, axis(points, False).to_points(landmarks[1])])
+        along = _axes(points, outline)
+        to_x, to_y = (
+            np.vstack([to_x, along[0].to_points(u)]),
+            np.vstack([to_y, along[1].to_points(v)]),
+        )
     everywhere = scene.parts(np.append(prober.grid_x, x), np.append(prober.grid_y, y))
     s = everywhere[:, : prober.grid_x.size].reshape(-1, points + 2, points + 2)
     between = everywhere[:, prober.grid_x.size :]
     largest = float(np.abs(everywhere).max()) or 1.0
     missed = np.abs(((to_x @ s) * to_y).sum(axis=2) - between).max(axis=0) / largest
     worst = int(np.argmax(missed))
-    coefficients = np.abs(prober.to_coefficients @ s @ prober.to_coefficients.T).max(axis=0)
+    coefficients = np.abs(prober.to_coefficients @ s @ prober.to_coefficients_y.T).max(axis=0)
     coefficients /= largest
     return (
         s,
@@ -144,7 +158,7 @@ def _probed(
             missed=float(missed[worst]),
             worst=(float(x[worst]), float(y[worst])),
             curvature_x=float(np.abs(prober.twice @ s).max()),
-            curvature_y=float(np.abs(s @ prober.twice.T).max()),
+            curvature_y=float(np.abs(s @ prober.twice_y.T).max()),
             tail_x=_tail(coefficients.sum(axis=1)),
             tail_y=_tail(coefficients.sum(axis=0)),
         ),
@@ -170,8 +184,9 @@ class _Prober:
     Attributes:
         grid_x, grid_y: its nodes; x, y: points between them, in no relation to any grid.
         to_x, to_y: interpolation from the nodes along x, y to those points.
-        to_coefficients: Chebyshev coefficients from values at the nodes.
-        twice: second derivative on the nodes.
+        to_coefficients, to_coefficients_y: along x, y Chebyshev coefficients from values at the
+            nodes; of coordinates around, Fourier's, by rising harmonic.
+        twice, twice_y: second derivatives on the nodes.
     """
 
     grid_x: np.ndarray
@@ -181,27 +196,44 @@ class _Prober:
     to_x: np.ndarray
     to_y: np.ndarray
     to_coefficients: np.ndarray
+    to_coefficients_y: np.ndarray
     twice: np.ndarray
+    twice_y: np.ndarray
 
 
-@lru_cache(maxsize=len(PROBES))
-def _prober(points: int) -> _Prober:
-    line = axis(points, False)
+def _axes(points: int, outline: Outline | None) -> tuple[Axis, Axis | Around]:
+    """Those along which a profile is probed: under an outline its own coordinates."""
+    return axis(points, False), around(points + 2, False, False) if outline else axis(points, False)
+
+
+@lru_cache(maxsize=8 * len(PROBES))
+def _prober(points: int, outline: Outline | None) -> _Prober:
+    line, across = _axes(points, outline)
     nodes, order = line.all_nodes, points + 1
-    x, y = _between(FEW if points == PROBES[0] else MANY)
+    u, v = _between(FEW if points == PROBES[0] else MANY)
     ends = np.ones(order + 1)
     ends[[0, -1]] = 0.5
     cosines = np.cos(np.pi * np.outer(np.arange(order + 1), np.arange(order + 1)) / order)
-    grid_x, grid_y = np.meshgrid(nodes, nodes, indexing="ij")
+    to_coefficients = to_coefficients_y = 2 / order * ends[:, None] * cosines * ends
+    at_nodes = grid_x, grid_y = np.meshgrid(nodes, across.all_nodes, indexing="ij")
+    x, y = u, v
+    if outline:
+        v = 2 * np.pi * v
+        (grid_x, grid_y), (x, y) = outline.positions(*at_nodes), outline.positions(u, v)
+        turns = period(points + 2)
+        rising = np.argsort(turns.harmonics, kind="stable")
+        to_coefficients_y = turns.fourier[rising] * np.sqrt(2 / (points + 2))
     return _Prober(
         grid_x=grid_x.ravel(),
         grid_y=grid_y.ravel(),
         x=x,
         y=y,
-        to_x=line.to_points(x),
-        to_y=line.to_points(y),
-        to_coefficients=2 / order * ends[:, None] * cosines * ends,
+        to_x=line.to_points(u),
+        to_y=across.to_points(v),
+        to_coefficients=to_coefficients,
+        to_coefficients_y=to_coefficients_y,
         twice=line.derivative @ line.derivative,
+        twice_y=across.derivative @ across.derivative,
     )
 
 
@@ -211,4 +243,6 @@ def _landmarks_under(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     along_x, along_y = scene.finger.turned_back(x_m - scene.x_m, y_m - scene.y_m)
     x, y = 0.5 + along_x / scene.finger.length_x_m, 0.5 + along_y / scene.finger.length_y_m
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
+    if scene.finger.smooth_outline:
+        inside &= scene.finger.within(x, y)
     return x[inside], y[inside]

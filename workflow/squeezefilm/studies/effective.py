@@ -20,13 +20,18 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
     """The whole study as YAML that reads as the same study; what was not written says so.
 
     Args:
-        folder: where the text will lie, for the path of a scan; beside the study if left out.
+        folder: where the text will lie, for the paths of a scan and an outline; beside the study
+            if left out.
     """
     sections = dict(config)
     profile = sections["actuator"]["profile"]
     if folder is not None and profile["kind"] == "measured":
         path = os.path.relpath(config.path.parent / profile["file"], start=folder)
         sections["actuator"] = {**sections["actuator"], "profile": {**profile, "file": path}}
+    if folder is not None and sections["finger"]["shape"] == "curve":
+        finger = sections["finger"]
+        path = os.path.relpath(config.path.parent / finger["outline"]["file"], start=folder)
+        sections["finger"] = {**finger, "outline": {**finger["outline"], "file": path}}
     head = f"# {config.path}, as it is computed: what is not marked was written there.\n"
     return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
 

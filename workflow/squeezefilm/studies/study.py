@@ -8,12 +8,14 @@ from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from squeezefilm.film.contour import read_contour
 from squeezefilm.film.directions import Directions, Symmetry
-from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene, check_scene
+from squeezefilm.film.existence import check_scene
+from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Sinc, StandingWave, Vibration
 from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
-from squeezefilm.io.errors import naming
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.symmetry import no_symmetry, symmetry
@@ -49,6 +51,18 @@ def scan_path(config: Config) -> Path | None:
     """The file that the vibration shape was measured in; None if it is not a measured one."""
     profile = config["actuator"]["profile"]
     return config.path.parent / profile["file"] if profile["kind"] == "measured" else None
+
+
+def outline_path(config: Config) -> Path | None:
+    """The file of the finger's outline; None if it is not given by one."""
+    finger = config["finger"]
+    curve = finger["shape"] == "curve"
+    if curve != ("outline" in finger):
+        raise InputError(
+            f"finger.outline: {'it is missing' if curve else 'it is there'}, and finger.shape is "
+            f"{finger['shape']}: a curve has its points in a file, other shapes have none"
+        )
+    return config.path.parent / finger["outline"]["file"] if curve else None
 
 
 def smoothing_settings(config: Config) -> dict[str, Any]:
@@ -107,7 +121,11 @@ def planned_profile_of(config: Config) -> Vibration:
 def finger_of(config: Config) -> Finger:
     """The finger pad."""
     keys = dict(config["finger"])
-    return Finger(gap=GapShape(**keys.pop("gap")), **keys)
+    contour = None
+    if path := outline_path(config):
+        sides_m = keys["length_x_m"], keys["length_y_m"]
+        contour = read_contour(path, sides_m=sides_m, scatter_m=keys.pop("outline")["scatter_m"])
+    return Finger(gap=GapShape(**keys.pop("gap")), contour=contour, **keys)
 
 
 def symmetry_of(config: Config) -> Symmetry:
@@ -157,6 +175,7 @@ def check_study(config: Config) -> Config:
     Raises InputError naming the section and the point that has no physical meaning.
     """
     with naming(config.path):
+        finger_of(config)
         _check_scan(config)
         profile = planned_profile_of(config)
     for section, point in _extreme_points(config):

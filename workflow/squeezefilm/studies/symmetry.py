@@ -88,6 +88,8 @@ def _keeps_pad(change: np.ndarray, finger: Finger) -> bool:
 
     In the pad's own axes. A bulge has the outline's symmetry: it grows as the same squares.
     """
+    if finger.contour:
+        return False  # a measured one is its own image under no mirror, nor turn
     turn = _turn(finger.rotation_deg)
     own = turn.T @ change @ turn
     sides = np.array([finger.length_x_m, finger.length_y_m])

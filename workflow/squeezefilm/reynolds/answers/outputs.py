@@ -24,7 +24,7 @@ from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.modes.galerkin import wants_modes
+from squeezefilm.reynolds.modes.galerkin import solved_in_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.changes import margin_of
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, States, launch
@@ -139,7 +139,7 @@ def _from_states(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
     for index, (scene, need, way) in enumerate(zip(scenes, needs, ways, strict=True)):
         if way.refused:
             found[index] = _refused(way.refused)
-        elif wants_modes(scene):
+        elif solved_in_modes(scene):
             found[index] = _of_modes(scene, tolerance=tolerance)
         else:
             first = grid_for(scene, need, tolerance=tolerance)

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from squeezefilm.film.outlines import Outline
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.answers.rim_momentum import momentum_out
 from squeezefilm.reynolds.answers.rules import pad_rule
@@ -120,6 +121,8 @@ def on_grid(scene: Scene, grid: Grid, unknowns: np.ndarray) -> Sample:
     Those of the rim and of mirror images are among them.
     """
     field = unknowns[0]
+    if grid.outline:
+        return _on_outline(scene, grid, field, grid.outline)
     for which, folded in enumerate((grid.x.folded, grid.y.folded)):
         if folded:  # the other half is its image
             field = np.concatenate([field, np.flip(field, axis=which)], axis=which)
@@ -154,8 +157,43 @@ def on_grid(scene: Scene, grid: Grid, unknowns: np.ndarray) -> Sample:
     )
 
 
+def _on_outline(scene: Scene, grid: Grid, field: np.ndarray, outline: Outline) -> Sample:
+    """The same in an outline's coordinates, where each place lies at two points."""
+    if grid.x.folded:
+        field = np.concatenate([field, np.flip(field, axis=0)])
+    along, around = axis(grid.x.full_points, folded=False), grid.around
+    field = np.pad(field[:, around.unfolded], [(1, 1), (0, 0), (0, 0)])
+    u, v = np.meshgrid(along.all_nodes, around.all_nodes, indexing="ij")
+    density = outline.stretch(outline.rim * (2 * u - 1), v) / outline.mean_stretch
+    places = np.arange(u.size).reshape(u.shape)
+    images = [places]
+    for mirrored in around.mirrored:
+        images += [each[:, mirrored] for each in images]
+
+    def at(u: np.ndarray, v: np.ndarray, phases: np.ndarray) -> np.ndarray:
+        in_u = np.einsum("pa,abi->pbi", along.to_points(u), field)
+        return np.asarray(around.to_points(v) @ in_u @ grid.t.at(phases).T)
+
+    nodes = along.all_nodes, around.all_nodes, grid.t.nodes
+    x, y = outline.positions(u.ravel(), v.ravel())
+    return Sample(
+        scene,
+        x=x,
+        y=y,
+        weights=(lines_of(along).weights[:, None] * density / len(around.all_nodes)).ravel(),
+        overpressure=field.reshape(-1, grid.nt),
+        largest=_extreme(field, nodes, at, around=True),
+        least=-_extreme(-field, nodes, lambda *where: -at(*where), around=True),
+        images=tuple(image.ravel() for image in images),
+    )
+
+
 def _extreme(
-    field: np.ndarray, nodes: tuple[np.ndarray, ...], at: Callable[..., np.ndarray]
+    field: np.ndarray,
+    nodes: tuple[np.ndarray, ...],
+    at: Callable[..., np.ndarray],
+    *,
+    around: bool = False,
 ) -> float:
     """The largest value near the largest at the nodes, of what interpolates them."""
     best = np.unravel_index(int(np.argmax(field)), field.shape)
@@ -165,7 +203,8 @@ def _extreme(
         for each, k in zip(nodes, best, strict=True)
     ]
     found = float(field[best])
-    bounds = [(0.0, 1.0), (0.0, 1.0), (-np.inf, np.inf)]
+    ends, turns = (0.0, 1.0), (-np.inf, np.inf)
+    bounds = [ends, turns if around else ends, turns]
     for _ in range(LOOKS):
         look = [
             np.clip(np.linspace(c - r, c + r, LOOK), *bound)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from math import isfinite, nan, sqrt
+from math import isfinite, nan
 
 import numpy as np
 
@@ -192,8 +192,9 @@ def _on_a_grid(scene: Scene) -> Scene:
     flat = replace(
         finger,
         shape="rectangle",
-        length_x_m=sqrt(0.5) * finger.length_x_m,
-        length_y_m=sqrt(0.5) * finger.length_y_m,
+        contour=None,
+        length_x_m=finger.rectangle_within * finger.length_x_m,
+        length_y_m=finger.rectangle_within * finger.length_y_m,
         gap=GapShape(),
     )
     return replace(scene, finger=flat)

@@ -71,6 +71,8 @@ class Fields:
 
     def __init__(self, problems: Problems, grid: Grid, overpressure: np.ndarray) -> None:
         """Args: overpressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
+        if not isinstance(grid.y, Axis):
+            raise ValueError("what is beside the force is known of rectangular pads alone")
         self.problems, self.grid = problems, grid
         self.along_x, self.along_y = lines_of(grid.x), lines_of(grid.y)
         self.inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))

@@ -14,6 +14,7 @@ from functools import lru_cache, partial
 import numpy as np
 
 from squeezefilm.reynolds.effects.fields import Fields, Vector, along_t, along_x, along_y
+from squeezefilm.reynolds.outlines.around import Around
 from squeezefilm.reynolds.spectral import Axis
 
 Operator = Callable[[np.ndarray], np.ndarray]
@@ -198,7 +199,7 @@ def _harmonics(instants: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _modes(
-    axis: Axis, *, adjoint: bool, kind: type[np.floating]
+    axis: Axis | Around, *, adjoint: bool, kind: type[np.floating]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Eigenvalues, analysis and synthesis of the second derivative, or of its adjoint."""
     values, vectors, inverse = axis.modes

@@ -165,6 +165,11 @@ def wants_modes(scene: Scene) -> bool:
     return scene.finger.shape != "rectangle"
 
 
+def solved_in_modes(scene: Scene) -> bool:
+    """Whether such a finger's force is found in modes, not on a grid in its own coordinates."""
+    return wants_modes(scene) and scene.bearing_number != 0
+
+
 def refused(scene: Scene, needs: Needs, *, tolerance: float) -> str:
     """Why a scene has no force in modes, as far as that is known before solving; else empty."""
     if unknown := _unknown(needs.terms, scene):
@@ -177,6 +182,8 @@ def refused(scene: Scene, needs: Needs, *, tolerance: float) -> str:
 
 
 def _unknown(terms: Terms, scene: Scene) -> str:
+    if scene.finger.contour:
+        return "a finger with an outline from a file does not slide: its modes are not known"
     return first_reason(term.refused_in_modes(scene) for term in terms)
 
 

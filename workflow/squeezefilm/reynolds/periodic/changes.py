@@ -37,6 +37,11 @@ def margin_of(terms: Terms) -> float:
     return max((term.ESTIMATE_MARGIN for term in terms), default=1.0)
 
 
+def least_fall_of(terms: Terms) -> float:
+    """The factor below which no changes of films with some terms are believed to fall."""
+    return max((term.LEAST_FALL for term in terms), default=0.0)
+
+
 def how_many_tell(grids: Sequence[Grid]) -> int:
     """How many grids at the end of some tell the error of the last."""
     if len(grids) <= 2 or grids[-1].nt > grids[-2].nt:

@@ -5,7 +5,7 @@
  * (time_modes.py) are transposed. */
 typedef struct {
     constant_vector laplace_x, laplace_y, modes_x, modes_y, to_modes_x, to_modes_y;
-    constant_vector to_time_modes, time_modes;
+    constant_vector to_time_modes, time_modes, time_derivative;
 } Operators;
 
 /* Sizes and matrices. */
@@ -80,6 +80,9 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     g.linear.time_modes = taken(values + row->time_modes, g.nt * g.nt, room);
     g.mean_resistance = values + row->mean_resistance;
     g.time_derivative = values + row->time_derivative;
+#ifdef HAS_outline
+    g.linear.time_derivative = taken(g.time_derivative, g.nt * g.nt, room);
+#endif
     g.eigenvalues = values + row->eigenvalues;
     g.eigenvalues_y = values + row->eigenvalues_y;
     g.weights = values + row->weights;

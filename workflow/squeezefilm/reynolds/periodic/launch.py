@@ -89,7 +89,7 @@ class Batch:
             most = most_krylov(grid, self.terms)
             fields = 2 * flow_terms + 3 + own_fields(self.terms)
             linear = 3 * flow_terms + 3 + (most + 1) * self.fields
-            matrices = 3 * (grid.nx**2 + grid.ny**2) + 2 * grid.nt**2
+            matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
             small = (most + 4) * (most + 1) + grid.nx * grid.ny
             sizes.append(grid.count * (fields + linear) + matrices + small)
         return max(sizes) + 2 * self.largest_state

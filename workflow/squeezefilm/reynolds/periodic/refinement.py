@@ -23,6 +23,7 @@ from squeezefilm.reynolds.periodic.changes import (
     changes_of,
     how_many_tell,
     judged_from_coarser,
+    least_fall_of,
     margin_of,
 )
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, States, launch
@@ -250,7 +251,7 @@ def _judge(
         narrowest=narrowest,
         mean=states.mean,
         tolerance=tolerance,
-        fall=np.maximum(fall, of_profile),
+        fall=np.maximum(np.maximum(fall, of_profile), least_fall_of(group[0].needs.terms)),
         margin=margin,
     )
     for at in np.flatnonzero(~found.holds).tolist():

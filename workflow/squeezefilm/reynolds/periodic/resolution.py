@@ -9,10 +9,13 @@ from dataclasses import replace
 from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 
+from squeezefilm.film.outlines import Outline
 from squeezefilm.film.scene import Finger, Scene
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.outlines.around import Around
+from squeezefilm.reynolds.spectral import Axis
 from squeezefilm.reynolds.under_finger import Probe, UnderFinger
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
@@ -146,16 +149,22 @@ def first_grid(
     if sigma > THIN_LAYER_SIGMA:
         layers *= max((term.LAYER_STIFFNESS for term in needs.terms), default=1.0)
     layer_x = max(layers, SLIDING_LAYER * (bearing / (1 - epsilon)) ** 2)
+    layer_y = layers * aspect**2
+    if outline := needs.outline:
+        layer_x = layers * outline.rim_stretch[1] * (2 * outline.rim) ** 2
     nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x))
-    nodes_y = max(
-        seen_y, _nodes(digits, epsilon=epsilon, sigma=layers * aspect**2, curvature=bent_y)
-    )
+    if outline:
+        nodes_y = max(seen_y, _nodes_around(digits, epsilon, bent_y, outline))
+    else:
+        nodes_y = max(seen_y, _nodes(digits, epsilon=epsilon, sigma=layer_y, curvature=bent_y))
+    plain = Grid(4, 4, LEAST_TIME, needs.fold_x, needs.fold_y, outline)
     grid = Grid(
-        nx=_unknowns(nodes_x, fold=needs.fold_x),
-        ny=_unknowns(nodes_y, fold=needs.fold_y),
+        nx=_unknowns(nodes_x, plain.x),
+        ny=_unknowns(nodes_y, plain.y),
         nt=min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_JUDGED_TIME),
         fold_x=needs.fold_x,
         fold_y=needs.fold_y,
+        outline=outline,
     )
     while finer_grid(grid, room=room) is None and grid.sees(seen_x, seen_y):
         grid = _coarser(grid)
@@ -179,10 +188,24 @@ def _nodes(digits: float, *, epsilon: float, sigma: float, curvature: float) -> 
     return max(layer, narrow)
 
 
-def _unknowns(nodes: float, *, fold: bool) -> int:
-    """Unknowns along an axis, a multiple of the kernel's four rows."""
-    most = MOST_JUDGED_FOLDED if fold else MOST_JUDGED
-    return min(4 * ceil((nodes / 2 if fold else nodes) / 4), most)
+def _nodes_around(digits: float, epsilon: float, curvature: float, outline: Outline) -> float:
+    """Nodes around an outline.
+
+    The layer's width along the rim goes with the area behind a point, which has no zero nearer to
+    real ν than about the rim's μ; the gap has those of ``_nodes``. Coefficients fall by as much for
+    each of half the nodes.
+    """
+    strip = outline.strip
+    if epsilon and curvature:
+        strip = min(strip, sqrt(2 * (1 - epsilon) / (epsilon * curvature)))
+    return 8 + digits * log(10) / (0.8 * strip)
+
+
+def _unknowns(nodes: float, axis: Axis | Around) -> int:
+    """Unknowns along an axis like another, a multiple of the kernel's four rows."""
+    share = axis.full_points // axis.points
+    most = MOST_JUDGED_FOLDED if share > 1 else MOST_JUDGED
+    return min(4 * ceil(nodes / share / 4), most)
 
 
 @lru_cache(maxsize=4096)
@@ -191,12 +214,11 @@ def start_grid(grid: Grid) -> Grid | None:
 
     A solve from rest takes about twice the iterations of one from a guess.
     """
-    start = Grid(
+    start = replace(
+        grid,
         nx=_fewer(grid.nx, fold=grid.fold_x),
         ny=_fewer(grid.ny, fold=grid.fold_y),
         nt=max(LEAST_TIME, 4 * ceil(START_SHARE * grid.nt / 4)),
-        fold_x=grid.fold_x,
-        fold_y=grid.fold_y,
     )
     return start if start.count < 0.5 * grid.count else None
 
@@ -285,13 +307,7 @@ def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS) -> Grid | None:
 
     In every direction, because the difference between two grids shows no error that both share.
     """
-    finer = Grid(
-        nx=_more(grid.nx),
-        ny=_more(grid.ny),
-        nt=_more(grid.nt),
-        fold_x=grid.fold_x,
-        fold_y=grid.fold_y,
-    )
+    finer = replace(grid, nx=_more(grid.nx), ny=_more(grid.ny), nt=_more(grid.nt))
     if max(finer.x.full_points, finer.y.full_points) > MOST_SPACE or finer.nt > MOST_TIME:
         return None
     return finer if finer.count <= room else None

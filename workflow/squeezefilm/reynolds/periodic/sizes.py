@@ -24,7 +24,7 @@ def most_krylov(grid: Grid, terms: Terms) -> int:
 @lru_cache(maxsize=256)
 def sizes_of(grid: Grid, terms: Terms) -> Columns:
     """What a kernel must know of a grid before it can find anything."""
-    whole_x, whole_y = not grid.fold_x, not grid.fold_y
+    whole_x, whole_y = grid.x.in_halves, grid.y.in_halves
     sizes = {
         "nx": grid.nx,
         "ny": grid.ny,

@@ -14,13 +14,22 @@ from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
 from squeezefilm.reynolds.terms.term import HOOKS, LeftOut, Numbers, Term
 
 __all__ = ["HOOKS", "TERMS", "LeftOut", "Term", "Terms"]
 
-TERMS: tuple[type[Term], ...] = (AnyGap, Bearing, Rarefaction, Polytropic, Inertia, Heat)
+TERMS: tuple[type[Term], ...] = (
+    AnyGap,
+    SmoothOutline,
+    Bearing,
+    Rarefaction,
+    Polytropic,
+    Inertia,
+    Heat,
+)
 Terms = tuple[Term, ...]
 
 
@@ -36,7 +45,7 @@ def left_out_of(terms: Terms) -> tuple[LeftOut, ...]:
 
 @lru_cache(maxsize=256)
 def _absent(kinds: tuple[type[Term], ...], present: frozenset[type[Term]]) -> tuple[LeftOut, ...]:
-    return tuple(kind.ABSENT for kind in kinds if kind not in present)
+    return tuple(kind.ABSENT for kind in kinds if kind.ABSENT and kind not in present)
 
 
 def numbers_of(scene: Scene, terms: Terms) -> Numbers:

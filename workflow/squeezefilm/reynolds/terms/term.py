@@ -52,13 +52,15 @@ class Term:
 
     Attributes:
         label: what ``explain`` calls it.
-        ABSENT: what is said of a scene that does not have it.
+        ABSENT: what is said of a scene that does not have it, if anything is.
         BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
         OVER_PERIOD, AT_INSTANT: OpenCL source of its lines for the periodic state and the march.
         HOOKS: those of HOOKS that these sources fill, by functions ``HOOK_NAME``.
+        IN_SINGLE: whether its lines in the linear system work in single precision too.
         UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
         ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
+        LEAST_FALL: no faster do changes from grid to grid count as falling.
         LAYER_STIFFNESS: by which σ is increased where it chooses a first grid for thin layers.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
@@ -70,14 +72,16 @@ class Term:
     label: str
 
     NAME: ClassVar[str]
-    ABSENT: ClassVar[LeftOut]
+    ABSENT: ClassVar[LeftOut | None] = None
     BREAKS: ClassVar[str] = ""
     OVER_PERIOD: ClassVar[str] = ""
     AT_INSTANT: ClassVar[str] = ""
     HOOKS: ClassVar[tuple[str, ...]] = ()
+    IN_SINGLE: ClassVar[bool] = False
     UNKNOWN_FIELDS: ClassVar[int] = 0
     OWN_FIELDS: ClassVar[int] = 0
     ESTIMATE_MARGIN: ClassVar[float] = 1.0
+    LEAST_FALL: ClassVar[float] = 0.0
     LAYER_STIFFNESS: ClassVar[float] = 1.0
     MOST_WORK: ClassVar[float] = inf
     SPACE_PRODUCTS: ClassVar[int] = 0

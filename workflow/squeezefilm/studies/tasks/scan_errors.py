@@ -104,10 +104,10 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     For σ → ∞ the film takes both motions as one of amplitude √(s₁² + s₂²): the pressure is
     harmonic from the rim's ψ² = 1 + (3/2) ε² (s₁² + s₂²), and the mean density has their sum too
     (the derivation of the paper's eq. (6) with H = 1 + ε (s₁ sin T + s₂ cos T)). Taken on the
-    finger's rectangle at an even gap; of an ellipse on the largest rectangle within.
+    finger's rectangle at an even gap; of other pads on the largest rectangle within.
     """
     nodes = limit_axis(LIMIT_POINTS).all_nodes
-    within = 1 / math.sqrt(2) if scene.finger.shape == "ellipse" else 1.0
+    within = scene.finger.rectangle_within
     x, y = np.meshgrid(*2 * [0.5 + within * (nodes - 0.5)], indexing="ij")
     first = scene.amplitude(x, y)
     second = replace(

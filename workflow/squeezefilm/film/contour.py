@@ -1,0 +1,289 @@
+"""A pad's outline from a file: points around a contact patch, and a smooth closed curve."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from squeezefilm.film.outlines import (
+    CURVE_EXACT,
+    CURVE_POINTS,
+    LEAST_ASPECT,
+    Outline,
+    conformal_map,
+)
+from squeezefilm.film.vibration.files.columns import column_of
+from squeezefilm.io.cells import finite_number
+from squeezefilm.io.errors import InputError
+
+FORM = (
+    "a header x_mm,y_mm (or another unit) and a point of the rim in each row, one after the other"
+)
+LARGEST = 1e9
+FEWEST, MOST = 16, 4000
+MOST_WAVES = 40
+"""Waves around the rim, the shortest that a smooth curve through the points may have."""
+SCATTER, NEAR = 1e-4, 1e-5
+"""How far points may lie off that curve where nothing else is said, over the longer side; and how
+near it comes, if it can."""
+GAP = 4.0
+"""The way from the last point to the first, over the longest between others, that is no gap."""
+ENOUGH = 1e-4
+"""How well the sides that a study says must be the curve's, relative."""
+DENSE = 1024
+
+
+@dataclass(frozen=True)
+class Contour:
+    """A closed smooth curve, against the clock: x + iy = Σ_k waves_k exp(i k parameter).
+
+    Lengths are in units of its extent along x, from the middle of its extents.
+
+    Attributes:
+        waves: k = −n … n.
+        aspect: its extent along y.
+        scatter: how far its file's points lie off it.
+    """
+
+    waves: tuple[complex, ...]
+    aspect: float
+    scatter: float
+
+    def at(self, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """x + iy and its derivative."""
+        most = len(self.waves) // 2
+        k = np.arange(-most, most + 1)
+        terms = np.exp(1j * np.multiply.outer(parameter, k))
+        return terms @ np.array(self.waves), terms @ (1j * k * np.array(self.waves))
+
+    @cached_property
+    def rim(self) -> np.ndarray:
+        """Points all along it, shape (DENSE,)."""
+        return self.at(2 * np.pi * np.arange(DENSE) / DENSE)[0]
+
+    def within(self, z: np.ndarray) -> np.ndarray:
+        """Whether places x + iy, shape (N,), lie within it."""
+        inside = []
+        for some in np.array_split(z, max(1, len(z) // 500)):
+            ways = self.rim[None] - some[:, None]
+            turn = np.angle(np.roll(ways, -1, axis=1) * ways.conj())
+            inside.append(np.abs(turn.sum(axis=1)) > np.pi)
+        return np.concatenate(inside)
+
+    @property
+    def outline(self) -> Outline:
+        """In conformal coordinates; raises InputError where there are none."""
+        return _outline(self)
+
+
+@lru_cache(maxsize=64)
+def _outline(contour: Contour) -> Outline:
+    rim = contour.rim
+    weights = _area_shares(rim)
+    centre = (weights * (rim + np.roll(rim, -1))).sum() / 3 / weights.sum()
+    from_centre = rim - centre
+    # Second moments of the inside tell the ellipse that it is most like.
+    pair = from_centre, np.roll(from_centre, -1)
+    turning = (weights * (pair[0] ** 2 + pair[0] * pair[1] + pair[1] ** 2)).sum()
+    size = (
+        weights * (abs(pair[0]) ** 2 + (pair[0] * pair[1].conj()).real + abs(pair[1]) ** 2)
+    ).sum()
+    share = min(abs(turning) / size, 0.9999)
+    shape = max(np.sqrt((1 + share) / (1 - share)), LEAST_ASPECT)
+    direction = np.exp(0.5j * np.angle(turning)) if share > 1e-9 else 1.0
+    angles = np.unwrap(np.angle(from_centre / direction))
+    if np.any(np.diff(angles) <= 0) or angles[-1] - angles[0] > 2 * np.pi:
+        raise InputError(
+            "the outline is not star-shaped: seen from its middle it lies behind itself; such pads "
+            "are not solved for"
+        )
+
+    def first_guess(nu: np.ndarray) -> np.ndarray:
+        wanted = np.unwrap(np.angle(np.cos(nu) + 1j / shape * np.sin(nu)))
+        turns = np.floor((wanted - angles[0]) / (2 * np.pi))
+        parameters = 2 * np.pi * np.arange(DENSE + 1) / DENSE
+        along = np.append(angles, angles[0] + 2 * np.pi)
+        return np.interp(wanted - 2 * np.pi * turns, along, parameters) + 2 * np.pi * turns
+
+    mu = float(np.arctanh(1 / shape))
+    try:
+        coefficients = conformal_map(
+            contour.at, mu, points=CURVE_POINTS, exact=CURVE_EXACT, first_guess=first_guess
+        )
+    except ValueError as error:
+        raise InputError(
+            f"{error}: a notch, a neck or a corner is too sharp for its coordinates; smooth the "
+            "outline, or take the ellipse that it is most like"
+        ) from None
+    return Outline(
+        coefficients,
+        mu,
+        contour.aspect,
+        turned=False,
+        even_x=False,
+        even_y=False,
+        exact=CURVE_EXACT,
+    )
+
+
+def _area_shares(rim: np.ndarray) -> np.ndarray:
+    """Twice the areas of the triangles from the origin to each two neighbours."""
+    return np.asarray((rim.conj() * np.roll(rim, -1)).imag)
+
+
+def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float = 0.0) -> Contour:
+    """The smooth curve through the points of a file; it is read once, unless it changes.
+
+    Args:
+        sides_m: its extents along x and y, which must be those that are meant.
+        scatter_m: how far points may lie off it; 0 stands for SCATTER times the longer side.
+
+    Raises:
+        InputError: naming file and line where the points make no outline, or sides are others.
+    """
+    try:
+        stat = path.stat()
+    except OSError:
+        raise InputError(f"{path}: there is no such outline") from None
+    try:
+        return _read(path, stat.st_mtime_ns, stat.st_size, sides_m, scatter_m)
+    except InputError as error:
+        text = str(error)
+        raise InputError(text if text.startswith(f"{path}:") else f"{path}: {text}") from None
+
+
+@lru_cache(maxsize=16)
+def _read(
+    path: Path, _changed: int, _size: int, sides_m: tuple[float, float], scatter_m: float
+) -> Contour:
+    waves, off = _fitted(_points(path), scatter_m=scatter_m)
+    contour = _contour(waves, off, sides_m=sides_m)
+    _ = contour.outline  # or a reason why there is none
+    return contour
+
+
+def _points(path: Path) -> np.ndarray:
+    """Points x + iy in metres, checked."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = [(line, row) for line, row in enumerate(csv.reader(file), 1) if any(row)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from None
+    if not rows:
+        raise InputError(f"{path}: the outline is empty; it needs {FORM}")
+    (first_line, header), *rows = rows
+    columns = [column_of(name, place) for place, name in enumerate(header)]
+    named = {column.quantity: column for column in columns if column}
+    for name in ("x", "y"):
+        if name not in named or not named[name].unit:
+            raise InputError(
+                f"{path}: line {first_line}: there is no column {name} with its unit among "
+                f"{', '.join(header)}; an outline is {FORM}"
+            )
+    values = []
+    for line, row in rows:
+        if len(row) != len(header):
+            raise InputError(
+                f"{path}: line {line}: {len(row)} cells where the header has {len(header)}"
+            )
+        x, y = (
+            named[name].size
+            * finite_number(
+                row[named[name].place], path=path, line=line, name=name, largest=LARGEST
+            )
+            for name in ("x", "y")
+        )
+        values.append(complex(x, y))
+    lines = [line for line, _ in rows]
+    if len(values) > 1 and values[0] == values[-1]:  # the first again closes it
+        values.pop()
+    if not FEWEST <= len(values) <= MOST:
+        raise InputError(f"{path}: {len(values)} points; an outline has {FEWEST} to {MOST}")
+    z = np.array(values)
+    steps = np.abs(np.roll(z, -1) - z)
+    if (twice := np.flatnonzero(steps == 0)).size:
+        raise InputError(f"{path}: line {lines[twice[0] + 1]}: the point before stands again")
+    if steps[-1] > GAP * steps[:-1].max():
+        raise InputError(
+            f"{path}: the outline is not closed: its last point is {steps[-1] * 1e3:.3g} mm from "
+            f"the first, and no others that follow each other are more than "
+            f"{steps[:-1].max() * 1e3:.3g} mm apart"
+        )
+    if crossing := _crossing(z):
+        raise InputError(
+            f"{path}: the outline crosses itself, between the points of lines "
+            f"{lines[crossing[0]]} and {lines[crossing[1]]}; the points must follow each other "
+            "around the rim"
+        )
+    return z if _area_shares(z).sum() > 0 else z[::-1]
+
+
+def _crossing(z: np.ndarray) -> tuple[int, int] | None:
+    """Two sides of a polygon, of no common end, that cross."""
+    after = np.roll(z, -1)
+
+    def side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+        return np.sign(((b - a).conj() * (c - a)).imag)
+
+    count = len(z)
+    for i in range(count - 2):
+        others = np.arange(i + 2, count - (i == 0))
+        if not others.size:
+            continue
+        a, b, c, d = z[i], after[i], z[others], after[others]
+        crossed = (side(a, b, c) != side(a, b, d)) & (side(c, d, a) != side(c, d, b))
+        if crossed.any():
+            return i, int(others[np.argmax(crossed)])
+    return None
+
+
+def _fitted(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]:
+    """The fewest waves by which a curve comes near to all points, and how far they lie off it.
+
+    Its parameter goes with the way along the points.
+    """
+    steps = np.abs(np.roll(points, -1) - points)
+    parameter = 2 * np.pi * np.append(0, np.cumsum(steps[:-1])) / steps.sum()
+    longer = max(float(np.ptp(points.real)), float(np.ptp(points.imag)))
+    allowed = scatter_m or SCATTER * longer
+    most = min(MOST_WAVES, len(points) // 3)
+    for waves in range(1, most + 1):
+        terms = np.exp(1j * np.multiply.outer(parameter, np.arange(-waves, waves + 1)))
+        fit = np.linalg.lstsq(terms, points, rcond=None)[0]
+        off = float(np.abs(terms @ fit - points).max())
+        if off <= (scatter_m or NEAR * longer):
+            break
+    if off <= allowed:
+        return fit, off
+    raise InputError(
+        f"points of the outline lie up to {off * 1e6:.3g} µm off the smooth curve of {most} waves "
+        f"through them, and {allowed * 1e6:.3g} µm are allowed: write finger.outline.scatter if "
+        "they are known no better, give more points, or round corners off"
+    )
+
+
+def _contour(waves: np.ndarray, off: float, *, sides_m: tuple[float, float]) -> Contour:
+    """Waves in metres as a contour whose extents are those of the study."""
+    curve = Contour(tuple(waves), 1.0, off)
+    rim = curve.at(2 * np.pi * np.arange(4 * DENSE) / (4 * DENSE))[0]
+    extents = np.ptp(rim.real), np.ptp(rim.imag)
+    both = zip(extents, sides_m, strict=True)
+    if any(abs(has - said) > ENOUGH * has + 2 * off for has, said in both):
+        has_x, has_y, said_x, said_y = (f"{1e3 * side:.6g} mm" for side in (*extents, *sides_m))
+        raise InputError(
+            f"the outline is {has_x} × {has_y}, and the study says {said_x} × {said_y}: write "
+            f"finger.length_x: {has_x}, finger.length_y: {has_y}"
+        )
+    waves = waves.copy()
+    waves[len(waves) // 2] -= complex(
+        (rim.real.max() + rim.real.min()) / 2, (rim.imag.max() + rim.imag.min()) / 2
+    )
+    # What the study's digits leave out of the sides is taken up, so that both are the same pad.
+    mirrored = waves[::-1].conj()
+    along_x, along_y = (waves + mirrored) / 2, (waves - mirrored) / 2
+    waves = along_x / extents[0] + along_y / extents[1] * (sides_m[1] / sides_m[0])
+    return Contour(tuple(waves.tolist()), sides_m[1] / sides_m[0], off / sides_m[0])

@@ -1,0 +1,1 @@
+"""Fingers that are no rectangles, on a grid in the coordinates of their outline."""
