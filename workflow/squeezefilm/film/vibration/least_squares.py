@@ -14,6 +14,9 @@ POINTS_PER_MODE = 3
 LARGEST_CONDITION = 1e8
 # Degrees above the best by cross-validation, so that the misfit is small beside the noise.
 DEGREES_MORE = 2
+# An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
+# the points that this is looked at with.
+LESS_WITH_ANGLES, MOST_LOOKED_AT = 0.5, 2000
 
 
 @dataclass(frozen=True)
@@ -94,3 +97,21 @@ def _decomposed(
     )
     orders = surface.orders_up_to(degrees[-1], axisymmetric=axisymmetric)
     return degrees, *np.linalg.qr(surface.modes_at(orders, **places))
+
+
+def wants_angles(
+    path: Path, surface: Surface, x: np.ndarray, y: np.ndarray, measured: np.ndarray, fit: Fit
+) -> str:
+    """What is to be said where a profile with angles leaves far less; empty where none does."""
+    some = slice(None, None, -(-len(x) // MOST_LOOKED_AT))
+    try:
+        free = best_fit(path, surface, x[some], y[some], measured[some], False)
+    except InputError:  # too few points for angles
+        return ""
+    share = min(free.scores.values()) / min(fit.scores.values())
+    if share > LESS_WITH_ANGLES:
+        return ""
+    return (
+        f"the scan is not axisymmetric: a profile with angles leaves {share:.2g} of what this one "
+        "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
+    )

@@ -25,7 +25,7 @@ import numpy as np
 
 from squeezefilm.film.vibration.binning import averaging_loss, binned
 from squeezefilm.film.vibration.folds import looks_folded
-from squeezefilm.film.vibration.least_squares import Fit, best_fit
+from squeezefilm.film.vibration.least_squares import Fit, best_fit, wants_angles
 from squeezefilm.film.vibration.maxima import bias_of_largest, largest_on_net
 from squeezefilm.film.vibration.shapes import (
     Modes,
@@ -51,9 +51,6 @@ OUTLIER, LEAST_OUTLIER = 4.5, 0.005
 # More such points, as a share, are no strays.
 LARGEST_STRAY = 0.05
 REFITS = 20
-# An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
-# the points that this is looked at with.
-LESS_WITH_ANGLES, MOST_LOOKED_AT = 0.5, 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +238,8 @@ def smoothed(
     bias_m = bias_of_largest([fit, other][:moving], noise_m, surface)
     bias_m = min(bias_m, LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
-    if axisymmetric and (note := _not_axisymmetric(scan, surface, x, y, in_phase, fit)):
+    round_by_choice = axisymmetric and scan.y_m is not None
+    if round_by_choice and (note := wants_angles(scan.path, surface, x, y, in_phase, fit)):
         scan = replace(scan, notes=(*scan.notes, note))
     result = SmoothedScan(
         scan=scan,
@@ -284,26 +282,6 @@ def places_on(scan: Scan, surface: Surface, *, axisymmetric: bool) -> tuple[np.n
             f"({surface.key})"
         )
     return x_m, y_m
-
-
-def _not_axisymmetric(
-    scan: Scan, surface: Surface, x: np.ndarray, y: np.ndarray, measured: np.ndarray, fit: Fit
-) -> str:
-    """What is to be said where a profile with angles leaves far less; empty where none does."""
-    if scan.y_m is None:
-        return ""
-    some = slice(None, None, -(-len(x) // MOST_LOOKED_AT))
-    try:
-        free = best_fit(scan.path, surface, x[some], y[some], measured[some], False)
-    except InputError:  # too few points for angles
-        return ""
-    share = min(free.scores.values()) / min(fit.scores.values())
-    if share > LESS_WITH_ANGLES:
-        return ""
-    return (
-        f"the scan is not axisymmetric: a profile with angles leaves {share:.2g} of what this one "
-        "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
-    )
 
 
 def _in_phases(scan: Scan) -> tuple[np.ndarray, np.ndarray, float]:
