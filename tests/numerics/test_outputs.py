@@ -22,7 +22,9 @@ from numerics.strip.force import StripOnGrid, grid_for
 from numerics.strip.resolved import ResolvedFilm
 from squeezefilm.cli.main import main
 from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import StandingWave
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.solution import OUTPUTS, Outputs
 from squeezefilm.io.tables import OUTPUT_COLUMNS, read_forces, write_table
 from squeezefilm.reynolds import solve
@@ -282,7 +284,7 @@ def test_extremes_lie_between_the_nodes_too() -> None:
     for name, there in (("largest", field.max()), ("least", field.min())):
         value = found.value[f"{name}_overpressure"]
         doubt = found.error[f"{name}_overpressure"]
-        assert doubt < 2e-4 * abs(value)
+        assert doubt < 5e-4 * abs(value)
         assert value == pytest.approx(PRESSURE_PA * there, rel=3e-4)
         assert abs(value) >= PRESSURE_PA * abs(there) - doubt
 
@@ -338,6 +340,33 @@ def test_a_quotient_of_forces_is_exact_for_a_cubic() -> None:
 def test_errors_hold() -> None:
     """Beside answers a hundred times as good, of films of all kinds drawn at random."""
     for name, found in shares(with_inertia(drawn(6, seed=11)), tolerance=1e-3, judge=1e-5).items():
+        assert max(found) < 1, name
+
+
+def test_an_answer_that_agrees_by_chance_has_no_less_doubt_than_those_alike() -> None:
+    """Two grids agree in the force's cosine part at ε 0.05 by chance: its sine part does not."""
+    (scene,) = drawn(20, seed=15)[13:14]
+    scene = replace(scene, hv_m=0.05 * scene.h0_m)
+    for name in ("force_cos", "power"):
+        (share,) = shares([scene], tolerance=1e-2, judge=1e-6)[name]
+        assert share < 1, name
+
+
+def test_errors_of_extremes_hold_where_grids_agree() -> None:
+    """A film whose iteration left more at one place than in the mean."""
+    found = shares(drawn(20, seed=28)[17:18], tolerance=1e-2, judge=1e-5)
+    for name in ("largest_overpressure", "least_overpressure"):
+        assert max(found[name]) < 1, name
+
+
+@pytest.mark.parametrize(
+    ("shape", "epsilon", "sigma"),
+    [("1 - 60*abs(x - 0.001)", 0.385, 72.0), ("1 - 40*abs(0.8*x + 0.6*y - 0.001)", 0.633, 3410.0)],
+)
+def test_errors_hold_over_kinks_of_the_profile(shape: str, epsilon: float, sigma: float) -> None:
+    kinked = make_profile(kind="formula", surface=Disc(0.01), expression=shape)
+    scene = film(epsilon=epsilon, sigma=sigma, profile=kinked)
+    for name, found in shares([scene], tolerance=1e-2, judge=1e-5).items():
         assert max(found) < 1, name
 
 

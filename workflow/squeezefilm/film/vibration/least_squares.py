@@ -99,19 +99,19 @@ def _decomposed(
     return degrees, *np.linalg.qr(surface.modes_at(orders, **places))
 
 
-def not_axisymmetric(
+def wants_angles(
     path: Path, surface: Surface, x: np.ndarray, y: np.ndarray, measured: np.ndarray, fit: Fit
-) -> tuple[str, ...]:
-    """What is to be said where a profile with angles leaves far less, if it does."""
+) -> str:
+    """What is to be said where a profile with angles leaves far less; empty where none does."""
     some = slice(None, None, -(-len(x) // MOST_LOOKED_AT))
     try:
         free = best_fit(path, surface, x[some], y[some], measured[some], False)
     except InputError:  # too few points for angles
-        return ()
+        return ""
     share = min(free.scores.values()) / min(fit.scores.values())
     if share > LESS_WITH_ANGLES:
-        return ()
+        return ""
     return (
         f"the scan is not axisymmetric: a profile with angles leaves {share:.2g} of what this one "
-        "does, and no noise or error here holds; say actuator.profile.axisymmetric: false",
+        "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
     )

@@ -25,7 +25,7 @@ import numpy as np
 
 from squeezefilm.film.vibration.binning import averaging_loss, binned
 from squeezefilm.film.vibration.folds import looks_folded
-from squeezefilm.film.vibration.least_squares import Fit, best_fit, not_axisymmetric
+from squeezefilm.film.vibration.least_squares import Fit, best_fit, wants_angles
 from squeezefilm.film.vibration.maxima import bias_of_largest, largest_on_net
 from squeezefilm.film.vibration.shapes import (
     Modes,
@@ -238,9 +238,9 @@ def smoothed(
     bias_m = bias_of_largest([fit, other][:moving], noise_m, surface)
     bias_m = min(bias_m, LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
-    if axisymmetric and scan.y_m is not None:
-        notes = scan.notes + not_axisymmetric(scan.path, surface, x, y, in_phase, fit)
-        scan = replace(scan, notes=notes)
+    round_by_choice = axisymmetric and scan.y_m is not None
+    if round_by_choice and (note := wants_angles(scan.path, surface, x, y, in_phase, fit)):
+        scan = replace(scan, notes=(*scan.notes, note))
     result = SmoothedScan(
         scan=scan,
         profile=_in_units(turn * fit.coefficients, fit, peak_m, surface, largest_m),
