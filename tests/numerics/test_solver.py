@@ -131,7 +131,7 @@ def test_a_film_at_rest_bears_nothing_and_does_not_touch_the_others(method):
     first, still, last = solve(scenes, tolerance=1e-2, method=method)
     assert alike([first, last], solve(good, tolerance=1e-2, method=method))
     if method == "closed-form":
-        assert still.status.startswith("closed-form is that of a piston")
+        assert "is that of a piston" in still.status
     else:
         assert (still.status, still.force_n) == ("ok", 0)
     assert explain(scenes, tolerance=1e-2, method=method)[1].status == still.status

@@ -26,7 +26,7 @@ MOST_FALL = 10 / 11
 UNKNOWN_FALL = 0.4
 # While layers at the rim are thinner than nodes lie apart errors go up and down, and a change is
 # small where one turns: of 1359 films (σ 1e4–1e5) 40 were off by up to 2.6 times their estimate
-# without a least fall of those with thin layers, by 0.75 with it; with 0.45 one of 950 films more.
+# without a least fall of those with thin layers, by 0.75 with it. With 0.45 one more was, of 1246.
 THIN_LAYER_FALL = 0.5
 # Share of the tolerance that Newton's iteration may leave; the resolution gets the rest.
 ITERATION_SHARE = 0.2

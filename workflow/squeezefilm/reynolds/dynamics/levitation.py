@@ -13,7 +13,8 @@ from math import isfinite, pi, sqrt
 
 import numpy as np
 
-from squeezefilm.film.scene import GAPS_M, Scene
+from squeezefilm.film.existence import GAPS_M
+from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds.answers.stiffness import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device
