@@ -1,6 +1,7 @@
 """A new study is there with one command, runs as it is, and nothing is ever written over."""
 
 import re
+from math import cos, pi, sin
 
 import pytest
 import yaml
@@ -57,7 +58,7 @@ def test_what_the_walk_through_shows_is_valid(walk_through, repository, tmp_path
     example = yaml.safe_load((repository / "config" / "vibrometer.yaml").read_text("utf-8"))
     blocks = re.findall(r"(?:^    .*\n|^\n(?=    ))+", walk_through, re.MULTILINE)
     shown = [block for block in blocks if re.match(r"\s+(profile|finger|models):", block)]
-    assert len(shown) == 3
+    assert len(shown) == 4
     studies = []
     for block in shown:
         lines = block.split("\n") if "profile:" in block else [block]
@@ -66,8 +67,11 @@ def test_what_the_walk_through_shows_is_valid(walk_through, repository, tmp_path
             part = yaml.safe_load("\n".join(line[4:] for line in text.splitlines()))
             actuator = {**example["actuator"], **part} if "profile" in part else {}
             studies.append({**example, **({"actuator": actuator} if actuator else part)})
-    assert len(studies) == 9
+    assert len(studies) == 10
     (tmp_path / "vibrometer.csv").write_bytes((repository / "config/vibrometer.csv").read_bytes())
+    turns = [pi * step / 60 for step in range(120)]
+    rim = "".join(f"{5.1 * cos(turn)},{4.2 * sin(turn)}\n" for turn in turns)
+    (tmp_path / "patch.csv").write_text(f"x_mm,y_mm\n{rim}", encoding="utf-8")
     for study in studies:
         text = yaml.safe_dump(study).replace("e-0", "e-")
         (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
