@@ -157,6 +157,8 @@ def test_a_film_with_an_outline_off_its_plate_is_refused(tmp_path):
         | {"outline": {"file": str(path)}},
         gas={"inertia": "none", "heat": "none"},
     )
-    assert float(film.force("20 um", "5 um")) > 0
+    force = film.force("20 um", "5 um")
+    assert float(force) > 0
+    assert "µm off it: what that leaves open of the force is not in its error" in str(force)
     with pytest.raises(InputError, match="the rim of the finger lies"):
         film.force("20 um", "5 um", phi_r="1.5 mm", phi="0 deg")

@@ -17,6 +17,9 @@ from squeezefilm.reynolds.terms.term import Arrays, Term
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
 
+# How far points may lie off an outline that is exact, over its length.
+EXACT = 1e-9
+
 
 @dataclass(frozen=True)
 class SmoothOutline(Term):
@@ -33,6 +36,17 @@ class SmoothOutline(Term):
     @classmethod
     def of(cls, scene: Scene) -> SmoothOutline | None:
         return cls() if scene.finger.smooth_outline else None
+
+    @classmethod
+    def note(cls, scene: Scene) -> str:
+        contour = scene.finger.contour
+        if contour is None or contour.scatter < EXACT:
+            return ""
+        off_um = contour.scatter * scene.finger.length_x_m * 1e6
+        return (
+            f"the outline's points lie up to {off_um:.2g} µm off it: what that leaves open of the "
+            "force is not in its error"
+        )
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         return {"stretch": np.asarray(grid.stretch) - 1}
