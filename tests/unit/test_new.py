@@ -85,7 +85,8 @@ def test_the_forces_of_the_walk_through_are_those_of_its_commands(
     assert cli.main(["new", "my-actuator"]) == 0
     capsys.readouterr()
     section = walk_through.partition("## 5. ")[2].partition("## 6. ")[0]
-    commands = re.findall(r"^    squeezefilm (simulate .*)", section, re.MULTILINE)
+    asked = r"^    squeezefilm (simulate --h0 5um --hv 2um --config.*)"
+    commands = re.findall(asked, section, re.MULTILINE)
     example, exact = re.findall(r"(0\.[78]\d+) N", section)
     for command, force in zip(commands, (example, exact), strict=True):
         words = command.replace("config/paper", f"{repository}/config/paper").split()

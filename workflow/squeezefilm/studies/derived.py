@@ -9,8 +9,6 @@ from __future__ import annotations
 from math import cos, floor, hypot, log10, radians, sin
 from typing import Any
 
-import numpy as np
-
 from squeezefilm.io.errors import InputError
 
 FACTORS = ("h0_m", "hv_m")
@@ -61,15 +59,16 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
 def _other_points(screen: dict[str, Any], control: dict[str, Any]) -> None:
     """Refuse an error map all of whose points the screen has: no model could be judged by it."""
 
-    def levels(plan: dict[str, Any], factor: str) -> np.ndarray:
+    def levels(plan: dict[str, Any], factor: str) -> list[float]:
         start, stop = (plan[factor][name] for name in ENDS)
-        return np.linspace(start, stop, plan[factor]["levels"])
+        steps = max(plan[factor]["levels"] - 1, 1)
+        return [start + (stop - start) * step / steps for step in range(plan[factor]["levels"])]
 
     for factor in FACTORS:
-        own, fitted = levels(control, factor), levels(screen, factor)
-        apart = np.abs(own[:, None] - fitted).min(axis=1)
-        if np.any(apart > SAME * np.abs(own)):
-            return
+        fitted = levels(screen, factor)
+        for own in levels(control, factor):
+            if min(abs(own - its) for its in fitted) > SAME * abs(own):
+                return
     raise InputError(
         "error_map: all its points are the screen's, and no model can be judged by points that it "
         "was fitted to; give other levels, or leave error_map out to have twice the screen's"
