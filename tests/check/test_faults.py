@@ -256,7 +256,7 @@ def test_threads_chunks_and_cores_are_no_fault(repository, tmp_path, sound):
     folder = copy_checkout(repository, tmp_path / "checkout", REFERENCE)
     path = folder / "config/quick.yaml"
     text, count = re.subn(
-        r"seconds_per_job: \S+", "seconds_per_job: 0.0007", path.read_text(encoding="utf-8")
+        r"seconds_per_job: \S+", "seconds_per_job: 0.003", path.read_text(encoding="utf-8")
     )
     assert count == 1
     path.write_text(text, encoding="utf-8")

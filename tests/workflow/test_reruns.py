@@ -247,7 +247,7 @@ def undivided(names: set[str]) -> set[str]:
 def test_jobs_of_another_length_make_anew_what_is_divided_otherwise(jobs, planner):
     config = Path("config/quick.yaml")
     text = (planner.folder / config).read_text(encoding="utf-8")
-    shorter = re.sub(r"(seconds_per_job:) \S+", r"\1 0.0013", text)
+    shorter = re.sub(r"(seconds_per_job:) \S+", r"\1 0.004", text)
     made = planner.made_anew(*EVERYTHING, edits={config: shorter})
     chunks = {name for name in made if "/chunks/" in name}
     plans = {Path(name).parts[3] for name in chunks}

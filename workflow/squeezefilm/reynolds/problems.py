@@ -31,7 +31,8 @@ class Problems:
             and mirror images included, shape (places, parts, nodes along x, nodes along y).
         places: row of ``parts`` that each scene has.
         tolerance: relative error of the force that the iteration may leave, one for the batch.
-        at: the places, where their parts are so few and so simple that they are kept.
+        at: the places, where scenes share them and their parts are so few and simple that they are
+            kept.
     """
 
     numbers: np.ndarray
@@ -121,7 +122,9 @@ def _parts(
     for each in at:
         scene, moving = each.scene, ask(each, tuple(grids))
         found.append([_with_rest(scene, *its) for its in zip(grids, moving, strict=True)])
-    kept = ask is _profile_kept and all(each.scene.plain for each in at)
+    # Scenes that share no places are prepared faster all at once.
+    shared = len(at) == 1 or len(at) < len(scenes)
+    kept = shared and ask is _profile_kept and all(each.scene.plain for each in at)
     parts = [np.stack(on_grid) for on_grid in zip(*found, strict=True)]
     return parts, np.array(places), at if kept else ()
 
