@@ -30,13 +30,13 @@ static double2 size_after(const Grid *whole_grid, const Film *whole_film, matrix
 }
 
 /* How the mean over the period has changed since film->means_before: the largest of its lowest cosine
- * moments (error_estimate.py), and the mean of its magnitude. */
-static double2 change_of_means(const Grid *g, const Film *film, __local double *scratch)
+ * moments (error_estimate.py), and the mean of its magnitude. Each item sums all of it: it is little,
+ * and compilers that loop over a group's items between barriers take minutes for ten more sums. */
+static double2 change_of_means(const Grid *g, const Film *film)
 {
     matrix4 along_x = (matrix4)ARRAY(film, moments_x), along_y = (matrix4)ARRAY(film, moments_y);
     double4 first = (double4)(0.0), second = first, third = first;
-    FOR_EACH(x, g->nx)
-    {
+    for (int x = 0; x < g->nx; x++) {
         double4 row = (double4)(0.0);
         for (int y = 0; y < g->ny; y++) {
             const int i = x * g->ny + y;
@@ -47,17 +47,9 @@ static double2 change_of_means(const Grid *g, const Film *film, __local double *
         second += along_x[x].y * row;
         third += along_x[x].z * row;
     }
-    double largest = 0.0;
-    largest = greater(fabs(sum_over_group(first.x, scratch)), largest);
-    largest = greater(fabs(sum_over_group(first.y, scratch)), largest);
-    largest = greater(fabs(sum_over_group(first.z, scratch)), largest);
-    largest = greater(fabs(sum_over_group(second.x, scratch)), largest);
-    largest = greater(fabs(sum_over_group(second.y, scratch)), largest);
-    largest = greater(fabs(sum_over_group(second.z, scratch)), largest);
-    largest = greater(fabs(sum_over_group(third.x, scratch)), largest);
-    largest = greater(fabs(sum_over_group(third.y, scratch)), largest);
-    largest = greater(fabs(sum_over_group(third.z, scratch)), largest);
-    return (double2)(largest, sum_over_group(first.w, scratch));
+    /* The last of the first are the sizes; of the others they are no moments. */
+    const double4 moments = larger(fabs(first), larger(fabs(second), fabs(third)));
+    return (double2)(greater(greater(moments.x, moments.y), moments.z), first.w);
 }
 
 /* A change of the mass as a step of p; its largest fall and rise, relative to the pressure. */
@@ -252,7 +244,7 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             Said said =
                 solve(&g, &film, row->tolerance, most_newton, most_krylov, basis, small, scratch);
             status = said.status;
-            const double2 change = change_of_means(&g, &film, scratch);
+            const double2 change = change_of_means(&g, &film);
             said.moment = change.x;
             said.size = change.y;
             said.lowest = said.thinnest = NAN;
