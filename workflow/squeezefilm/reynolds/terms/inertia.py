@@ -73,7 +73,7 @@ class Inertia(Term):
     ESTIMATE_MARGIN = 2.0
     # Without it two grids agreed by chance at σ 1e5, ε 0.5, Re 0.5: four times the error estimate.
     LAYER_STIFFNESS = 2.5
-    MOST_WORK = 3e11  # half a minute to a minute of one core
+    MOST_WORK = 1e11  # ten to twenty seconds of one core
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
     @classmethod
