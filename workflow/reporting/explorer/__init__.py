@@ -3,7 +3,8 @@
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
 server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
 model.js what ``squeezefilm.models.working_point`` does with it, trust.js the rule of
-``squeezefilm.models.trust``, and modulation.js reads what ``squeezefilm response`` found.
+``squeezefilm.models.trust``, modulation.js reads what ``squeezefilm response`` found, and words.js
+has numbers in words.
 """
 
 import json
@@ -33,6 +34,7 @@ PARTS = {
     "MODEL": "model.js",
     "TRUST": "trust.js",
     "MODULATION": "modulation.js",
+    "WORDS": "words.js",
     "SCRIPT": "page.js",
 }
 WORDS = {"two_factor": "two factors", "four_factor": "four factors"}

@@ -2,7 +2,6 @@
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
   const byId = (id) => document.getElementById(id);
-  const UM = 1e-6, MM = 1e-3;
   const [first, second] = data.position, polar = first === "phi_r_m";
   const centre = completed({ [first]: 0, [second]: 0 });
   const simulations = data.simulations.map(([plan, h0_m, hv_m, one, other, force_n]) => completed(
@@ -44,57 +43,12 @@
     return "";
   }
 
-  const WORDS = {
-    h0_m: "the gap", hv_m: "the amplitude", epsilon: "hᵥ/h₀", phi_r_m: "the distance",
-    phi_deg: "the angle", x_m: "x", y_m: "y",
-  };
-  const UNITS = {
-    h0_m: [UM, "µm"], hv_m: [UM, "µm"], phi_r_m: [MM, "mm"], phi_deg: [1, "°"], epsilon: [1, ""],
-    x_m: [MM, "mm"], y_m: [MM, "mm"],
-  };
-
-  function range(limits, name) {
-    const [unit, symbol] = UNITS[name];
-    return `${limits.map((value) => plain(value / unit)).join("–")} ${symbol}`.trim();
-  }
-
-  // ---- numbers in words --------------------------------------------------------------------------
-
-  function plain(value, digits = 4) {
-    return String(Number(value.toPrecision(digits))).replace("-", "−");
-  }
-
-  function percent(share) {
-    const value = 100 * share;
-    const text = Math.abs(value) >= 100 ? value.toFixed(0) : value.toFixed(2);
-    if (Number(text) === 0) return "0.00 %";
-    return `${value > 0 ? "+" : ""}${text.replace("-", "−")} %`;
-  }
-
-  // A value with the digits that its error leaves it, and the error with one; three digits where
-  // the error is not known: as squeezefilm.io.typed_units.to_its_error.
-  function toItsError(value, error) {
-    if (!(error > 0)) return [plain(value, 3), ""];
-    const shown = Number(error.toPrecision(1)), places = -Math.floor(Math.log10(shown));
-    if (places < 0) return [value.toPrecision(1).replace("-", "−"), String(shown)];
-    return [value.toFixed(Math.min(places, 9)).replace("-", "−"), String(shown)];
-  }
-
-  // A bound, rounded up to two digits.
-  function share(value) {
-    const digit = 10 ** Math.floor(Math.log10(100 * value) - 1);
-    return `${plain(Math.ceil((100 * value) / digit - 1e-9) * digit)} %`;
-  }
+  // ---- what is said of a point -------------------------------------------------------------------
 
   // The part of it that the scan of a measured profile leaves open.
   function ofScan(fit) {
     const { scan_error } = fit.trust;
     return scan_error ? ` (${share(scan_error)} of it the vibrometer’s scan)` : "";
-  }
-
-  function away(verdict) {
-    if (verdict.distance < 1e-9) return "at this very point";
-    return `${plain(verdict.distance, 2)} of the fitted ranges away`;
   }
 
   function placeOf(point) {

@@ -54,7 +54,7 @@
 #define MULTIPLY(i, w) c##i##w += a##i * b##w;
 #define STORE(i, w) store(c##i##w, c + i * columns + w * LANES, w < wide - 1 ? LANES : last);
 #define BLOCK(name, rows, registers)                                                           \
-    OF_BOTH_TYPES inline void name(constant_vector a, int inner, constant_vector b, vector c,  \
+    BLOCKS_OF_BOTH_TYPES void name(constant_vector a, int inner, constant_vector b, vector c,  \
                                    int columns, int last, int add)                             \
     {                                                                                          \
         const int wide = registers;                                                            \
@@ -154,23 +154,26 @@ OF_BOTH_TYPES inline void store(lanes values, vector place, int count)
 }
 
 BLOCK(block_4_1, 4, 1)
+#if WORK_ITEMS == 1
 BLOCK(block_4_2, 4, 2)
 BLOCK(block_4_3, 4, 3)
 BLOCK(block_4_4, 4, 4)
+#endif
 #ifdef MANY_REGISTERS
 BLOCK(block_8_1, 8, 1)
 BLOCK(block_8_2, 8, 2)
 BLOCK(block_16_1, 16, 1)
 #endif
 
-/* Four rows of a panel from column `from` up to `to`. */
+#if WORK_ITEMS == 1
+/* Four rows of a panel. */
 BLOCKS_OF_BOTH_TYPES void four_rows(constant_vector a, int inner, constant_vector b, vector c,
-                                    int columns, int from, int to, int add)
+                                    int columns, int add)
 {
-    for (int column = from; column < to;) {
-        const int left = (to - column + LANES - 1) / LANES;
+    for (int column = 0; column < columns;) {
+        const int left = (columns - column + LANES - 1) / LANES;
         /* Never one alone beside others, which is slow. */
-        const int width = left == 5 ? 3 : min(left, 4), last = to - column - (width - 1) * LANES;
+        const int width = left == 5 ? 3 : min(left, 4), last = columns - column - (width - 1) * LANES;
         constant_vector from_b = b + column;
         vector to_c = c + column;
         switch (width) {
@@ -182,6 +185,7 @@ BLOCKS_OF_BOTH_TYPES void four_rows(constant_vector a, int inner, constant_vecto
         column += width * LANES;
     }
 }
+#endif
 
 #ifdef MANY_REGISTERS
 /* Eight rows of a panel. */
@@ -214,17 +218,17 @@ OF_BOTH_TYPES void product(constant_vector a, int rows, int inner, constant_vect
             eight_rows(a + row * inner, inner, b, c + row * columns, columns, add);
 #endif
         for (; row < rows; row += 4)
-            four_rows(a + row * inner, inner, b, c + row * columns, columns, 0, columns, add);
+            four_rows(a + row * inner, inner, b, c + row * columns, columns, add);
     }
 #else
-    const int wide = 4 * LANES, row_blocks = rows / 4, column_blocks = (columns + wide - 1) / wide;
+    const int row_blocks = rows / 4, column_blocks = (columns + LANES - 1) / LANES;
     FOR_EACH(task, panels * row_blocks * column_blocks)
     {
         const int p = task / (row_blocks * column_blocks);
         const int row = 4 * (task / column_blocks % row_blocks);
-        const int column = wide * (task % column_blocks);
-        four_rows(a + row * inner, inner, b + p * panel_b, c + p * panel_c + row * columns, columns,
-                  column, min(column + wide, columns), add);
+        const int column = LANES * (task % column_blocks);
+        block_4_1(a + row * inner, inner, b + p * panel_b + column,
+                  c + p * panel_c + row * columns + column, columns, columns - column, add);
     }
 #endif
 }
