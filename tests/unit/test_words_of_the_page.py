@@ -10,13 +10,14 @@ from squeezefilm.io.typed_units import to_its_error
 
 NODE = shutil.which("node")
 # A value and its error, in the page's units.
-SAID = [(0.962042, 6e-7), (0.9613, 0.0031), (-3.26, 0.4), (42.4, 3.0), (1234.0, 20.0), (0.5, 0.0951)]
+SAID = [(0.962042, 6e-7), (0.9613, 0.0031), (-3.26, 0.4), (42.4, 3.0), (1234.0, 20.0)]
 
 
 @pytest.mark.skipif(NODE is None, reason="no node here")
 def test_the_page_gives_a_value_the_digits_of_its_error(repository) -> None:
     words = (repository / "workflow/reporting/explorer/words.js").read_text(encoding="utf-8")
-    program = f"{words}; console.log(JSON.stringify({json.dumps(SAID)}.map((v) => toItsError(...v))))"
+    said = f"{json.dumps(SAID)}.map((each) => toItsError(...each))"
+    program = f"{words}; console.log(JSON.stringify({said}))"
     told = subprocess.run(
         [NODE, "-e", program], capture_output=True, text=True, check=True, timeout=60
     ).stdout
