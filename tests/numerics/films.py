@@ -1,6 +1,7 @@
 """Scenes made from dimensionless numbers, for tests of the solver."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import pi
 from typing import Any
 
@@ -106,3 +107,14 @@ def limit(
         aspect=scene.aspect,
         slip=slip,
     )
+
+
+@dataclass(frozen=True)
+class AsTheGap:
+    """A surface that moves most where the gap is wide, s = gap at rest / h0."""
+
+    scene: Scene
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        finger = self.scene.finger
+        return self.scene.rest_gap(x_m / finger.length_x_m + 0.5, y_m / finger.length_y_m + 0.5)

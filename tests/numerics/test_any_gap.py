@@ -6,7 +6,7 @@ from math import cos, log, pi, sin
 import numpy as np
 import pandas as pd
 import pytest
-from films import PISTON, film, mean_overpressure, periodic_state
+from films import PISTON, AsTheGap, film, mean_overpressure, periodic_state
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.existence import check_scene
@@ -158,17 +158,6 @@ def test_the_grid_gives_the_forces_of_the_pad_s_modes(numbers, gap):
     (modes,) = solve_in_modes([scene], [needs_of(scene)], tolerance=1e-5)
     assert modes.status == "ok"
     assert modes.force_n / scene.force_scale_n == pytest.approx(mean(scene), rel=1.1e-5)
-
-
-@dataclass(frozen=True)
-class AsTheGap:
-    """A surface that moves most where the gap is wide, s = gap at rest / h0."""
-
-    scene: Scene
-
-    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        finger = self.scene.finger
-        return self.scene.rest_gap(x_m / finger.length_x_m + 0.5, y_m / finger.length_y_m + 0.5)
 
 
 def test_a_gap_that_breathes_keeps_its_mean_square():

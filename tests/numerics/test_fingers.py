@@ -1,11 +1,11 @@
 """Pads of other outlines and places: turned rectangles, discs and ellipses."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import log, pi, sqrt
 
 import numpy as np
 import pytest
-from films import PISTON, film
+from films import PISTON, AsTheGap, film
 from physics_facts import fast_piston
 from scipy.special import ellipe, iv
 
@@ -184,17 +184,6 @@ def test_modes_of_a_rectangle_give_the_forces_of_its_grid(numbers):
     assert modes.force_n == pytest.approx(
         solved(scene, tolerance=1e-6, method="periodic").force_n, rel=1.1e-5
     )
-
-
-@dataclass(frozen=True)
-class AsTheGap:
-    """A surface that moves most where the gap is wide, s = gap at rest / h0."""
-
-    scene: Scene
-
-    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        finger = self.scene.finger
-        return self.scene.rest_gap(x_m / finger.length_x_m + 0.5, y_m / finger.length_y_m + 0.5)
 
 
 @pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
