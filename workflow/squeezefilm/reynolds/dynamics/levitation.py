@@ -20,6 +20,7 @@ from squeezefilm.reynolds.answers.stiffness import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.solver import solve
+from squeezefilm.reynolds.terms import notes_of
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
 # ratios.
@@ -96,7 +97,8 @@ def levitate(
         there = [replace(chosen, h0_m=gap) for gap in gaps]
         found = solve(there, tolerance=tolerance, method=method, device=device)
         if bad := next((each for each in found if each.status != "ok"), None):
-            raise RunError(f"load: no force near h0 = {gaps[0]:.4g} m: {bad.status}")
+            reasons = "; ".join([bad.status, *notes_of(there[0])])
+            raise RunError(f"load: no force near h0 = {gaps[0]:.4g} m: {reasons}")
         return np.array([(each.force_n, each.force_error_n) for each in found]).T
 
     h0_m = _root(lambda gap: float(force(gap)[0, 0]) - load_n, *brackets[-1], load_n * tolerance)
