@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from films import PISTON, film
 from scipy.special import ive, ivp
+from skfem import MeshTri2
 
+from numerics.peers import finite_elements
 from squeezefilm.film.contour import read_contour
 from squeezefilm.film.outlines import ellipse
 from squeezefilm.film.scene import GapShape, Scene
@@ -136,6 +138,46 @@ def test_a_patch_of_no_symmetry_has_its_linear_limit(sigma, tmp_path):
     expected = stiffness(z / unit, (ahead - behind) / 2e-5 / unit, given.sigma)
     mean = force(given) / given.force_scale_n
     assert mean == pytest.approx(1.25 * epsilon**2 * expected, rel=5e-5)
+
+
+def triangles(rim: np.ndarray, refined: int) -> MeshTri2:
+    """A disc's curved triangles, carried inside a closed curve by its harmonic continuation."""
+    mesh = MeshTri2.init_circle(refined)
+    along = np.fft.fft(rim) / len(rim)
+    n = np.fft.fftfreq(len(rim), 1 / len(rim))
+    r, angle = np.hypot(*mesh.p), np.arctan2(mesh.p[1], mesh.p[0])
+    z = (r[:, None] ** np.abs(n) * np.exp(1j * np.outer(angle, n))) @ along
+    return replace(mesh, doflocs=np.array([z.real, z.imag]))
+
+
+@pytest.mark.parametrize(("epsilon", "sigma"), [(0.3, 10.0), (0.6, 100.0)])
+def test_a_patch_of_no_symmetry_has_the_force_of_finite_elements(epsilon, sigma, tmp_path):
+    """Marched until it repeats itself, in x and y: nothing is shared but the equation."""
+    dense = patch(np.linspace(0, 2 * np.pi, 200_001))
+    sides_m = 1e-3 * np.ptp(dense.real), 1e-3 * np.ptp(dense.imag)
+    scene = curved(film(epsilon=epsilon, sigma=sigma, x=0.2), tmp_path, patch(TURN), sides_m)
+    unit = 1e3 * sides_m[0]
+    middle = (dense.real.max() + dense.real.min() + 1j * (dense.imag.max() + dense.imag.min())) / 2
+
+    def amplitude(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return scene.parts(0.5 + x, 0.5 + y * sides_m[0] / sides_m[1])[0]
+
+    mesh = triangles((patch(TURN) - middle) / unit, refined=3)
+    coarse, fine = (
+        finite_elements.periodic_force(
+            epsilon=scene.epsilon,
+            sigma=scene.sigma,
+            amplitude=amplitude,
+            mesh=mesh,
+            steps=steps,
+            tolerance=1e-6,
+            anderson_depth=10,
+        ).force
+        for steps in (24, 48)
+    )
+    scale_n = scene.gas.ambient_pressure_pa * sides_m[0] ** 2
+    assert coarse * scale_n != pytest.approx(force(scene), rel=1e-3)  # of second order in time
+    assert (4 * fine - coarse) / 3 * scale_n == pytest.approx(force(scene), rel=1e-4)
 
 
 def test_the_answers_under_an_ellipse_are_those_of_its_modes():

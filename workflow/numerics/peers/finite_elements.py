@@ -27,7 +27,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU, splu
-from skfem import Basis, BilinearForm, ElementQuad2, MeshQuad
+from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP2, Mesh, MeshQuad
 from skfem.helpers import dot, grad
 
 from numerics.films import Film
@@ -66,6 +66,7 @@ def periodic_force(
     fold: Fold = (False, False),
     graded: bool = True,
     start_phase: float = 0.0,
+    mesh: Mesh | None = None,
 ) -> YardstickResult:
     """Mean force in p0 l0^2 over the last period.
 
@@ -74,7 +75,8 @@ def periodic_force(
     periods: marched at most; tolerance: stop before that once u repeats itself so
     closely; anderson_depth: above 0, accelerate the period map (then give a tolerance);
     graded: False for elements of one size; start_phase: T in radians at which the march starts
-    with ambient pressure.
+    with ambient pressure; mesh: triangles of another pad than the unit square, all of whose edge
+    is its rim (then fold nothing).
 
     The result's `change` tells whether the tolerance was reached within the periods.
     Raises RunError when a time step does not converge.
@@ -90,6 +92,7 @@ def periodic_force(
         fold=fold,
         graded=graded,
         start_phase=start_phase,
+        mesh=mesh,
     )
     force, marched, change = march_to_periodic(
         film.period,
@@ -161,10 +164,15 @@ class _Film:
         fold: Fold,
         graded: bool,
         start_phase: float,
+        mesh: Mesh | None = None,
     ) -> None:
-        x, y = (graded_edges(cells=cells, folded=folded, graded=graded) for folded in fold)
-        basis = Basis(MeshQuad.init_tensor(x, y), ElementQuad2(), intorder=5)
-        free = basis.complement_dofs(basis.get_dofs(_on_rim))
+        if mesh is None:
+            x, y = (graded_edges(cells=cells, folded=folded, graded=graded) for folded in fold)
+            basis = Basis(MeshQuad.init_tensor(x, y), ElementQuad2(), intorder=5)
+            free = basis.complement_dofs(basis.get_dofs(_on_rim))
+        else:
+            basis = Basis(mesh, ElementTriP2(), intorder=5)
+            free = basis.complement_dofs(basis.get_dofs())
         s = amplitude(*basis.global_coordinates())
         wave = epsilon * np.sin(start_phase + 2 * math.pi * np.arange(steps + 1) / steps)
         half_step = math.pi / steps
