@@ -29,8 +29,10 @@ from squeezefilm.reynolds.periodic.changes import (
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, States, launch
 from squeezefilm.reynolds.periodic.resolution import (
     FIRST_SHARE,
+    FOURS,
     JUDGED_SHARE,
     MOST_UNKNOWNS,
+    TWOS,
     at_least_judged,
     finer_grid,
     first_grid,
@@ -147,12 +149,22 @@ def first_grids(
     Args:
         room: most unknowns of a grid that the device has memory for.
     """
-    seen = nodes_for_profile(needs, tolerance=tolerance)
+    seen, step = nodes_for_profile(needs, tolerance=tolerance), step_of(needs, tolerance=tolerance)
     if judged_from_coarser(needs.terms, tolerance=tolerance):
-        last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
-        if grids := up_to(at_least_judged(last), seen):
+        last = grid_for(
+            scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room, step=step
+        )
+        if grids := up_to(at_least_judged(last, step), seen, step):
             return grids
-    return with_finer(grid_for(scene, needs, tolerance=tolerance, room=room), seen, room)
+    first = grid_for(scene, needs, tolerance=tolerance, room=room, step=step)
+    return with_finer(first, seen, room, step)
+
+
+def step_of(needs: Needs, *, tolerance: float) -> int:
+    """Of which a scene's unknowns along the axes are multiples."""
+    judged = judged_from_coarser(needs.terms, tolerance=tolerance)
+    plain = needs.outline is None and margin_of(needs.terms) == 1
+    return TWOS if plain and not judged else FOURS
 
 
 def grid_for(
@@ -162,6 +174,7 @@ def grid_for(
     tolerance: float,
     share: float = FIRST_SHARE,
     room: float = MOST_UNKNOWNS,
+    step: int = FOURS,
 ) -> Grid:
     """A grid that is to leave a share of the tolerance."""
     return first_grid(
@@ -174,6 +187,7 @@ def grid_for(
         # Without terms nothing lags.
         slow=float(numbers_of(scene, needs.terms)["slow"]) if needs.terms else 1.0,  # type: ignore[arg-type]
         room=room,
+        step=step,
     )
 
 
@@ -256,7 +270,7 @@ def _judge(
     )
     for at in np.flatnonzero(~found.holds).tolist():
         group[at].change, group[at].in_time = change and change[at], float(in_time[at])
-    finer = finer_grid(grids[-1], room=room)
+    finer = finer_grid(grids[-1], room=room, step=step_of(group[0].needs, tolerance=tolerance))
     _add_work(group, stages)
     telling = how_many_tell(grids)
     # As plain numbers: entries of arrays are slow to take one by one.
@@ -364,12 +378,13 @@ def _judge_scene(
 
 def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: float) -> bool:
     """Whether a scene that has no state on a grid is to be tried on finer ones, from rest."""
-    again = finer_grid(finer, room=room)
+    step = step_of(progress.needs, tolerance=tolerance)
+    again = finer_grid(finer, room=room, step=step)
     if margin_of(progress.needs.terms) > 1 or again is None or progress.failures == MOST_FAILURES:
         return False
     judged = judged_from_coarser(progress.needs.terms, tolerance=tolerance)
     seen = nodes_for_profile(progress.needs, tolerance=tolerance)
-    grids = up_to(again, seen) if judged else ()
+    grids = up_to(again, seen, step) if judged else ()
     progress.grids = grids or (finer, again)
     progress.state, progress.change, progress.in_time = None, None, 0.0
     progress.failures += 1
