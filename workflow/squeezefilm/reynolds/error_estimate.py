@@ -29,7 +29,7 @@ UNKNOWN_FALL = 0.4
 # without a least fall of those with thin layers, by 0.75 with it. With 0.45 one more was, of 1246.
 THIN_LAYER_FALL = 0.5
 # Share of the tolerance that Newton's iteration may leave; the resolution gets the rest.
-ITERATION_SHARE = 0.5
+ITERATION_SHARE = 0.2
 # Round-off: error of the mean overpressure relative to the largest overpressure.
 ROUND_OFF = 1e-14
 # How many times that, over the narrowest gap, an error may be whatever the force: what the

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import sqrt
 
 import numpy as np
@@ -42,11 +42,18 @@ class Grid:
     fold_y: bool
     outline: Outline | None = None
 
-    @property
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:  # once: grids are what much is kept by
+        return hash((self.shape, self.fold_x, self.fold_y, self.outline))
+
+    @cached_property
     def x(self) -> Axis:
         return axis(self.nx, self.outline.folds(self)[0] if self.outline else self.fold_x)
 
-    @property
+    @cached_property
     def y(self) -> Axis | Around:
         return self.around if self.outline else axis(self.ny, self.fold_y)
 
@@ -94,7 +101,7 @@ class Grid:
     def shape(self) -> tuple[int, int, int]:
         return self.nx, self.ny, self.nt
 
-    @property
+    @cached_property
     def across(self) -> tuple[int, int]:
         """Nodes across the finger along x and y."""
         return self.x.full_points, self.y.full_points

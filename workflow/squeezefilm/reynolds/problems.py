@@ -113,12 +113,12 @@ def _parts(
 
     And the places, where they are kept.
     """
-    known: dict[object, tuple[int, Scene]] = {}
-    places = [known.setdefault(scene.place, (len(known), scene))[0] for scene in scenes]
+    known: dict[AtPlace, int] = {}
+    places = [known.setdefault(AtPlace(scene), len(known)) for scene in scenes]
     nodes = sum(grid.positions[0].size for grid in grids)
     ask = _profile_kept if nodes <= MOST_KEPT else _profile_on
     found = []
-    at = tuple(AtPlace(scene) for _, scene in known.values())
+    at = tuple(known)
     for each in at:
         scene, moving = each.scene, ask(each, tuple(grids))
         found.append([_with_rest(scene, *its) for its in zip(grids, moving, strict=True)])
@@ -184,11 +184,22 @@ def mean_motion(problems: Problems, grid: Grid) -> np.ndarray:
 
     The factors of sin T and of cos T.
     """
-    inner = problems.parts[..., grid.x.inner, grid.y.inner] * grid.density
-    # The rule leaves out the ends; what it gives them is small, and the mean is no result.
-    whole = grid.x.weights @ np.broadcast_to(grid.density, grid.shape[:2]) @ grid.y.weights
-    means = np.asarray(grid.x.weights @ inner @ grid.y.weights / whole)[problems.places]
+    along_x, along_y = _averaging(grid)
+    inner = problems.parts[..., grid.x.inner, grid.y.inner]
+    if grid.outline:
+        inner = inner * grid.density
+    means = np.asarray(along_x @ inner @ along_y)[problems.places]
     if means.shape[1] == 1:
         return np.append(means, 0 * means, axis=1) * problems.epsilon[:, None]
     rest = 1 + problems.numbers["per_rise"] * means[:, 2]
     return np.asarray(means[:, :2] * (problems.epsilon / rest)[:, None])
+
+
+@lru_cache(maxsize=256)
+def _averaging(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """Weights along x and y that average what is times the density.
+
+    The rule leaves out the ends; what it gives them is small, and the mean is no result.
+    """
+    everywhere = np.broadcast_to(grid.density, grid.shape[:2])
+    return grid.x.weights / (grid.x.weights @ everywhere @ grid.y.weights), grid.y.weights

@@ -34,7 +34,7 @@ def judged_from_coarser(terms: Terms, *, tolerance: float) -> bool:
 
 def margin_of(terms: Terms) -> float:
     """By which the estimates of films with some terms are increased."""
-    return max((term.ESTIMATE_MARGIN for term in terms), default=1.0)
+    return max(term.ESTIMATE_MARGIN for term in terms) if terms else 1.0
 
 
 def least_fall_of(terms: Terms) -> float:

@@ -42,21 +42,28 @@ def put_time_modes(pile: Pile, problems: Problems, grids: Sequence[Grid]) -> lis
     Args:
         problems: the films on the last of the grids.
     """
-    columns = []
+    columns: dict[tuple[int, int], Columns] = {}
+    keys = []
     for grid, films in zip(grids, _film_steps(problems, grids), strict=True):
-        found = {steps: time_modes(grid.nt, steps).parts for steps in dict.fromkeys(films)}
-        begins = {steps: pile.put(parts.values) for steps, parts in found.items()}
-        begin = np.array([begins[steps] for steps in films])
-        starts = found[films[0]].columns
-        columns.append(Columns(starts.names, begin[:, None] + starts.values))
-    return columns
+        keys.append((grid.nt, id(films)))
+        if keys[-1] not in columns:
+            columns[keys[-1]] = _put_modes(pile, grid.nt, films)
+    return [columns[key] for key in keys]
+
+
+def _put_modes(pile: Pile, instants: int, films: list[Steps]) -> Columns:
+    found = {steps: time_modes(instants, steps).parts for steps in dict.fromkeys(films)}
+    begins = {steps: pile.put(parts.values) for steps, parts in found.items()}
+    starts = found[films[0]].columns
+    begin = np.array([begins[steps] for steps in films])
+    return Columns(starts.names, begin[:, None] + starts.values)
 
 
 def _film_steps(problems: Problems, grids: Sequence[Grid]) -> list[list[Steps]]:
     """What tells the films' modes in time on each grid: only how many harmonics lag varies."""
     numbers = problems.numbers
     variation, lagging = mean_motion(problems, grids[-1]).T
-    of_grids = []
+    of_grids: list[list[Steps]] = []
     for grid in grids if numbers["lag"].any() else grids[:1]:
         across = max(grid.x.full_points, grid.y.full_points / problems.aspect)
         slow = np.minimum(numbers["slow"], numbers["waves_per_node"] * across / (grid.nt / 2))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,9 +50,10 @@ from squeezefilm.reynolds.terms import numbers_of, size_share_of, state_refused,
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
-# Share of what the iteration may leave on grids that differ in time alone, or that go on from a
-# known state.
-TIMELY = 0.1
+# Share of the allowed error that the iteration may leave where the estimate counts it once; and of
+# that on grids that differ in time alone, or that go on from a known state.
+LEFT_SHARE = 0.5
+TIMELY = 0.04
 # Share of the allowed error up to which that in time is left as it is.
 TIME_SHARE = 0.3
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
@@ -215,7 +217,8 @@ def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
 def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     scenes = [progress.scene for progress in group]
     grids = group[0].grids
-    left = ITERATION_SHARE * tolerance
+    share = LEFT_SHARE if margin_of(group[0].needs.terms) == 1 else ITERATION_SHARE
+    left = share * tolerance
     telling = how_many_tell(grids)
     shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
     if telling > 2:  # so that it does not hide the error in time
@@ -274,29 +277,25 @@ def _judge(
     _add_work(group, stages)
     telling = how_many_tell(grids)
     # As plain numbers: entries of arrays are slow to take one by one.
-    failed = np.stack([each.status != 0 for each in stages[-telling:]], axis=1).tolist()
+    told = (
+        np.array([each.status != 0 for each in stages[-telling:]]).T,
+        *(found.error, found.allowed, states.mean),
+        *(states.lowest, states.thinnest, states.residual),
+    )
     return [
         _judge_scene(
-            progress,
-            stages,
-            position,
-            finer=finer,
-            failed=its_failed,
-            error=error,
-            allowed=allowed,
-            tolerance=tolerance,
-            room=room,
+            progress, stages, position, _Told(*its), finer=finer, tolerance=tolerance, room=room
         )
-        for position, (progress, its_failed, error, allowed) in enumerate(
-            zip(group, failed, found.error.tolist(), found.allowed.tolist(), strict=True)
+        for position, (progress, *its) in enumerate(
+            zip(group, *(each.tolist() for each in told), strict=True)
         )
     ]
 
 
 def _add_work(group: Sequence[_Progress], stages: Sequence[States]) -> None:
     """To each scene's progress the work of a launch."""
-    newton = np.stack([each.newton_steps for each in stages])
-    krylov = np.stack([each.krylov_iterations for each in stages])
+    newton = np.array([each.newton_steps for each in stages])
+    krylov = np.array([each.krylov_iterations for each in stages])
     terms = group[0].needs.terms
     flops = np.array([iteration_flops(grid, terms) for grid in group[0].grids])
     work = flops @ (newton + krylov)
@@ -307,19 +306,36 @@ def _add_work(group: Sequence[_Progress], stages: Sequence[States]) -> None:
         progress.work += its_work
 
 
+class _Told(NamedTuple):
+    """What is known of a scene after a launch; all but ``failed`` on the last grid.
+
+    Attributes:
+        failed: whether there is no state, on each of the grids that tell the error.
+        error, allowed: of the mean overpressure.
+        mean, lowest, thinnest, residual: as in ``States``.
+    """
+
+    failed: list[bool]
+    error: float
+    allowed: float
+    mean: float
+    lowest: float
+    thinnest: float
+    residual: float
+
+
 def _judge_scene(
     progress: _Progress,
     stages: Sequence[States],
     position: int,
+    told: _Told,
     *,
     finer: Grid | None,
-    failed: Sequence[bool],
-    error: float,
-    allowed: float,
     tolerance: float,
     room: float,
 ) -> Solution | None:
-    scene, states, grid = progress.scene, stages[-1], progress.grids[-1]
+    scene, grid = progress.scene, progress.grids[-1]
+    failed, error, allowed, force = told.failed, told.error, told.allowed, told.mean
 
     def finished(
         *, status: str, grid: Grid = grid, mean: float = np.nan, error: float = np.nan
@@ -331,12 +347,12 @@ def _judge_scene(
             left_out=progress.needs.left_out,
             status=status,
             method="periodic",
-            nx=grid.x.full_points,
-            ny=grid.y.full_points,
+            nx=grid.across[0],
+            ny=grid.across[1],
             nt=grid.nt,
             newton_steps=progress.newton_steps,
             krylov_iterations=progress.krylov_iterations,
-            residual=float(states.residual[position]),
+            residual=told.residual,
             work=progress.work,
         )
 
@@ -348,14 +364,12 @@ def _judge_scene(
         return finished(status=f"{STATUS[ending]} ({_size(its_grid)})", grid=its_grid)
     if any(failed):  # what no coarser grid describes, a finer one may
         error, progress.change = np.inf, None
-    if not states.lowest[position] > 0:
+    if not told.lowest > 0:
         if finer is None:
             return finished(status=f"the pressure is not positive everywhere ({_size(grid)})")
         error = np.inf
-    thinnest = float(states.thinnest[position])
-    if refused := state_refused(scene, progress.needs.terms, thinnest=thinnest):
+    if refused := state_refused(scene, progress.needs.terms, thinnest=told.thinnest):
         return finished(status=refused)
-    force = float(states.mean[position])
     if error <= allowed:
         return finished(status="ok", mean=force, error=error)
     if finer is None:
@@ -372,7 +386,7 @@ def _judge_scene(
         finer = replace(finer, nt=grid.nt)
     elif progress.change:
         progress.change, progress.in_time = progress.change + progress.in_time, 0.0
-    progress.grids, progress.state = (grid, finer), states.unknowns[position].copy()
+    progress.grids, progress.state = (grid, finer), stages[-1].unknowns[position].copy()
     return None
 
 

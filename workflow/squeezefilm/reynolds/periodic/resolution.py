@@ -5,7 +5,7 @@ The guess only decides the cost. Whether it was right is judged afterwards, by t
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 
@@ -113,7 +113,8 @@ def gap_numbers(scene: Scene) -> dict[str, float]:
 
 def least_fall(scene: Scene) -> float:
     """Factor by which changes from grid to grid are believed to fall at most."""
-    sigma = gap_numbers(scene)["sigma"] * max(1.0, scene.aspect) ** 2
+    sigma = scene.sigma if scene.finger.gap.flat else gap_numbers(scene)["sigma"]
+    sigma *= max(1.0, scene.aspect) ** 2
     return THIN_LAYER_FALL if sigma > UNEVEN_SIGMA else 0.0
 
 
@@ -147,9 +148,8 @@ def first_grid(
     instants = log(TIME_SHARE * tolerance / 3) / log(ratio) if ratio > 0 else LEAST_TIME
     if sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE:
         instants += 4
-    probe = probe_for(needs, tolerance=tolerance)
-    seen_x, seen_y = nodes_for_profile(needs, tolerance=tolerance)
-    bent_x, bent_y = probe.curvature_x + bend, probe.curvature_y + bend
+    seen = _seen(needs, tolerance)
+    bent_x, bent_y = seen.curvature_x + bend, seen.curvature_y + bend
     layers = sigma
     if sigma > THIN_LAYER_SIGMA:
         layers *= max((term.LAYER_STIFFNESS for term in needs.terms), default=1.0)
@@ -157,23 +157,53 @@ def first_grid(
     layer_y = layers * aspect**2
     if outline := needs.outline:
         layer_x = layers * outline.rim_stretch[1] * (2 * outline.rim) ** 2
-    nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x))
+    nodes_x = max(seen.nodes_x, _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x))
     if outline:
-        nodes_y = max(seen_y, _nodes_around(digits, epsilon, bent_y, outline))
+        nodes_y = max(seen.nodes_y, _nodes_around(digits, epsilon, bent_y, outline))
     else:
-        nodes_y = max(seen_y, _nodes(digits, epsilon=epsilon, sigma=layer_y, curvature=bent_y))
-    plain = Grid(4, 4, LEAST_TIME, needs.fold_x, needs.fold_y, outline)
-    grid = Grid(
-        nx=_unknowns(nodes_x, plain.x, step),
-        ny=_unknowns(nodes_y, plain.y, step),
-        nt=min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_JUDGED_TIME),
-        fold_x=needs.fold_x,
-        fold_y=needs.fold_y,
-        outline=outline,
+        nodes_y = max(
+            seen.nodes_y, _nodes(digits, epsilon=epsilon, sigma=layer_y, curvature=bent_y)
+        )
+    plain = seen.plain
+    grid = _like(
+        plain,
+        _unknowns(nodes_x, plain.x, step),
+        _unknowns(nodes_y, plain.y, step),
+        min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_JUDGED_TIME),
     )
-    while finer_grid(grid, room=room, step=step) is None and grid.sees(seen_x, seen_y):
+    while finer_grid(grid, room=room, step=step) is None and grid.sees(seen.nodes_x, seen.nodes_y):
         grid = _coarser(grid, step)
     return grid
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What the profile asks of a grid, whatever the film.
+
+    Attributes:
+        nodes_x, nodes_y: without which a grid would not see it.
+        curvature_x, curvature_y: its largest.
+        plain: a grid of the scene's kind.
+    """
+
+    nodes_x: int
+    nodes_y: int
+    curvature_x: float
+    curvature_y: float
+    plain: Grid
+
+
+@lru_cache(maxsize=4096)
+def _seen(needs: Needs, tolerance: float) -> _Seen:
+    probe = probe_for(needs, tolerance=tolerance)
+    plain = Grid(4, 4, LEAST_TIME, needs.fold_x, needs.fold_y, needs.outline)
+    nodes = nodes_for_profile(needs, tolerance=tolerance)
+    return _Seen(*nodes, probe.curvature_x, probe.curvature_y, plain)
+
+
+@lru_cache(maxsize=4096)
+def _like(plain: Grid, nx: int, ny: int, nt: int) -> Grid:
+    return replace(plain, nx=nx, ny=ny, nt=nt)
 
 
 def _nodes(digits: float, *, epsilon: float, sigma: float, curvature: float) -> float:
