@@ -158,15 +158,21 @@ def first_grids(
         )
         if grids := up_to(at_least_judged(last, step), seen, step):
             return grids
-    first = grid_for(scene, needs, tolerance=tolerance, room=room, step=step)
+    # Twice the change to the second grid must be below the tolerance, or a third is needed; but plain
+    # films want fewer nodes than the guess.
+    share = JUDGED_SHARE if _plain(needs) else FIRST_SHARE
+    first = grid_for(scene, needs, tolerance=tolerance, share=share, room=room, step=step)
     return with_finer(first, seen, room, step)
 
 
 def step_of(needs: Needs, *, tolerance: float) -> int:
     """Of which a scene's unknowns along the axes are multiples."""
     judged = judged_from_coarser(needs.terms, tolerance=tolerance)
-    plain = needs.outline is None and margin_of(needs.terms) == 1
-    return TWOS if plain and not judged else FOURS
+    return TWOS if _plain(needs) and not judged else FOURS
+
+
+def _plain(needs: Needs) -> bool:
+    return needs.outline is None and margin_of(needs.terms) == 1
 
 
 def grid_for(
