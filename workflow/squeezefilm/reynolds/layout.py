@@ -156,4 +156,9 @@ class Pile:
     @property
     def values(self) -> np.ndarray:
         """All of them, with room to spare behind the last."""
-        return np.concatenate([*self.parts, np.zeros(SPARE)])
+        return self.put_into(np.empty(self.end + SPARE))
+
+    def put_into(self, room: np.ndarray) -> np.ndarray:
+        """All of them at the beginning of some room."""
+        np.concatenate(self.parts, out=room[: self.end])
+        return room

@@ -134,6 +134,7 @@ def solve_periodic(
                 else:
                     solutions[progress.index] = solution
                     report(1)
+        landing.end()
         fly(unfinished)
     return [solutions[index] for index in range(len(scenes))]
 
