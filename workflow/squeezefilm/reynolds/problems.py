@@ -102,7 +102,10 @@ def problems_on(
 
 
 def _table(rows: Sequence[Any]) -> np.ndarray:
-    kinds = [(name, np.float64, np.shape(value)) for name, value in rows[0].items()]
+    kinds = [
+        (name, np.float64, (len(value),) if isinstance(value, tuple) else ())
+        for name, value in rows[0].items()
+    ]
     return np.array([tuple(row.values()) for row in rows], dtype=kinds)
 
 
@@ -125,7 +128,7 @@ def _parts(
     # Scenes that share no places are prepared faster all at once.
     shared = len(at) == 1 or len(at) < len(scenes)
     kept = shared and ask is _profile_kept and all(each.scene.plain for each in at)
-    parts = [np.stack(on_grid) for on_grid in zip(*found, strict=True)]
+    parts = [np.array(on_grid) for on_grid in zip(*found, strict=True)]
     return parts, np.array(places), at if kept else ()
 
 
@@ -179,16 +182,21 @@ def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
     return fields
 
 
+def mean_parts(problems: Problems, grid: Grid) -> np.ndarray:
+    """The gap's parts averaged over the finger, shape (places, parts)."""
+    along_x, along_y = _averaging(grid)
+    inner = problems.parts[..., grid.x.inner, grid.y.inner]
+    if grid.outline:
+        inner = inner * grid.density
+    return np.asarray(along_x @ inner @ along_y)
+
+
 def mean_motion(problems: Problems, grid: Grid) -> np.ndarray:
     """How the gap averaged over the finger moves, over what it is at rest, shape (scenes, 2).
 
     The factors of sin T and of cos T.
     """
-    along_x, along_y = _averaging(grid)
-    inner = problems.parts[..., grid.x.inner, grid.y.inner]
-    if grid.outline:
-        inner = inner * grid.density
-    means = np.asarray(along_x @ inner @ along_y)[problems.places]
+    means = mean_parts(problems, grid)[problems.places]
     if means.shape[1] == 1:
         return np.append(means, 0 * means, axis=1) * problems.epsilon[:, None]
     rest = 1 + problems.numbers["per_rise"] * means[:, 2]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -317,7 +318,7 @@ class _Inputs:
 def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = [len(batch.grids) for batch in batches for _ in range(batch.scenes)]
-    begins = np.cumsum([0, *stages], dtype=np.int32)
+    begins = np.array([*accumulate(stages, initial=0)], dtype=np.int32)
     room = device.lent(places.size + SPARE)
     results = room[: places.size + SPARE]
     pile = Pile()

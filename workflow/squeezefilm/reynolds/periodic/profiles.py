@@ -10,8 +10,14 @@ import numpy as np
 from squeezefilm.film.scene import AtPlace
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Columns, Joined, Pile, joined
-from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
-from squeezefilm.reynolds.problems import Problems, mean_motion, problems_on, profile_fields
+from squeezefilm.reynolds.periodic.time_modes import Steps, plain_steps, steps_of, time_modes
+from squeezefilm.reynolds.problems import (
+    Problems,
+    mean_motion,
+    mean_parts,
+    problems_on,
+    profile_fields,
+)
 from squeezefilm.reynolds.terms import Terms
 
 
@@ -62,6 +68,10 @@ def _put_modes(pile: Pile, instants: int, films: list[Steps]) -> Columns:
 def _film_steps(problems: Problems, grids: Sequence[Grid]) -> list[list[Steps]]:
     """What tells the films' modes in time on each grid: only how many harmonics lag varies."""
     numbers = problems.numbers
+    if problems.at and not problems.terms:
+        at = [_mean_at(each, grids[-1]) for each in problems.at]
+        known = zip(problems.places.tolist(), problems.epsilon.tolist(), strict=True)
+        return [[plain_steps(at[place] * epsilon) for place, epsilon in known]] * len(grids)
     variation, lagging = mean_motion(problems, grids[-1]).T
     of_grids: list[list[Steps]] = []
     for grid in grids if numbers["lag"].any() else grids[:1]:
@@ -71,3 +81,10 @@ def _film_steps(problems: Problems, grids: Sequence[Grid]) -> list[list[Steps]]:
             steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=slow)
         )
     return of_grids * (len(grids) // len(of_grids))
+
+
+@lru_cache(maxsize=1024)
+def _mean_at(at: AtPlace, grid: Grid) -> float:
+    """The profile at a place averaged over the finger."""
+    (problems,) = problems_on([at.scene], {grid: 1.0}, terms=())
+    return float(mean_parts(problems, grid)[0, 0])

@@ -280,7 +280,7 @@ def _judge(
     )
     for at in np.flatnonzero(~found.holds).tolist():
         group[at].change, group[at].in_time = change and change[at], float(in_time[at])
-    finer = finer_grid(grids[-1], room=room, step=step_of(group[0].needs, tolerance=tolerance))
+    finer = finer_grid(grids[-1], room=room)
     _add_work(group, stages)
     telling = how_many_tell(grids)
     # As plain numbers: entries of arrays are slow to take one by one.
