@@ -24,7 +24,7 @@ from squeezefilm.reynolds.terms import Terms
 
 # Least tolerance at which a grid is judged from coarser ones: below, those that tell enough of it
 # cost the paper's scenes more than a finer one.
-JUDGED_FROM = 2e-4
+JUDGED_FROM = 2e-5
 
 
 def judged_from_coarser(terms: Terms, *, tolerance: float) -> bool:

@@ -56,6 +56,8 @@ LEFT_SHARE = 0.5
 TIMELY = 0.04
 # Share of the allowed error up to which that in time is left as it is.
 TIME_SHARE = 0.3
+# Tolerance below which a finer grid tells a smooth film's error with less work than coarser ones.
+FINER_BELOW = 2e-4
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
 MOST_FAILURES = 3
 # Launches under way at a time: the host judges one while the device is at the other.
@@ -152,28 +154,20 @@ def first_grids(
     Args:
         room: most unknowns of a grid that the device has memory for.
     """
-    seen, step = nodes_for_profile(needs, tolerance=tolerance), step_of(needs, tolerance=tolerance)
-    if judged_from_coarser(needs.terms, tolerance=tolerance):
-        last = grid_for(
-            scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room, step=step
-        )
-        if grids := up_to(at_least_judged(last, step), seen, step):
-            return grids
-    # Twice the change to the second grid must be below the tolerance, or a third is needed; but plain
-    # films want fewer nodes than the guess.
-    share = JUDGED_SHARE if _plain(needs) else FIRST_SHARE
+    seen = nodes_for_profile(needs, tolerance=tolerance)
+    plain = needs.outline is None and margin_of(needs.terms) == 1
+    # Twice the change to the second grid must be below the tolerance, or a third is needed; but
+    # plain films want fewer nodes than the guess.
+    share, step = (JUDGED_SHARE, TWOS) if plain else (FIRST_SHARE, FOURS)
     first = grid_for(scene, needs, tolerance=tolerance, share=share, room=room, step=step)
+    finer_pays = plain and tolerance < FINER_BELOW
+    if judged_from_coarser(needs.terms, tolerance=tolerance) and not (
+        finer_pays and profile_fall(needs, first.across, first.across, tolerance=tolerance) == 0
+    ):
+        last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
+        if grids := up_to(at_least_judged(last), seen):
+            return grids
     return with_finer(first, seen, room, step)
-
-
-def step_of(needs: Needs, *, tolerance: float) -> int:
-    """Of which a scene's unknowns along the axes are multiples."""
-    judged = judged_from_coarser(needs.terms, tolerance=tolerance)
-    return TWOS if _plain(needs) and not judged else FOURS
-
-
-def _plain(needs: Needs) -> bool:
-    return needs.outline is None and margin_of(needs.terms) == 1
 
 
 def grid_for(
@@ -245,21 +239,21 @@ def _judge(
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
     narrowest = np.array([progress.scene.narrowest for progress in group])
+    terms = group[0].needs.terms
     # A mass error w moves the pressure by about n w/H.
-    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
+    stiffness = [stiffness_of(each.scene, terms) for each in group] if terms else [1.0]
     per_residual = stiffness / narrowest
     change, fall, in_time = changes_of(
         grids,
         stages,
         known=[progress.change for progress in group],
         in_time=np.array([progress.in_time for progress in group]),
-        sizes=np.array([size_share_of(each.scene, each.needs.terms) for each in group]),
+        sizes=np.array([size_share_of(each.scene, terms) if terms else 0.0 for each in group]),
         least_falls=np.array([least_fall(each.scene) for each in group]),
         per_residual=per_residual,
-        terms=group[0].needs.terms,
+        terms=terms,
         tolerance=tolerance,
     )
-    margin = margin_of(group[0].needs.terms)
     profiles = {progress.needs.profile: progress.needs for progress in group}
     falls = {
         profile: profile_fall(needs, *(grid.across for grid in grids[-2:]), tolerance=tolerance)
@@ -275,8 +269,8 @@ def _judge(
         narrowest=narrowest,
         mean=states.mean,
         tolerance=tolerance,
-        fall=np.maximum(np.maximum(fall, of_profile), least_fall_of(group[0].needs.terms)),
-        margin=margin,
+        fall=np.maximum(np.maximum(fall, of_profile), least_fall_of(terms)),
+        margin=margin_of(terms),
     )
     for at in np.flatnonzero(~found.holds).tolist():
         group[at].change, group[at].in_time = change and change[at], float(in_time[at])
@@ -399,13 +393,12 @@ def _judge_scene(
 
 def _begun_again(progress: _Progress, finer: Grid, *, tolerance: float, room: float) -> bool:
     """Whether a scene that has no state on a grid is to be tried on finer ones, from rest."""
-    step = step_of(progress.needs, tolerance=tolerance)
-    again = finer_grid(finer, room=room, step=step)
+    again = finer_grid(finer, room=room)
     if margin_of(progress.needs.terms) > 1 or again is None or progress.failures == MOST_FAILURES:
         return False
     judged = judged_from_coarser(progress.needs.terms, tolerance=tolerance)
     seen = nodes_for_profile(progress.needs, tolerance=tolerance)
-    grids = up_to(again, seen, step) if judged else ()
+    grids = up_to(again, seen) if judged else ()
     progress.grids = grids or (finer, again)
     progress.state, progress.change, progress.in_time = None, None, 0.0
     progress.failures += 1

@@ -31,8 +31,7 @@ START_SHARE = 0.6
 TIME_SHARE = 0.15
 # The same for the last of three grids, of whose error the other two tell more.
 JUDGED_SHARE = 1.0
-# Unknowns along an axis are multiples of the kernels' four rows; of two where changes of grids may be
-# as small along a folded axis as along a whole one.
+# Of which unknowns along an axis are multiples: kernels are fastest at four, two are the least.
 FOURS, TWOS = 4, 2
 # Unknowns of a grid before which a start pays where coarse grids come first anyway.
 LEAST_STARTED = 20_000
@@ -263,7 +262,7 @@ def _fewer(points: int, step: int, *, fold: bool) -> int:
 
 
 @lru_cache(maxsize=4096)
-def judged_grids(grid: Grid, seen: tuple[int, int], step: int) -> tuple[Grid, ...]:
+def judged_grids(grid: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
     """Coarser grids and ``grid``, whose error they tell without a finer one; none if they cannot.
 
     The first has more instants than the others, so its difference to the second shows the error in
@@ -275,8 +274,8 @@ def judged_grids(grid: Grid, seen: tuple[int, int], step: int) -> tuple[Grid, ..
         last = in_space[0]
         coarser = replace(
             grid,
-            nx=last.nx - _part(last.nx, 6, step, fold=grid.fold_x),
-            ny=last.ny - _part(last.ny, 6, step, fold=grid.fold_y),
+            nx=last.nx - _part(last.nx, 6, FOURS, fold=grid.fold_x),
+            ny=last.ny - _part(last.ny, 6, FOURS, fold=grid.fold_y),
         )
         if min(coarser.nx, coarser.ny) < 4 or not coarser.sees(*seen):
             break
@@ -294,11 +293,11 @@ def with_finer(first: Grid, seen: tuple[int, int], room: float, step: int) -> tu
 
 
 @lru_cache(maxsize=4096)
-def up_to(last: Grid, seen: tuple[int, int], step: int) -> tuple[Grid, ...]:
+def up_to(last: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
     """The coarser grids that tell the error of the last one; none if none do."""
-    grids = judged_grids(last, seen, step)
+    grids = judged_grids(last, seen)
     pays = bool(grids) and grids[0].count >= LEAST_STARTED
-    start = _start(grids[0], seen, step) if pays else None
+    start = _start(grids[0], seen, FOURS) if pays else None
     return (start, *grids) if start else grids
 
 
@@ -309,13 +308,13 @@ def _start(grid: Grid, seen: tuple[int, int], step: int) -> Grid | None:
 
 
 @lru_cache(maxsize=4096)
-def at_least_judged(grid: Grid, step: int) -> Grid:
+def at_least_judged(grid: Grid) -> Grid:
     """The grid, or the least one that has two coarser ones."""
-    folds = (grid.fold_x, grid.fold_y)
-    least_x, least_y = (4 + (LEVELS - 1) * step if fold else 16 for fold in folds)
+    least_x, least_y = (12 if fold else 16 for fold in (grid.fold_x, grid.fold_y))
     return replace(grid, nx=max(grid.nx, least_x), ny=max(grid.ny, least_y))
 
 
+@lru_cache(maxsize=4096)
 def profile_fall(
     needs: Needs, coarse: tuple[int, int], fine: tuple[int, int], *, tolerance: float
 ) -> float:
@@ -344,9 +343,7 @@ def _coarser(grid: Grid, step: int) -> Grid:
 
 
 @lru_cache(maxsize=4096)
-def finer_grid(
-    grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS
-) -> Grid | None:
+def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS) -> Grid | None:
     """The next grid of a scene's sequence, finer in every direction; None past the limits.
 
     In every direction, because the difference between two grids shows no error that both share.
