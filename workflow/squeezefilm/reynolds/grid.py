@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import sqrt
 
@@ -106,6 +106,11 @@ class Grid:
         """Nodes across the finger along x and y."""
         return self.x.full_points, self.y.full_points
 
+    @cached_property
+    def in_space(self) -> Grid:
+        """What it has in common with grids of the same nodes across the finger."""
+        return _of_few_instants(self)
+
     @property
     def count(self) -> int:
         """Number of unknowns."""
@@ -120,6 +125,11 @@ class Grid:
     def sees(self, nodes_x: int, nodes_y: int) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
+
+
+@lru_cache(maxsize=256)
+def _of_few_instants(grid: Grid) -> Grid:
+    return replace(grid, nt=4)
 
 
 @lru_cache(maxsize=256)

@@ -123,7 +123,7 @@ def _parts(
     found = []
     at = tuple(known)
     for each in at:
-        scene, moving = each.scene, ask(each, tuple(grids))
+        scene, moving = each.scene, ask(each, tuple(grid.in_space for grid in grids))
         found.append([_with_rest(scene, *its) for its in zip(grids, moving, strict=True)])
     # Scenes that share no places are prepared faster all at once.
     shared = len(at) == 1 or len(at) < len(scenes)

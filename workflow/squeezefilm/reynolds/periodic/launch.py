@@ -208,10 +208,7 @@ def solve_batch(
 
 @dataclass(frozen=True)
 class Launch:
-    """Batches that the device is solving, and the array that it leaves its results in.
-
-    done: the kernel's event.
-    """
+    """Batches that the device is solving; ``done`` is the kernel's event."""
 
     batches: Sequence[Batch]
     places: _Places
@@ -220,18 +217,15 @@ class Launch:
     buffer: Any
     done: Any
 
-    @property
-    def results(self) -> np.ndarray:
-        return self.inputs.results
-
     def end(self) -> None:
         """Let other launches have the arrays, as no one looks at the states any more."""
         self.device.give_back(*self.inputs.rooms)
 
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
-        self.device.fetch(self.results, self.buffer, after=self.done)
-        said = self.results[: self.places.rows * SAID.itemsize // 8].view(SAID)
+        results = self.inputs.results
+        self.device.fetch(results, self.buffer, after=self.done)
+        said = results[: self.places.rows * SAID.itemsize // 8].view(SAID)
         states: list[list[States]] = []
         first = 0
         for batch, of_batch in zip(self.batches, self.places.of, strict=True):
@@ -240,8 +234,8 @@ class Launch:
             states.append([])
             for stage, (grid, place) in enumerate(zip(batch.grids, of_batch, strict=True)):
                 shape = batch.scenes, batch.fields, *grid.shape
-                unknowns = self.results[place.states].reshape(shape) if place.states else None
-                means = self.results[place.means].reshape(batch.scenes, grid.nx, grid.ny)
+                unknowns = results[place.states].reshape(shape) if place.states else None
+                means = results[place.means].reshape(batch.scenes, grid.nx, grid.ny)
                 own = said[first + stage : last : stages]
                 rest = (own[name] for name in SAID.names or ())
                 states[-1].append(States(unknowns, means, *rest))
@@ -319,8 +313,8 @@ def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Input
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = [len(batch.grids) for batch in batches for _ in range(batch.scenes)]
     begins = np.array([*accumulate(stages, initial=0)], dtype=np.int32)
-    room = device.lent(places.size + SPARE)
-    results = room[: places.size + SPARE]
+    results_room = device.lent(places.size + SPARE)
+    results = results_room[: places.size + SPARE]
     pile = Pile()
     rows = []
     for batch, of_batch in zip(batches, places.of, strict=True):
@@ -337,7 +331,7 @@ def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Input
         )
     values_room = device.lent(pile.end + SPARE)
     values = pile.put_into(values_room[: pile.end + SPARE])
-    return _Inputs(begins, joined_rows(rows), values, results, (room, values_room))
+    return _Inputs(begins, joined_rows(rows), values, results, (results_room, values_room))
 
 
 def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Columns]]:

@@ -27,7 +27,8 @@ def put_profiles(pile: Pile, problems: Sequence[Problems], grids: Sequence[Grid]
     if not first.at:
         each = zip(problems, grids, strict=True)
         return [pile.add_each(profile_fields(some, grid), some.places) for some, grid in each]
-    known = [_profile_at(at, tuple(grids), first.terms) for at in first.at]
+    in_space = tuple(grid.in_space for grid in grids)
+    known = [_profile_at(at, in_space, first.terms) for at in first.at]
     columns = []
     for on_grid in zip(*known, strict=True):
         begins = np.array([pile.put(profile.values) for profile in on_grid])[first.places, None]
@@ -38,8 +39,10 @@ def put_profiles(pile: Pile, problems: Sequence[Problems], grids: Sequence[Grid]
 @lru_cache(maxsize=128)
 def _profile_at(at: AtPlace, grids: tuple[Grid, ...], terms: Terms) -> list[Joined]:
     """The profile's fields at a place, on each grid."""
-    problems = problems_on([at.scene], dict.fromkeys(grids, 1.0), terms=terms)
-    return [joined(profile_fields(*each)) for each in zip(problems, grids, strict=True)]
+    each = dict.fromkeys(grids, 1.0)
+    pairs = zip(problems_on([at.scene], each, terms=terms), each, strict=True)
+    fields = {grid: joined(profile_fields(its, grid)) for its, grid in pairs}
+    return [fields[grid] for grid in grids]
 
 
 def put_time_modes(pile: Pile, problems: Problems, grids: Sequence[Grid]) -> list[Columns]:
@@ -69,7 +72,7 @@ def _film_steps(problems: Problems, grids: Sequence[Grid]) -> list[list[Steps]]:
     """What tells the films' modes in time on each grid: only how many harmonics lag varies."""
     numbers = problems.numbers
     if problems.at and not problems.terms:
-        at = [_mean_at(each, grids[-1]) for each in problems.at]
+        at = [_mean_at(each, grids[-1].in_space) for each in problems.at]
         known = zip(problems.places.tolist(), problems.epsilon.tolist(), strict=True)
         return [[plain_steps(at[place] * epsilon) for place, epsilon in known]] * len(grids)
     variation, lagging = mean_motion(problems, grids[-1]).T

@@ -160,10 +160,9 @@ def first_grids(
     # plain films want fewer nodes than the guess.
     share, step = (JUDGED_SHARE, TWOS) if plain else (FIRST_SHARE, FOURS)
     first = grid_for(scene, needs, tolerance=tolerance, share=share, room=room, step=step)
-    finer_pays = plain and tolerance < FINER_BELOW
-    if judged_from_coarser(needs.terms, tolerance=tolerance) and not (
-        finer_pays and profile_fall(needs, first.across, first.across, tolerance=tolerance) == 0
-    ):
+    smooth = profile_fall(needs, first.across, first.across, tolerance=tolerance) == 0
+    finer_pays = plain and smooth and tolerance < FINER_BELOW
+    if judged_from_coarser(needs.terms, tolerance=tolerance) and not finer_pays:
         last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
         if grids := up_to(at_least_judged(last), seen):
             return grids
@@ -254,14 +253,9 @@ def _judge(
         terms=terms,
         tolerance=tolerance,
     )
-    profiles = {progress.needs.profile: progress.needs for progress in group}
-    falls = {
-        profile: profile_fall(needs, *(grid.across for grid in grids[-2:]), tolerance=tolerance)
-        if len(grids) > 1
-        else 0.0
-        for profile, needs in profiles.items()
-    }
-    of_profile = np.array([falls[progress.needs.profile] for progress in group])
+    across = [grid.across for grid in (grids[0], *grids)[-2:]]
+    falls = [profile_fall(each.needs, *across, tolerance=tolerance) for each in group]
+    of_profile = np.array(falls)
     found = estimate(
         change=change.telling(of_profile) if change else None,
         left=per_residual * states.residual + in_time,
@@ -276,13 +270,10 @@ def _judge(
         group[at].change, group[at].in_time = change and change[at], float(in_time[at])
     finer = finer_grid(grids[-1], room=room)
     _add_work(group, stages)
-    telling = how_many_tell(grids)
+    failed = np.array([each.status != 0 for each in stages[-how_many_tell(grids) :]]).T
+    of_states = states.mean, states.lowest, states.thinnest, states.residual
     # As plain numbers: entries of arrays are slow to take one by one.
-    told = (
-        np.array([each.status != 0 for each in stages[-telling:]]).T,
-        *(found.error, found.allowed, states.mean),
-        *(states.lowest, states.thinnest, states.residual),
-    )
+    told = failed, found.error, found.allowed, *of_states
     return [
         _judge_scene(
             progress, stages, position, _Told(*its), finer=finer, tolerance=tolerance, room=room
