@@ -28,7 +28,7 @@ JUDGED_FROM = 2e-5
 
 
 def judged_from_coarser(terms: Terms, *, tolerance: float) -> bool:
-    """Whether the last grid is judged from coarser ones; not where an estimate has a margin."""
+    """Whether the last grid may be judged from coarser ones; not where an estimate has a margin."""
     return margin_of(terms) == 1 and tolerance >= JUDGED_FROM
 
 
