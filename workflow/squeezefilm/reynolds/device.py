@@ -126,15 +126,18 @@ class Device:
         Who is done with it gives it back: the system clears the pages of new room, which takes a
         tenth of the time of a batch.
         """
-        for place, room in enumerate(self.spare):
-            if room.size >= count:
-                return self.spare.pop(place)
-        return aligned(max(count, LEAST_LENT))
+        if count > MOST_LENT:
+            return aligned(count)
+        try:
+            room = self.spare.pop()
+        except IndexError:
+            room = aligned(LEAST_LENT)
+        return room if room.size >= count else aligned(count)
 
     def give_back(self, *rooms: np.ndarray) -> None:
-        self.spare.extend(room for room in rooms if room.size <= MOST_LENT)
-        self.spare.sort(key=np.size)
-        del self.spare[:-MOST_SPARE]
+        for room in rooms:
+            if room.size <= MOST_LENT and len(self.spare) < MOST_SPARE:
+                self.spare.append(room)
 
     @property
     def _in_host_memory(self) -> bool:
