@@ -127,7 +127,7 @@ def test_the_first_grid_knows_the_layer_that_a_sliding_surface_makes():
     slow, fast = (film(epsilon=0.5, sigma=10.0, bearing=b, profile=PISTON) for b in (0.1, 200.0))
     grids = [grid_for(each, needs_of(each), tolerance=1e-4) for each in (slow, fast)]
     assert grids[1].nx > 2 * grids[0].nx
-    assert len(first_grids(fast, needs_of(fast), tolerance=1e-4)) >= 4
+    assert len(first_grids(fast, needs_of(fast), tolerance=1e-3)) >= 4
 
 
 def test_a_grid_on_which_newton_fails_is_refined(monkeypatch):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from squeezefilm.cli.main import main
@@ -92,3 +93,17 @@ def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="apt install gcc"):
         device.kernel(chosen, "none", sources=(), header="// not built")
+
+
+def test_host_arrays_are_lent_again_and_none_is_too_small():
+    host = replace(choose_device(), spare=[])
+    first = host.lent(100)
+    host.give_back(first)
+    assert host.lent(first.size) is first
+    host.give_back(first)
+    larger = host.lent(2 * first.size)
+    assert larger.size >= 2 * first.size
+    assert not host.spare
+    for _ in range(10):
+        host.give_back(np.empty(100))
+    assert len(host.spare) == 4

@@ -249,6 +249,11 @@ class Scene:
         """All that the profile under the finger depends on: equal for scenes that share it."""
         return self.actuator.profile, self.finger, self.x_m, self.y_m
 
+    @cached_property
+    def place_hash(self) -> int:
+        """Its hash, which takes as long as many a step of preparing a scene."""
+        return hash(self.place)
+
     @property
     def two_phases(self) -> bool:
         """Whether the surface does not move in one phase: a travelling wave, modes with a lag."""
@@ -332,10 +337,9 @@ class AtPlace:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self._hash = hash(scene.place)
 
     def __hash__(self) -> int:
-        return self._hash
+        return self.scene.place_hash
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, AtPlace) and (

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from math import sqrt
 
 import numpy as np
@@ -42,11 +42,18 @@ class Grid:
     fold_y: bool
     outline: Outline | None = None
 
-    @property
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:  # once: grids are what much is kept by
+        return hash((self.shape, self.fold_x, self.fold_y, self.outline))
+
+    @cached_property
     def x(self) -> Axis:
         return axis(self.nx, self.outline.folds(self)[0] if self.outline else self.fold_x)
 
-    @property
+    @cached_property
     def y(self) -> Axis | Around:
         return self.around if self.outline else axis(self.ny, self.fold_y)
 
@@ -94,10 +101,15 @@ class Grid:
     def shape(self) -> tuple[int, int, int]:
         return self.nx, self.ny, self.nt
 
-    @property
+    @cached_property
     def across(self) -> tuple[int, int]:
         """Nodes across the finger along x and y."""
         return self.x.full_points, self.y.full_points
+
+    @cached_property
+    def in_space(self) -> Grid:
+        """What it has in common with grids of the same nodes across the finger."""
+        return _of_few_instants(self)
 
     @property
     def count(self) -> int:
@@ -113,6 +125,11 @@ class Grid:
     def sees(self, nodes_x: int, nodes_y: int) -> bool:
         """Whether it has so many nodes across the finger along x and y."""
         return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
+
+
+@lru_cache(maxsize=256)
+def _of_few_instants(grid: Grid) -> Grid:
+    return replace(grid, nt=4)
 
 
 @lru_cache(maxsize=256)

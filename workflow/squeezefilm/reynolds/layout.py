@@ -116,9 +116,15 @@ class Joined:
 
 
 def joined(parts: Mapping[str, np.ndarray]) -> Joined:
-    pieces = [np.ascontiguousarray(part).ravel() for part in parts.values()]
+    """Arrays behind each other, each beginning where kernels can read four numbers at once."""
+    pieces = [_in_fours(np.ascontiguousarray(part).ravel()) for part in parts.values()]
     starts = accumulate((piece.size for piece in pieces[:-1]), initial=0)
     return Joined(np.concatenate(pieces), dict(zip(parts, starts, strict=True)))
+
+
+def _in_fours(piece: np.ndarray) -> np.ndarray:
+    left = -piece.size % 4
+    return np.append(piece, np.zeros(left)) if left else piece
 
 
 @dataclass
@@ -150,4 +156,9 @@ class Pile:
     @property
     def values(self) -> np.ndarray:
         """All of them, with room to spare behind the last."""
-        return np.concatenate([*self.parts, np.zeros(SPARE)])
+        return self.put_into(np.empty(self.end + SPARE))
+
+    def put_into(self, room: np.ndarray) -> np.ndarray:
+        """All of them at the beginning of some room."""
+        np.concatenate(self.parts, out=room[: self.end])
+        return room

@@ -16,9 +16,9 @@ HALVES = tuple(
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Needs:
-    """The domain and the terms that a scene needs.
+    """The domain and the terms that a scene needs; one for all scenes that need the same.
 
     Attributes:
         fold_x, fold_y: the film is even about the finger's middle along x, y: half is enough.

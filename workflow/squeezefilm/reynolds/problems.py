@@ -102,7 +102,10 @@ def problems_on(
 
 
 def _table(rows: Sequence[Any]) -> np.ndarray:
-    kinds = [(name, np.float64, np.shape(value)) for name, value in rows[0].items()]
+    kinds = [
+        (name, np.float64, (len(value),) if isinstance(value, tuple) else ())
+        for name, value in rows[0].items()
+    ]
     return np.array([tuple(row.values()) for row in rows], dtype=kinds)
 
 
@@ -113,19 +116,19 @@ def _parts(
 
     And the places, where they are kept.
     """
-    known: dict[object, tuple[int, Scene]] = {}
-    places = [known.setdefault(scene.place, (len(known), scene))[0] for scene in scenes]
+    known: dict[AtPlace, int] = {}
+    places = [known.setdefault(AtPlace(scene), len(known)) for scene in scenes]
     nodes = sum(grid.positions[0].size for grid in grids)
     ask = _profile_kept if nodes <= MOST_KEPT else _profile_on
     found = []
-    at = tuple(AtPlace(scene) for _, scene in known.values())
+    at = tuple(known)
     for each in at:
-        scene, moving = each.scene, ask(each, tuple(grids))
+        scene, moving = each.scene, ask(each, tuple(grid.in_space for grid in grids))
         found.append([_with_rest(scene, *its) for its in zip(grids, moving, strict=True)])
     # Scenes that share no places are prepared faster all at once.
     shared = len(at) == 1 or len(at) < len(scenes)
     kept = shared and ask is _profile_kept and all(each.scene.plain for each in at)
-    parts = [np.stack(on_grid) for on_grid in zip(*found, strict=True)]
+    parts = [np.array(on_grid) for on_grid in zip(*found, strict=True)]
     return parts, np.array(places), at if kept else ()
 
 
@@ -179,16 +182,32 @@ def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
     return fields
 
 
+def mean_parts(problems: Problems, grid: Grid) -> np.ndarray:
+    """The gap's parts averaged over the finger, shape (places, parts)."""
+    along_x, along_y = _averaging(grid)
+    inner = problems.parts[..., grid.x.inner, grid.y.inner]
+    if grid.outline:
+        inner = inner * grid.density
+    return np.asarray(along_x @ inner @ along_y)
+
+
 def mean_motion(problems: Problems, grid: Grid) -> np.ndarray:
     """How the gap averaged over the finger moves, over what it is at rest, shape (scenes, 2).
 
     The factors of sin T and of cos T.
     """
-    inner = problems.parts[..., grid.x.inner, grid.y.inner] * grid.density
-    # The rule leaves out the ends; what it gives them is small, and the mean is no result.
-    whole = grid.x.weights @ np.broadcast_to(grid.density, grid.shape[:2]) @ grid.y.weights
-    means = np.asarray(grid.x.weights @ inner @ grid.y.weights / whole)[problems.places]
+    means = mean_parts(problems, grid)[problems.places]
     if means.shape[1] == 1:
         return np.append(means, 0 * means, axis=1) * problems.epsilon[:, None]
     rest = 1 + problems.numbers["per_rise"] * means[:, 2]
     return np.asarray(means[:, :2] * (problems.epsilon / rest)[:, None])
+
+
+@lru_cache(maxsize=256)
+def _averaging(grid: Grid) -> tuple[np.ndarray, np.ndarray]:
+    """Weights along x and y that average what is times the density.
+
+    The rule leaves out the ends; what it gives them is small, and the mean is no result.
+    """
+    everywhere = np.broadcast_to(grid.density, grid.shape[:2])
+    return grid.x.weights / (grid.x.weights @ everywhere @ grid.y.weights), grid.y.weights

@@ -3,8 +3,8 @@
  * behind that takes `real` for them.
  *
  * A field is stored [x][y][t] with time innermost, so that every operator of the solver is a
- * small matrix times panels of contiguous numbers. All sizes are multiples of four. The device says
- * how many doubles or floats its registers hold (device.py).
+ * small matrix times panels of contiguous numbers. Numbers of columns are multiples of four, those of
+ * rows even. The device says how many doubles or floats its registers hold (device.py).
  */
 #ifndef real
 #define real double
@@ -37,9 +37,12 @@
 #define BLOCKS_OF_BOTH_TYPES OF_BOTH_TYPES __attribute__((noinline))
 #endif
 
-/* c = a b (+ c) for 4 or 8 rows over 1 to 4 registers, of the last of which `last` numbers are stored.
+/* c = a b (+ c) for 2 to 16 rows over 1 to 4 registers, of the last of which `last` numbers are stored.
  * `a*b + c` is contracted to a fused multiply-add; an explicit fma() is slow on PoCL. */
-#define ROWS_4(STEP, w) STEP(0, w) STEP(1, w) STEP(2, w) STEP(3, w)
+#define ROWS_2(STEP, w) STEP(0, w) STEP(1, w)
+#define ROWS_3(STEP, w) ROWS_2(STEP, w) STEP(2, w)
+#define ROWS_4(STEP, w) ROWS_3(STEP, w) STEP(3, w)
+#define ROWS_5(STEP, w) ROWS_4(STEP, w) STEP(4, w)
 #define ROWS_8(STEP, w) ROWS_4(STEP, w) STEP(4, w) STEP(5, w) STEP(6, w) STEP(7, w)
 #define ROWS_16(STEP, w) ROWS_8(STEP, w) STEP(8, w) STEP(9, w) STEP(10, w) STEP(11, w) \
     STEP(12, w) STEP(13, w) STEP(14, w) STEP(15, w)
@@ -86,7 +89,6 @@
         store(add ? loaded(top) + first : first, top, count);                                   \
         store(add ? loaded(bottom) + second : second, bottom, count);                           \
     }
-#define ROWS_2(STEP, w) STEP(0, w) STEP(1, w)
 #define MIRRORED_BLOCK(name, rows, registers)                                                     \
     OF_BOTH_TYPES inline void name(constant_vector even, constant_vector odd, int half_rows,           \
                                    constant_vector b, vector c, vector mirrored, int columns,     \
@@ -153,8 +155,12 @@ OF_BOTH_TYPES inline void store(lanes values, vector place, int count)
 #endif
 }
 
+BLOCK(block_2_1, 2, 1)
 BLOCK(block_4_1, 4, 1)
 #if WORK_ITEMS == 1
+BLOCK(block_2_2, 2, 2)
+BLOCK(block_2_3, 2, 3)
+BLOCK(block_2_4, 2, 4)
 BLOCK(block_4_2, 4, 2)
 BLOCK(block_4_3, 4, 3)
 BLOCK(block_4_4, 4, 4)
@@ -166,8 +172,13 @@ BLOCK(block_16_1, 16, 1)
 #endif
 
 #if WORK_ITEMS == 1
-/* Four rows of a panel. */
-BLOCKS_OF_BOTH_TYPES void four_rows(constant_vector a, int inner, constant_vector b, vector c,
+/* Four rows of a panel, or two. */
+#define FOUR_OR_TWO(registers)                                           \
+    if (rows == 4)                                                       \
+        block_4_##registers(a, inner, from_b, to_c, columns, last, add); \
+    else                                                                 \
+        block_2_##registers(a, inner, from_b, to_c, columns, last, add);
+BLOCKS_OF_BOTH_TYPES void some_rows(constant_vector a, int rows, int inner, constant_vector b, vector c,
                                     int columns, int add)
 {
     for (int column = 0; column < columns;) {
@@ -177,10 +188,10 @@ BLOCKS_OF_BOTH_TYPES void four_rows(constant_vector a, int inner, constant_vecto
         constant_vector from_b = b + column;
         vector to_c = c + column;
         switch (width) {
-        case 4: block_4_4(a, inner, from_b, to_c, columns, last, add); break;
-        case 3: block_4_3(a, inner, from_b, to_c, columns, last, add); break;
-        case 2: block_4_2(a, inner, from_b, to_c, columns, last, add); break;
-        default: block_4_1(a, inner, from_b, to_c, columns, last, add);
+        case 4: FOUR_OR_TWO(4) break;
+        case 3: FOUR_OR_TWO(3) break;
+        case 2: FOUR_OR_TWO(2) break;
+        default: FOUR_OR_TWO(1)
         }
         column += width * LANES;
     }
@@ -218,17 +229,21 @@ OF_BOTH_TYPES void product(constant_vector a, int rows, int inner, constant_vect
             eight_rows(a + row * inner, inner, b, c + row * columns, columns, add);
 #endif
         for (; row < rows; row += 4)
-            four_rows(a + row * inner, inner, b, c + row * columns, columns, add);
+            some_rows(a + row * inner, min(rows - row, 4), inner, b, c + row * columns, columns, add);
     }
 #else
-    const int row_blocks = rows / 4, column_blocks = (columns + LANES - 1) / LANES;
+    const int row_blocks = (rows + 3) / 4, column_blocks = (columns + LANES - 1) / LANES;
     FOR_EACH(task, panels * row_blocks * column_blocks)
     {
         const int p = task / (row_blocks * column_blocks);
         const int row = 4 * (task / column_blocks % row_blocks);
         const int column = LANES * (task % column_blocks);
-        block_4_1(a + row * inner, inner, b + p * panel_b + column,
-                  c + p * panel_c + row * columns + column, columns, columns - column, add);
+        constant_vector of_a = a + row * inner, from_b = b + p * panel_b + column;
+        vector to_c = c + p * panel_c + row * columns + column;
+        if (rows - row >= 4)
+            block_4_1(of_a, inner, from_b, to_c, columns, columns - column, add);
+        else
+            block_2_1(of_a, inner, from_b, to_c, columns, columns - column, add);
     }
 #endif
 }
@@ -240,16 +255,31 @@ OF_BOTH_TYPES void multiply(constant_vector a, int rows, int inner, constant_vec
     SYNC;
 }
 
+MIRRORED_BLOCK(mirrored_5_1, 5, 1)
 MIRRORED_BLOCK(mirrored_4_1, 4, 1)
+MIRRORED_BLOCK(mirrored_3_1, 3, 1)
 MIRRORED_BLOCK(mirrored_2_1, 2, 1)
 #ifdef MANY_REGISTERS
 MIRRORED_BLOCK(mirrored_8_1, 8, 1)
+MIRRORED_BLOCK(mirrored_5_2, 5, 2)
 MIRRORED_BLOCK(mirrored_4_2, 4, 2)
+MIRRORED_BLOCK(mirrored_3_2, 3, 2)
 MIRRORED_BLOCK(mirrored_2_2, 2, 2)
 #endif
 
-/* Four rows of the first half of a panel, or the last two, and their mirror images, from column `from`
- * up to `to`. */
+/* Four rows of the first half of a panel, or its last two, three or five, and their mirror images,
+ * from column `from` up to `to`. */
+#define MIRRORED_ROWS(rows, registers)                                                              \
+    mirrored_##rows##_##registers(even, odd, half_rows, b + column, top + column, bottom + column, \
+                                  columns, last, of_nodes, to_nodes, add);
+#define MIRRORED_SWITCH(registers)                     \
+    switch (half_rows - row) {                         \
+    case 5: MIRRORED_ROWS(5, registers) break;         \
+    case 3: MIRRORED_ROWS(3, registers) break;         \
+    case 2: MIRRORED_ROWS(2, registers) break;         \
+    default: MIRRORED_ROWS(4, registers)               \
+    }
+#define MIRRORED_ROW_BLOCKS(half_rows) (((half_rows) + 2) / 4)
 BLOCKS_OF_BOTH_TYPES void mirrored_rows(constant_vector a, int half_rows, int row, constant_vector b,
                                         vector c, int columns, int from, int to, const int of_nodes,
                                         const int to_nodes, int add)
@@ -260,22 +290,12 @@ BLOCKS_OF_BOTH_TYPES void mirrored_rows(constant_vector a, int half_rows, int ro
 #ifdef MANY_REGISTERS
     for (; to - column > LANES; column += 2 * LANES) {
         const int last = to - column - LANES;
-        if (half_rows - row >= 4)
-            mirrored_4_2(even, odd, half_rows, b + column, top + column, bottom + column, columns, last,
-                         of_nodes, to_nodes, add);
-        else
-            mirrored_2_2(even, odd, half_rows, b + column, top + column, bottom + column, columns, last,
-                         of_nodes, to_nodes, add);
+        MIRRORED_SWITCH(2)
     }
 #endif
     for (; column < to; column += LANES) {
         const int last = to - column;
-        if (half_rows - row >= 4)
-            mirrored_4_1(even, odd, half_rows, b + column, top + column, bottom + column, columns, last,
-                         of_nodes, to_nodes, add);
-        else
-            mirrored_2_1(even, odd, half_rows, b + column, top + column, bottom + column, columns, last,
-                         of_nodes, to_nodes, add);
+        MIRRORED_SWITCH(1)
     }
 }
 
@@ -292,17 +312,18 @@ OF_BOTH_TYPES inline void product_of_parts(constant_vector a, int half_rows, con
             int row = 0;
 #ifdef MANY_REGISTERS
             if (columns <= LANES)
-                for (; half_rows - row >= 8; row += 8)
+                for (; half_rows - row >= 8 && half_rows - row != 9; row += 8)
                     mirrored_8_1(a + row * half_rows, a + (half_rows + row) * half_rows, half_rows, b,
                                  c + row * columns, c + (2 * half_rows - 1 - row) * columns, columns,
                                  columns, of_nodes, to_nodes, add);
 #endif
-            for (; row < half_rows; row += 4)
+            for (; half_rows - row > 1; row += 4)
                 mirrored_rows(a, half_rows, row, b, c, columns, column,
                               min(column + STRIPE * LANES, columns), of_nodes, to_nodes, add);
         }
 #else
-    const int row_blocks = (half_rows + 3) / 4, column_blocks = (columns + LANES - 1) / LANES;
+    const int row_blocks = MIRRORED_ROW_BLOCKS(half_rows);
+    const int column_blocks = (columns + LANES - 1) / LANES;
     FOR_EACH(task, panels * row_blocks * column_blocks)
     {
         const int p = task / (row_blocks * column_blocks);
@@ -371,6 +392,10 @@ OF_BOTH_TYPES double dot_product(constant_vector a, constant_vector b, int count
         even += a_lanes[2 * i] * b_lanes[2 * i];
         odd += a_lanes[2 * i + 1] * b_lanes[2 * i + 1];
     }
+#if LANES == 16
+    if (count4 / 4 % 2)
+        even += a_lanes[count4 / 4 - 1] * b_lanes[count4 / 4 - 1];
+#endif
     return sum_over_group(sum_of_lanes(even + odd), scratch);
 }
 
@@ -404,6 +429,14 @@ OF_BOTH_TYPES double subtract_and_project(vector a, real scale, constant_vector 
         even += first * c_lanes[2 * i];
         odd += second * c_lanes[2 * i + 1];
     }
+#if LANES == 16
+    if (count4 / 4 % 2) {
+        const int i = count4 / 4 - 1;
+        const lanes left = a_lanes[i] - scale * b_lanes[i];
+        a_lanes[i] = left;
+        even += left * c_lanes[i];
+    }
+#endif
     return sum_over_group(sum_of_lanes(even + odd), scratch);
 }
 

@@ -193,7 +193,8 @@ def too_many(resolution: Resolution) -> str:
 
 def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolution:
     """As fine as the rectangle's first grid: a degree for each node across."""
-    grid = first_grid(**gap_numbers(scene), aspect=scene.aspect, needs=needs, tolerance=tolerance)
+    numbers = gap_numbers(scene)
+    grid = first_grid(**numbers, aspect=scene.aspect, needs=needs, tolerance=tolerance)  # type: ignore[arg-type]
     degree = max(8, 2 * round(max(grid.x.full_points, grid.y.full_points) / 2))
     pad = PadGrid(scene.finger.shape, degree, scene.aspect, needs.fold_x, needs.fold_y)
     return Resolution(pad, grid.nt)

@@ -28,13 +28,13 @@ JUDGED_FROM = 2e-5
 
 
 def judged_from_coarser(terms: Terms, *, tolerance: float) -> bool:
-    """Whether the last grid is judged from coarser ones; not where an estimate has a margin."""
+    """Whether the last grid may be judged from coarser ones; not where an estimate has a margin."""
     return margin_of(terms) == 1 and tolerance >= JUDGED_FROM
 
 
 def margin_of(terms: Terms) -> float:
     """By which the estimates of films with some terms are increased."""
-    return max((term.ESTIMATE_MARGIN for term in terms), default=1.0)
+    return max(term.ESTIMATE_MARGIN for term in terms) if terms else 1.0
 
 
 def least_fall_of(terms: Terms) -> float:

@@ -49,7 +49,8 @@ static constant_vector taken(matrix values, int count, vector *room)
 {
 #ifdef SINGLE
     vector copy = *room;
-    FOR_EACH(i, count / 4) store4(((matrix4)values)[i], i, copy);
+    /* Up to three numbers behind the last are copied with it, and not used. */
+    FOR_EACH(i, (count + 3) / 4) store4(((matrix4)values)[i], i, copy);
     *room += (count + 15) / 16 * 16; /* vectors behind it begin where registers do */
     return copy;
 #else

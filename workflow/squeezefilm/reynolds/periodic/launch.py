@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
-from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, aligned, kernel
+from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import (
     Columns,
@@ -207,22 +208,24 @@ def solve_batch(
 
 @dataclass(frozen=True)
 class Launch:
-    """Batches that the device is solving, and the array that it leaves its results in.
-
-    done: the kernel's event.
-    """
+    """Batches that the device is solving; ``done`` is the kernel's event."""
 
     batches: Sequence[Batch]
     places: _Places
     device: Device
-    results: np.ndarray
+    inputs: _Inputs
     buffer: Any
     done: Any
 
+    def end(self) -> None:
+        """Let other launches have the arrays, as no one looks at the states any more."""
+        self.device.give_back(*self.inputs.rooms)
+
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
-        self.device.fetch(self.results, self.buffer, after=self.done)
-        said = self.results[: self.places.rows * SAID.itemsize // 8].view(SAID)
+        results = self.inputs.results
+        self.device.fetch(results, self.buffer, after=self.done)
+        said = results[: self.places.rows * SAID.itemsize // 8].view(SAID)
         states: list[list[States]] = []
         first = 0
         for batch, of_batch in zip(self.batches, self.places.of, strict=True):
@@ -231,8 +234,8 @@ class Launch:
             states.append([])
             for stage, (grid, place) in enumerate(zip(batch.grids, of_batch, strict=True)):
                 shape = batch.scenes, batch.fields, *grid.shape
-                unknowns = self.results[place.states].reshape(shape) if place.states else None
-                means = self.results[place.means].reshape(batch.scenes, grid.nx, grid.ny)
+                unknowns = results[place.states].reshape(shape) if place.states else None
+                means = results[place.means].reshape(batch.scenes, grid.nx, grid.ny)
                 own = said[first + stage : last : stages]
                 rest = (own[name] for name in SAID.names or ())
                 states[-1].append(States(unknowns, means, *rest))
@@ -261,7 +264,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
             "where none are asked for"
         )
     places = _places(batches)
-    inputs = _inputs(batches, places)
+    inputs = _inputs(batches, places, device)
     single = in_single(terms)
     periodic_state = kernel(
         device,
@@ -272,14 +275,15 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     scenes = sum(batch.scenes for batch in batches)
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
-    buffer = device.shared(inputs.results)
+    buffer, values = device.shared(inputs.results), device.shared(inputs.values)
     done = periodic_state(
         device.queue,
         (groups * device.work_items,),
         (device.work_items,),
         scenes,
         MOST_NEWTON,
-        *(device.sent(values) for values in (inputs.begins, inputs.rows, inputs.values)),
+        *(device.sent(each) for each in (inputs.begins, inputs.rows)),
+        values,
         buffer,
         device.sent(np.zeros(1, dtype=np.int32)),
         device.room(workspace_size * groups),
@@ -287,7 +291,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         cl.LocalMemory(8 * device.work_items),
     )
     device.queue.flush()
-    return Launch(batches, places, device, results=inputs.results, buffer=buffer, done=done)
+    return Launch(batches, places, device, inputs, buffer, done)
 
 
 @dataclass(frozen=True)
@@ -295,19 +299,22 @@ class _Inputs:
     """A launch's arrays, as periodic.cl describes them.
 
     results: room for what the device says of the scenes, and their first guesses.
+    rooms: what the last two are the beginnings of, to be given back.
     """
 
     begins: np.ndarray
     rows: np.ndarray
     values: np.ndarray
     results: np.ndarray
+    rooms: Sequence[np.ndarray]
 
 
-def _inputs(batches: Sequence[Batch], places: _Places) -> _Inputs:
+def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = [len(batch.grids) for batch in batches for _ in range(batch.scenes)]
-    begins = np.cumsum([0, *stages], dtype=np.int32)
-    results = aligned(places.size + SPARE)
+    begins = np.array([*accumulate(stages, initial=0)], dtype=np.int32)
+    results_room = device.lent(places.size + SPARE)
+    results = results_room[: places.size + SPARE]
     pile = Pile()
     rows = []
     for batch, of_batch in zip(batches, places.of, strict=True):
@@ -322,7 +329,9 @@ def _inputs(batches: Sequence[Batch], places: _Places) -> _Inputs:
                 tolerance=np.multiply.outer(batch.problems[0].narrowest, tolerances),
             )
         )
-    return _Inputs(begins, joined_rows(rows), pile.values, results)
+    values_room = device.lent(pile.end + SPARE)
+    values = pile.put_into(values_room[: pile.end + SPARE])
+    return _Inputs(begins, joined_rows(rows), values, results, (results_room, values_room))
 
 
 def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Columns]]:

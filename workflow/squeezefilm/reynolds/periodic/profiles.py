@@ -10,8 +10,14 @@ import numpy as np
 from squeezefilm.film.scene import AtPlace
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Columns, Joined, Pile, joined
-from squeezefilm.reynolds.periodic.time_modes import Steps, steps_of, time_modes
-from squeezefilm.reynolds.problems import Problems, mean_motion, problems_on, profile_fields
+from squeezefilm.reynolds.periodic.time_modes import Steps, plain_steps, steps_of, time_modes
+from squeezefilm.reynolds.problems import (
+    Problems,
+    mean_motion,
+    mean_parts,
+    problems_on,
+    profile_fields,
+)
 from squeezefilm.reynolds.terms import Terms
 
 
@@ -21,7 +27,8 @@ def put_profiles(pile: Pile, problems: Sequence[Problems], grids: Sequence[Grid]
     if not first.at:
         each = zip(problems, grids, strict=True)
         return [pile.add_each(profile_fields(some, grid), some.places) for some, grid in each]
-    known = [_profile_at(at, tuple(grids), first.terms) for at in first.at]
+    in_space = tuple(grid.in_space for grid in grids)
+    known = [_profile_at(at, in_space, first.terms) for at in first.at]
     columns = []
     for on_grid in zip(*known, strict=True):
         begins = np.array([pile.put(profile.values) for profile in on_grid])[first.places, None]
@@ -32,8 +39,10 @@ def put_profiles(pile: Pile, problems: Sequence[Problems], grids: Sequence[Grid]
 @lru_cache(maxsize=128)
 def _profile_at(at: AtPlace, grids: tuple[Grid, ...], terms: Terms) -> list[Joined]:
     """The profile's fields at a place, on each grid."""
-    problems = problems_on([at.scene], dict.fromkeys(grids, 1.0), terms=terms)
-    return [joined(profile_fields(*each)) for each in zip(problems, grids, strict=True)]
+    each = dict.fromkeys(grids, 1.0)
+    pairs = zip(problems_on([at.scene], each, terms=terms), each, strict=True)
+    fields = {grid: joined(profile_fields(its, grid)) for its, grid in pairs}
+    return [fields[grid] for grid in grids]
 
 
 def put_time_modes(pile: Pile, problems: Problems, grids: Sequence[Grid]) -> list[Columns]:
@@ -42,21 +51,32 @@ def put_time_modes(pile: Pile, problems: Problems, grids: Sequence[Grid]) -> lis
     Args:
         problems: the films on the last of the grids.
     """
-    columns = []
+    columns: dict[tuple[int, int], Columns] = {}
+    keys = []
     for grid, films in zip(grids, _film_steps(problems, grids), strict=True):
-        found = {steps: time_modes(grid.nt, steps).parts for steps in dict.fromkeys(films)}
-        begins = {steps: pile.put(parts.values) for steps, parts in found.items()}
-        begin = np.array([begins[steps] for steps in films])
-        starts = found[films[0]].columns
-        columns.append(Columns(starts.names, begin[:, None] + starts.values))
-    return columns
+        keys.append((grid.nt, id(films)))
+        if keys[-1] not in columns:
+            columns[keys[-1]] = _put_modes(pile, grid.nt, films)
+    return [columns[key] for key in keys]
+
+
+def _put_modes(pile: Pile, instants: int, films: list[Steps]) -> Columns:
+    found = {steps: time_modes(instants, steps).parts for steps in dict.fromkeys(films)}
+    begins = {steps: pile.put(parts.values) for steps, parts in found.items()}
+    starts = found[films[0]].columns
+    begin = np.array([begins[steps] for steps in films])
+    return Columns(starts.names, begin[:, None] + starts.values)
 
 
 def _film_steps(problems: Problems, grids: Sequence[Grid]) -> list[list[Steps]]:
     """What tells the films' modes in time on each grid: only how many harmonics lag varies."""
     numbers = problems.numbers
+    if problems.at and not problems.terms:
+        at = [_mean_at(each, grids[-1].in_space) for each in problems.at]
+        known = zip(problems.places.tolist(), problems.epsilon.tolist(), strict=True)
+        return [[plain_steps(at[place] * epsilon) for place, epsilon in known]] * len(grids)
     variation, lagging = mean_motion(problems, grids[-1]).T
-    of_grids = []
+    of_grids: list[list[Steps]] = []
     for grid in grids if numbers["lag"].any() else grids[:1]:
         across = max(grid.x.full_points, grid.y.full_points / problems.aspect)
         slow = np.minimum(numbers["slow"], numbers["waves_per_node"] * across / (grid.nt / 2))
@@ -64,3 +84,10 @@ def _film_steps(problems: Problems, grids: Sequence[Grid]) -> list[list[Steps]]:
             steps_of(variation=variation, lagging=lagging, lag=numbers["lag"], slow=slow)
         )
     return of_grids * (len(grids) // len(of_grids))
+
+
+@lru_cache(maxsize=1024)
+def _mean_at(at: AtPlace, grid: Grid) -> float:
+    """The profile at a place averaged over the finger."""
+    (problems,) = problems_on([at.scene], {grid: 1.0}, terms=())
+    return float(mean_parts(problems, grid)[0, 0])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +30,10 @@ from squeezefilm.reynolds.periodic.changes import (
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, States, launch
 from squeezefilm.reynolds.periodic.resolution import (
     FIRST_SHARE,
+    FOURS,
     JUDGED_SHARE,
     MOST_UNKNOWNS,
+    TWOS,
     at_least_judged,
     finer_grid,
     first_grid,
@@ -47,11 +50,14 @@ from squeezefilm.reynolds.terms import numbers_of, size_share_of, state_refused,
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
-# Share of what the iteration may leave on grids that differ in time alone, or that go on from a
-# known state.
-TIMELY = 0.1
+# Share of the allowed error that the iteration may leave where the estimate counts it once; and of
+# that on grids that differ in time alone, or that go on from a known state.
+LEFT_SHARE = 0.5
+TIMELY = 0.04
 # Share of the allowed error up to which that in time is left as it is.
 TIME_SHARE = 0.3
+# Tolerance below which a finer grid tells a smooth film's error with less work than coarser ones.
+FINER_BELOW = 2e-4
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
 MOST_FAILURES = 3
 # Launches under way at a time: the host judges one while the device is at the other.
@@ -130,6 +136,7 @@ def solve_periodic(
                 else:
                     solutions[progress.index] = solution
                     report(1)
+        landing.end()
         fly(unfinished)
     return [solutions[index] for index in range(len(scenes))]
 
@@ -148,11 +155,18 @@ def first_grids(
         room: most unknowns of a grid that the device has memory for.
     """
     seen = nodes_for_profile(needs, tolerance=tolerance)
-    if judged_from_coarser(needs.terms, tolerance=tolerance):
+    plain = needs.outline is None and margin_of(needs.terms) == 1
+    # Twice the change to the second grid must be below the tolerance, or a third is needed; but
+    # plain films want fewer nodes than the guess.
+    share, step = (JUDGED_SHARE, TWOS) if plain else (FIRST_SHARE, FOURS)
+    first = grid_for(scene, needs, tolerance=tolerance, share=share, room=room, step=step)
+    smooth = profile_fall(needs, first.across, first.across, tolerance=tolerance) == 0
+    finer_pays = plain and smooth and tolerance < FINER_BELOW
+    if judged_from_coarser(needs.terms, tolerance=tolerance) and not finer_pays:
         last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
         if grids := up_to(at_least_judged(last), seen):
             return grids
-    return with_finer(grid_for(scene, needs, tolerance=tolerance, room=room), seen, room)
+    return with_finer(first, seen, room, step)
 
 
 def grid_for(
@@ -162,6 +176,7 @@ def grid_for(
     tolerance: float,
     share: float = FIRST_SHARE,
     room: float = MOST_UNKNOWNS,
+    step: int = FOURS,
 ) -> Grid:
     """A grid that is to leave a share of the tolerance."""
     return first_grid(
@@ -174,6 +189,7 @@ def grid_for(
         # Without terms nothing lags.
         slow=float(numbers_of(scene, needs.terms)["slow"]) if needs.terms else 1.0,  # type: ignore[arg-type]
         room=room,
+        step=step,
     )
 
 
@@ -201,7 +217,8 @@ def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
 def _batch_of(group: Sequence[_Progress], *, tolerance: float) -> Batch:
     scenes = [progress.scene for progress in group]
     grids = group[0].grids
-    left = ITERATION_SHARE * tolerance
+    share = LEFT_SHARE if margin_of(group[0].needs.terms) == 1 else ITERATION_SHARE
+    left = share * tolerance
     telling = how_many_tell(grids)
     shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
     if telling > 2:  # so that it does not hide the error in time
@@ -221,29 +238,24 @@ def _judge(
     """Each scene's solution if its error is known to be small enough, else None: a finer grid."""
     grids, states = group[0].grids, stages[-1]
     narrowest = np.array([progress.scene.narrowest for progress in group])
+    terms = group[0].needs.terms
     # A mass error w moves the pressure by about n w/H.
-    stiffness = np.array([stiffness_of(each.scene, each.needs.terms) for each in group])
+    stiffness = [stiffness_of(each.scene, terms) for each in group] if terms else [1.0]
     per_residual = stiffness / narrowest
     change, fall, in_time = changes_of(
         grids,
         stages,
         known=[progress.change for progress in group],
         in_time=np.array([progress.in_time for progress in group]),
-        sizes=np.array([size_share_of(each.scene, each.needs.terms) for each in group]),
+        sizes=np.array([size_share_of(each.scene, terms) if terms else 0.0 for each in group]),
         least_falls=np.array([least_fall(each.scene) for each in group]),
         per_residual=per_residual,
-        terms=group[0].needs.terms,
+        terms=terms,
         tolerance=tolerance,
     )
-    margin = margin_of(group[0].needs.terms)
-    profiles = {progress.needs.profile: progress.needs for progress in group}
-    falls = {
-        profile: profile_fall(needs, *(grid.across for grid in grids[-2:]), tolerance=tolerance)
-        if len(grids) > 1
-        else 0.0
-        for profile, needs in profiles.items()
-    }
-    of_profile = np.array([falls[progress.needs.profile] for progress in group])
+    across = [grid.across for grid in (grids[0], *grids)[-2:]]
+    falls = [profile_fall(each.needs, *across, tolerance=tolerance) for each in group]
+    of_profile = np.array(falls)
     found = estimate(
         change=change.telling(of_profile) if change else None,
         left=per_residual * states.residual + in_time,
@@ -251,38 +263,31 @@ def _judge(
         narrowest=narrowest,
         mean=states.mean,
         tolerance=tolerance,
-        fall=np.maximum(np.maximum(fall, of_profile), least_fall_of(group[0].needs.terms)),
-        margin=margin,
+        fall=np.maximum(np.maximum(fall, of_profile), least_fall_of(terms)),
+        margin=margin_of(terms),
     )
     for at in np.flatnonzero(~found.holds).tolist():
         group[at].change, group[at].in_time = change and change[at], float(in_time[at])
     finer = finer_grid(grids[-1], room=room)
     _add_work(group, stages)
-    telling = how_many_tell(grids)
+    failed = np.array([each.status != 0 for each in stages[-how_many_tell(grids) :]]).T
+    of_states = states.mean, states.lowest, states.thinnest, states.residual
     # As plain numbers: entries of arrays are slow to take one by one.
-    failed = np.stack([each.status != 0 for each in stages[-telling:]], axis=1).tolist()
+    told = failed, found.error, found.allowed, *of_states
     return [
         _judge_scene(
-            progress,
-            stages,
-            position,
-            finer=finer,
-            failed=its_failed,
-            error=error,
-            allowed=allowed,
-            tolerance=tolerance,
-            room=room,
+            progress, stages, position, _Told(*its), finer=finer, tolerance=tolerance, room=room
         )
-        for position, (progress, its_failed, error, allowed) in enumerate(
-            zip(group, failed, found.error.tolist(), found.allowed.tolist(), strict=True)
+        for position, (progress, *its) in enumerate(
+            zip(group, *(each.tolist() for each in told), strict=True)
         )
     ]
 
 
 def _add_work(group: Sequence[_Progress], stages: Sequence[States]) -> None:
     """To each scene's progress the work of a launch."""
-    newton = np.stack([each.newton_steps for each in stages])
-    krylov = np.stack([each.krylov_iterations for each in stages])
+    newton = np.array([each.newton_steps for each in stages])
+    krylov = np.array([each.krylov_iterations for each in stages])
     terms = group[0].needs.terms
     flops = np.array([iteration_flops(grid, terms) for grid in group[0].grids])
     work = flops @ (newton + krylov)
@@ -293,19 +298,36 @@ def _add_work(group: Sequence[_Progress], stages: Sequence[States]) -> None:
         progress.work += its_work
 
 
+class _Told(NamedTuple):
+    """What is known of a scene after a launch; all but ``failed`` on the last grid.
+
+    Attributes:
+        failed: whether there is no state, on each of the grids that tell the error.
+        error, allowed: of the mean overpressure.
+        mean, lowest, thinnest, residual: as in ``States``.
+    """
+
+    failed: list[bool]
+    error: float
+    allowed: float
+    mean: float
+    lowest: float
+    thinnest: float
+    residual: float
+
+
 def _judge_scene(
     progress: _Progress,
     stages: Sequence[States],
     position: int,
+    told: _Told,
     *,
     finer: Grid | None,
-    failed: Sequence[bool],
-    error: float,
-    allowed: float,
     tolerance: float,
     room: float,
 ) -> Solution | None:
-    scene, states, grid = progress.scene, stages[-1], progress.grids[-1]
+    scene, grid = progress.scene, progress.grids[-1]
+    failed, error, allowed, force = told.failed, told.error, told.allowed, told.mean
 
     def finished(
         *, status: str, grid: Grid = grid, mean: float = np.nan, error: float = np.nan
@@ -317,12 +339,12 @@ def _judge_scene(
             left_out=progress.needs.left_out,
             status=status,
             method="periodic",
-            nx=grid.x.full_points,
-            ny=grid.y.full_points,
+            nx=grid.across[0],
+            ny=grid.across[1],
             nt=grid.nt,
             newton_steps=progress.newton_steps,
             krylov_iterations=progress.krylov_iterations,
-            residual=float(states.residual[position]),
+            residual=told.residual,
             work=progress.work,
         )
 
@@ -334,14 +356,12 @@ def _judge_scene(
         return finished(status=f"{STATUS[ending]} ({_size(its_grid)})", grid=its_grid)
     if any(failed):  # what no coarser grid describes, a finer one may
         error, progress.change = np.inf, None
-    if not states.lowest[position] > 0:
+    if not told.lowest > 0:
         if finer is None:
             return finished(status=f"the pressure is not positive everywhere ({_size(grid)})")
         error = np.inf
-    thinnest = float(states.thinnest[position])
-    if refused := state_refused(scene, progress.needs.terms, thinnest=thinnest):
+    if refused := state_refused(scene, progress.needs.terms, thinnest=told.thinnest):
         return finished(status=refused)
-    force = float(states.mean[position])
     if error <= allowed:
         return finished(status="ok", mean=force, error=error)
     if finer is None:
@@ -358,7 +378,7 @@ def _judge_scene(
         finer = replace(finer, nt=grid.nt)
     elif progress.change:
         progress.change, progress.in_time = progress.change + progress.in_time, 0.0
-    progress.grids, progress.state = (grid, finer), states.unknowns[position].copy()
+    progress.grids, progress.state = (grid, finer), stages[-1].unknowns[position].copy()
     return None
 
 

@@ -5,7 +5,7 @@ The guess only decides the cost. Whether it was right is judged afterwards, by t
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 
@@ -31,6 +31,8 @@ START_SHARE = 0.6
 TIME_SHARE = 0.15
 # The same for the last of three grids, of whose error the other two tell more.
 JUDGED_SHARE = 1.0
+# Of which unknowns along an axis are multiples: kernels are fastest at four, two are the least.
+FOURS, TWOS = 4, 2
 # Unknowns of a grid before which a start pays where coarse grids come first anyway.
 LEAST_STARTED = 20_000
 # Grids that differ in space alone, of which the last is judged.
@@ -110,7 +112,8 @@ def gap_numbers(scene: Scene) -> dict[str, float]:
 
 def least_fall(scene: Scene) -> float:
     """Factor by which changes from grid to grid are believed to fall at most."""
-    sigma = gap_numbers(scene)["sigma"] * max(1.0, scene.aspect) ** 2
+    sigma = scene.sigma if scene.finger.gap.flat else gap_numbers(scene)["sigma"]
+    sigma *= max(1.0, scene.aspect) ** 2
     return THIN_LAYER_FALL if sigma > UNEVEN_SIGMA else 0.0
 
 
@@ -126,6 +129,7 @@ def first_grid(
     share: float = FIRST_SHARE,
     slow: float = 1.0,
     room: float = MOST_UNKNOWNS,
+    step: int = FOURS,
 ) -> Grid:
     """A grid whose force error is about a share of ``tolerance``, relative.
 
@@ -135,6 +139,7 @@ def first_grid(
         bend: what the gap at rest adds to the profile's curvature.
         slow: share of the harmonics that the equation is whole for (time_modes.py).
         room: most unknowns that there is memory for, on the next finer grid too.
+        step: of which unknowns along the axes are multiples, FOURS or TWOS.
     """
     wanted = share * tolerance
     digits = log10(1 / wanted)
@@ -142,9 +147,8 @@ def first_grid(
     instants = log(TIME_SHARE * tolerance / 3) / log(ratio) if ratio > 0 else LEAST_TIME
     if sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE:
         instants += 4
-    probe = probe_for(needs, tolerance=tolerance)
-    seen_x, seen_y = nodes_for_profile(needs, tolerance=tolerance)
-    bent_x, bent_y = probe.curvature_x + bend, probe.curvature_y + bend
+    seen = _seen(needs, tolerance)
+    bent_x, bent_y = seen.curvature_x + bend, seen.curvature_y + bend
     layers = sigma
     if sigma > THIN_LAYER_SIGMA:
         layers *= max((term.LAYER_STIFFNESS for term in needs.terms), default=1.0)
@@ -152,23 +156,53 @@ def first_grid(
     layer_y = layers * aspect**2
     if outline := needs.outline:
         layer_x = layers * outline.rim_stretch[1] * (2 * outline.rim) ** 2
-    nodes_x = max(seen_x, _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x))
+    nodes_x = max(seen.nodes_x, _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x))
     if outline:
-        nodes_y = max(seen_y, _nodes_around(digits, epsilon, bent_y, outline))
+        nodes_y = max(seen.nodes_y, _nodes_around(digits, epsilon, bent_y, outline))
     else:
-        nodes_y = max(seen_y, _nodes(digits, epsilon=epsilon, sigma=layer_y, curvature=bent_y))
-    plain = Grid(4, 4, LEAST_TIME, needs.fold_x, needs.fold_y, outline)
-    grid = Grid(
-        nx=_unknowns(nodes_x, plain.x),
-        ny=_unknowns(nodes_y, plain.y),
-        nt=min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_JUDGED_TIME),
-        fold_x=needs.fold_x,
-        fold_y=needs.fold_y,
-        outline=outline,
+        nodes_y = max(
+            seen.nodes_y, _nodes(digits, epsilon=epsilon, sigma=layer_y, curvature=bent_y)
+        )
+    plain = seen.plain
+    grid = _like(
+        plain,
+        _unknowns(nodes_x, plain.x, step),
+        _unknowns(nodes_y, plain.y, step),
+        min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_JUDGED_TIME),
     )
-    while finer_grid(grid, room=room) is None and grid.sees(seen_x, seen_y):
-        grid = _coarser(grid)
+    while finer_grid(grid, room=room, step=step) is None and grid.sees(seen.nodes_x, seen.nodes_y):
+        grid = _coarser(grid, step)
     return grid
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What the profile asks of a grid, whatever the film.
+
+    Attributes:
+        nodes_x, nodes_y: without which a grid would not see it.
+        curvature_x, curvature_y: its largest.
+        plain: a grid of the scene's kind.
+    """
+
+    nodes_x: int
+    nodes_y: int
+    curvature_x: float
+    curvature_y: float
+    plain: Grid
+
+
+@lru_cache(maxsize=4096)
+def _seen(needs: Needs, tolerance: float) -> _Seen:
+    probe = probe_for(needs, tolerance=tolerance)
+    plain = Grid(4, 4, LEAST_TIME, needs.fold_x, needs.fold_y, needs.outline)
+    nodes = nodes_for_profile(needs, tolerance=tolerance)
+    return _Seen(*nodes, probe.curvature_x, probe.curvature_y, plain)
+
+
+@lru_cache(maxsize=4096)
+def _like(plain: Grid, nx: int, ny: int, nt: int) -> Grid:
+    return replace(plain, nx=nx, ny=ny, nt=nt)
 
 
 def _nodes(digits: float, *, epsilon: float, sigma: float, curvature: float) -> float:
@@ -201,30 +235,30 @@ def _nodes_around(digits: float, epsilon: float, curvature: float, outline: Outl
     return 8 + digits * log(10) / (0.8 * strip)
 
 
-def _unknowns(nodes: float, axis: Axis | Around) -> int:
-    """Unknowns along an axis like another, a multiple of the kernel's four rows."""
+def _unknowns(nodes: float, axis: Axis | Around, step: int) -> int:
+    """Unknowns along an axis like another, a multiple of a step."""
     share = axis.full_points // axis.points
     most = MOST_JUDGED_FOLDED if share > 1 else MOST_JUDGED
-    return min(4 * ceil(nodes / share / 4), most)
+    return min(step * ceil(nodes / share / step), most)
 
 
 @lru_cache(maxsize=4096)
-def start_grid(grid: Grid) -> Grid | None:
+def start_grid(grid: Grid, step: int) -> Grid | None:
     """A coarse grid whose state is a cheap first guess on ``grid``; None where it is small already.
 
     A solve from rest takes about twice the iterations of one from a guess.
     """
     start = replace(
         grid,
-        nx=_fewer(grid.nx, fold=grid.fold_x),
-        ny=_fewer(grid.ny, fold=grid.fold_y),
+        nx=_fewer(grid.nx, step, fold=grid.fold_x),
+        ny=_fewer(grid.ny, step, fold=grid.fold_y),
         nt=max(LEAST_TIME, 4 * ceil(START_SHARE * grid.nt / 4)),
     )
     return start if start.count < 0.5 * grid.count else None
 
 
-def _fewer(points: int, *, fold: bool) -> int:
-    return max(4 if fold else 8, 4 * round(START_SHARE * points / 4))
+def _fewer(points: int, step: int, *, fold: bool) -> int:
+    return max(4 if fold else 8, step * round(START_SHARE * points / step))
 
 
 @lru_cache(maxsize=4096)
@@ -237,19 +271,24 @@ def judged_grids(grid: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
     """
     in_space = [grid]
     while len(in_space) < LEVELS:
-        coarser = replace(grid, nx=_less(in_space[0].nx), ny=_less(in_space[0].ny))
+        last = in_space[0]
+        coarser = replace(
+            grid,
+            nx=last.nx - _part(last.nx, 6, FOURS, fold=grid.fold_x),
+            ny=last.ny - _part(last.ny, 6, FOURS, fold=grid.fold_y),
+        )
         if min(coarser.nx, coarser.ny) < 4 or not coarser.sees(*seen):
             break
         in_space.insert(0, coarser)
     if len(in_space) == 1:
         return ()
-    return replace(in_space[0], nt=_more(grid.nt)), *in_space
+    return replace(in_space[0], nt=_more_instants(grid.nt)), *in_space
 
 
 @lru_cache(maxsize=4096)
-def with_finer(first: Grid, seen: tuple[int, int], room: float) -> tuple[Grid, ...]:
+def with_finer(first: Grid, seen: tuple[int, int], room: float, step: int) -> tuple[Grid, ...]:
     """The grid, one that starts it, if that pays, and the finer one that tells its error."""
-    wanted = _start(first, seen), first, finer_grid(first, room=room)
+    wanted = _start(first, seen, step), first, finer_grid(first, room=room, step=step)
     return tuple(grid for grid in wanted if grid is not None)
 
 
@@ -258,12 +297,12 @@ def up_to(last: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
     """The coarser grids that tell the error of the last one; none if none do."""
     grids = judged_grids(last, seen)
     pays = bool(grids) and grids[0].count >= LEAST_STARTED
-    start = _start(grids[0], seen) if pays else None
+    start = _start(grids[0], seen, FOURS) if pays else None
     return (start, *grids) if start else grids
 
 
-def _start(grid: Grid, seen: tuple[int, int]) -> Grid | None:
-    start = start_grid(grid)
+def _start(grid: Grid, seen: tuple[int, int], step: int) -> Grid | None:
+    start = start_grid(grid, step)
     # What does not see the profile is no guess.
     return start if start and start.sees(*seen) else None
 
@@ -275,6 +314,7 @@ def at_least_judged(grid: Grid) -> Grid:
     return replace(grid, nx=max(grid.nx, least_x), ny=max(grid.ny, least_y))
 
 
+@lru_cache(maxsize=4096)
 def profile_fall(
     needs: Needs, coarse: tuple[int, int], fine: tuple[int, int], *, tolerance: float
 ) -> float:
@@ -296,36 +336,44 @@ def profile_fall(
     return fall
 
 
-def _coarser(grid: Grid) -> Grid:
-    nx, ny, nt = (4 * (5 * points // 24) for points in grid.shape)
+def _coarser(grid: Grid, step: int) -> Grid:
+    nx, ny = (step * (5 * points // (6 * step)) for points in (grid.nx, grid.ny))
+    nt = 4 * (5 * grid.nt // 24)
     return replace(grid, nx=nx, ny=ny, nt=max(LEAST_TIME, nt))
 
 
 @lru_cache(maxsize=4096)
-def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS) -> Grid | None:
+def finer_grid(grid: Grid, *, room: float = MOST_UNKNOWNS, step: int = FOURS) -> Grid | None:
     """The next grid of a scene's sequence, finer in every direction; None past the limits.
 
     In every direction, because the difference between two grids shows no error that both share.
     """
-    finer = replace(grid, nx=_more(grid.nx), ny=_more(grid.ny), nt=_more(grid.nt))
+    finer = replace(
+        grid,
+        nx=grid.nx + _part(grid.nx, 5, step, fold=grid.fold_x),
+        ny=grid.ny + _part(grid.ny, 5, step, fold=grid.fold_y),
+        nt=_more_instants(grid.nt),
+    )
     if max(finer.x.full_points, finer.y.full_points) > MOST_SPACE or finer.nt > MOST_TIME:
         return None
     return finer if finer.count <= room else None
 
 
-def _more(points: int) -> int:
-    """About a fifth more, in steps of the kernel's four rows."""
-    return points + 4 * max(1, round(points / 20))
+def _part(points: int, share: int, step: int, *, fold: bool) -> int:
+    """About one in so many points, in steps; never less than four nodes across the finger."""
+    least = 1 if fold else FOURS // step
+    return step * max(least, round(points / share / step))
 
 
-def _less(points: int) -> int:
-    """About a sixth less, in the same steps."""
-    return points - 4 * max(1, round(points / 24))
+def _more_instants(points: int) -> int:
+    """About a fifth more."""
+    return points + _part(points, 5, FOURS, fold=False)
 
 
 def _most_judged(most: int) -> int:
     """The most points from which the next finer grid, which tells the error, has room."""
-    return max(points for points in range(4, most + 1, 4) if _more(points) <= most)
+    some = range(4, most + 1, 4)
+    return max(points for points in some if points + _part(points, 5, FOURS, fold=False) <= most)
 
 
 MOST_JUDGED, MOST_JUDGED_FOLDED = _most_judged(MOST_SPACE), _most_judged(MOST_SPACE // 2)

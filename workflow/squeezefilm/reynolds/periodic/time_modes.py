@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import log10
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from squeezefilm.reynolds.spectral import period
 # Steps in which variation and lag are told apart, which only decide the iterations' number, and the
 # share of slow harmonics.
 VARIATION_STEP = 0.05
+MOST_VARIATION = round(1 / VARIATION_STEP) - 1
 LAGS_PER_DECADE = 20
 SLOW_STEP = 1 / 32
 # What a film without inertia has for a lag.
@@ -101,11 +103,16 @@ def steps_of(
         lag: of the flow behind what drives it, in units of 1/ω; 0 without inertia.
         slow: share of the harmonics that lag (``slow_part``).
     """
-    most = round(1 / VARIATION_STEP) - 1
     near = np.rint(np.stack([variation, lagging]) / VARIATION_STEP)
-    near *= most / np.maximum(np.hypot(*near), most)
+    near *= MOST_VARIATION / np.maximum(np.hypot(*near), MOST_VARIATION)
     lags = np.rint(LAGS_PER_DECADE * np.log10(np.maximum(lag, LEAST_LAG)))
     return [*zip(*near.tolist(), lags.tolist(), np.rint(slow / SLOW_STEP).tolist(), strict=True)]
+
+
+def plain_steps(variation: float) -> Steps:
+    """The same of a film whose gap moves in one phase and whose flow does not lag."""
+    near = max(-MOST_VARIATION, min(MOST_VARIATION, round(variation / VARIATION_STEP)))
+    return float(near), 0.0, LAGS_PER_DECADE * log10(LEAST_LAG), 1 / SLOW_STEP
 
 
 @lru_cache(maxsize=4096)
