@@ -20,6 +20,7 @@ INPUTS = {
     "levitation": "simulations/screen/levitation.csv",
     "screen": "simulations/screen/scenes.csv",
 }
+SECTIONS = ("actuator",)
 MOST_REYNOLDS = notes.MOST_REYNOLDS
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
 COLUMNS = (
