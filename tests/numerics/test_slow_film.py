@@ -1,12 +1,16 @@
 """The film under a changing amplitude: the slow equation against marching and the settled film."""
 
+import re
 from dataclasses import replace
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
 from films import film
 
+import squeezefilm as sf
+from squeezefilm.cli.main import main
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
@@ -262,3 +266,23 @@ def test_terms_that_it_was_not_derived_with_are_refused(given):
 def test_a_modulation_as_fast_as_the_vibration_is_refused():
     with pytest.raises(InputError, match="tenth"):
         gains(film(epsilon=0.3, sigma=1000.0), np.array([1e4]), device=DEVICE)
+
+
+def test_terms_that_auto_would_include_are_said_by_what_they_do_to_slow_modulation(capsys):
+    """The gain without them is the slow film's own; that with them is of forces with them."""
+    words = ["--h0", "10um", "--hv", "2.2um", "--frequencies", "10Hz"]
+    config = Path(__file__).parents[2] / "config/vibrometer.yaml"
+    assert main(["response", *words, "--config", str(config)]) == 0
+    said = capsys.readouterr().out
+    note = re.search(r"is (\S+) ± (\S+) instead of (\S+) ± (\S+);", said)
+    slow = re.search(r"gain (\S+) ± (\S+) % for slow", said)
+    assert note
+    assert slow
+    included, error, without, _ = map(float, note.groups())
+    gain, percent = map(float, slow.groups())
+    assert without == pytest.approx(gain, rel=percent / 100)
+    assert included != without
+    forces = sf.load(config).curve(h0="10 um", hv="2.178um,2.222um")["force_n"]
+    assert included == pytest.approx(
+        np.diff(np.log(forces))[0] / np.log(2.222 / 2.178), abs=2 * error
+    )

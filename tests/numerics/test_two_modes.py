@@ -4,6 +4,7 @@ import io
 from contextlib import redirect_stdout
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 
@@ -81,3 +82,22 @@ def test_a_scan_that_is_not_axisymmetric_says_so(studies, capsys, tmp_path):
     for study, said in zip(studies[::2], (False, True), strict=True):
         assert cli.main(["smooth", "--config", str(study), "--output", output]) == 0
         assert ("is not axisymmetric" in capsys.readouterr().out) == said
+        words = ["--h0", "5um", "--hv", "2um", "--config", str(study)]
+        assert cli.main(["simulate", *words]) == 0
+        assert ("is not axisymmetric" in capsys.readouterr().out) == said
+        assert cli.main(["simulate", *words, "--output", str(tmp_path / "forces.csv")]) == 0
+        assert ("is not axisymmetric" in capsys.readouterr().err) == said
+
+
+def test_the_gap_under_a_load_is_as_uncertain_as_the_scan(studies, capsys, tmp_path):
+    rows = []
+    for study in studies[:2]:
+        output = tmp_path / f"{study.stem}.csv"
+        words = ["--load", "0.2N", "--hv", "2um", "--config", str(study), "--output", str(output)]
+        assert cli.main(["levitate", *words]) == 0
+        rows.append(pd.read_csv(output).iloc[0])
+        assert ("without the scan's" in capsys.readouterr().err) == (study == studies[0])
+    measured, exact = rows
+    assert abs(measured["h0_m"] - exact["h0_m"]) > exact["h0_error_m"] + 1e-5 * exact["h0_m"]
+    assert measured["h0_m"] == pytest.approx(exact["h0_m"], abs=measured["h0_error_m"])
+    assert measured["h0_error_m"] < 0.05 * measured["h0_m"]

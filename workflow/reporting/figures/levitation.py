@@ -20,6 +20,7 @@ INPUTS = {
     "levitation": "simulations/screen/levitation.csv",
     "screen": "simulations/screen/scenes.csv",
 }
+SECTIONS = ("actuator",)
 MOST_REYNOLDS = notes.MOST_REYNOLDS
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
 COLUMNS = (
@@ -44,9 +45,12 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         (known["h0_error_m"] / known["h0_m"]).max(),
         (known["stiffness_error_n_per_m"] / known["stiffness_n_per_m"].abs()).max(),
     )
+    scan = "with the scan's noise in the gap, " * (
+        config["actuator"]["profile"]["kind"] == "measured"
+    )
     left_out = within[["left_out_least_percent", "left_out_most_percent"]].abs().to_numpy().max()
     note = (
-        f"A gap was found for {len(known)} of {len(table)} loads. Numerical error up to "
+        f"A gap was found for {len(known)} of {len(table)} loads. Numerical error {scan}up to "
         f"{100 * float(numerical):.1g} %; up to Re {MOST_REYNOLDS:g} the equation leaves out up "
         f"to {float(left_out):.2g} % of a force, at first order."
     )

@@ -39,11 +39,23 @@ class ScanPart:
         noise_n: half of the interval that holds the noise's part in 95 % of all scans.
         out_of_phase_n: by what the force is low without the motion out of phase, an estimate.
         folded: whether the scan may show less motion than there was (film/vibration/folds.py).
+        notes: what was seen of the scan that its errors do not hold.
     """
 
     noise_n: float
     out_of_phase_n: float
     folded: bool
+    notes: tuple[str, ...] = ()
+
+    @property
+    def total_n(self) -> float:
+        """All that the scan leaves open."""
+        return self.noise_n + self.out_of_phase_n
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is to be said beside the numbers."""
+        return [f"warning: {FOLDED}"] * self.folded + [f"note: {note}" for note in self.notes]
 
 
 @dataclass(frozen=True)
@@ -82,7 +94,7 @@ class Force:
         What the film equation itself leaves out is not in it: see ``left_out_percent``.
         """
         scan = self.scan
-        return self.solution.force_error_n + (scan.noise_n + scan.out_of_phase_n if scan else 0.0)
+        return self.solution.force_error_n + (scan.total_n if scan else 0.0)
 
     @property
     def left_out_percent(self) -> tuple[float, float]:
@@ -113,7 +125,7 @@ class Force:
         if self.scan.out_of_phase_n > LEAST_OUT_OF_PHASE * self.scan.noise_n:
             parts.append(f"motion out of phase, left out, about {self.scan.out_of_phase_n:.2g} N")
         parts.append(f"solver {self.solution.force_error_n:.1g} N")
-        return [f"{text} ({', '.join(parts)})", *[f"warning: {FOLDED}"] * self.scan.folded]
+        return [f"{text} ({', '.join(parts)})", *self.scan.warnings]
 
     def _scene(self) -> str:
         scene = self.scene
@@ -191,12 +203,7 @@ def forces_of(
     beyond = dict(zip(known, budgets(with_force, device=device), strict=True))
     scans: dict[int, ScanPart] = {}
     if smoothed is not None and known:
-        errors = scan_errors(with_force, smoothed, device=device)
-        parts = zip(errors.noise_n, errors.out_of_phase_n, strict=True)
-        scans = {
-            k: ScanPart(float(noise), float(dropped), smoothed.folded)
-            for k, (noise, dropped) in zip(known, parts, strict=True)
-        }
+        scans = dict(zip(known, scan_parts(with_force, smoothed, device=device), strict=True))
     return [
         Force(
             scene,
@@ -207,6 +214,20 @@ def forces_of(
             tuple(not_decided[k]),
         )
         for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
+    ]
+
+
+def scan_parts(
+    scenes: Sequence[Scene], smoothed: SmoothedScan, *, device: Device
+) -> list[ScanPart]:
+    """What the scan leaves open in the force of each scene.
+
+    Raises RunError naming a scene that has no force with a profile of other noise.
+    """
+    errors = scan_errors(scenes, smoothed, device=device)
+    return [
+        ScanPart(float(noise), float(dropped), smoothed.folded, tuple(smoothed.scan.notes))
+        for noise, dropped in zip(errors.noise_n, errors.out_of_phase_n, strict=True)
     ]
 
 

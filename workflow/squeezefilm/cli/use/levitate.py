@@ -6,19 +6,23 @@
 
 Each gap is sought with simulations, at the finger's place. `stiffness_n_per_m` is that of slow
 motion, −∂F/∂h0 with the amplitude kept; with a mass, `resonance_hz` is the frequency of its slow
-vertical motion on that spring. What the film equation leaves out of the force is not in the errors;
-`left_out_least_percent` and `…_most_percent` of the force say what it is worth. `--like` takes
-eight loads and three amplitudes over the range of a table of forces. A load that no gap carries
-keeps its row, with the reason as its `status`.
+vertical motion on that spring. With a measured profile the gap's error has what the scan's noise
+and its motion out of phase leave open; the stiffness's is without. What the film equation leaves
+out of the force is in neither; `left_out_least_percent` and `…_most_percent` of the force say what
+it is worth. `--like` takes eight loads and three amplitudes over the range of a table of forces. A
+load that no gap carries keeps its row, with the reason as its `status`.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
+from squeezefilm.api.forces import ScanPart, scan_parts
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
@@ -33,7 +37,7 @@ from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
 LOADS, AMPLITUDES = 8, 3
@@ -62,6 +66,8 @@ def run(options: argparse.Namespace) -> None:
     loads_n, points = _asked(options)
     with node_cache.one_build_at_a_time():
         device = device_of(config, option=options.device)
+    smoothed = smoothed_scan_of(config)
+    scan: ScanPart | None = None
     rows, failures = [], []
     with progress_bar(len(loads_n) * len(points), unit="load", name="levitate") as bar:
         for point in points:
@@ -76,6 +82,10 @@ def run(options: argparse.Namespace) -> None:
                         method=settings.method,
                         device=device,
                     )
+                    if smoothed is not None:
+                        (scan,) = scan_parts([found.scene], smoothed, device=device)
+                        more_m = scan.total_n / abs(found.stiffness_n_per_m)
+                        found = replace(found, h0_error_m=found.h0_error_m + more_m)
                     (budget,) = budgets([found.scene], device=device)
                     row |= _row(found, budget, mass_kg)
                 except (InputError, RunError) as error:
@@ -84,6 +94,10 @@ def run(options: argparse.Namespace) -> None:
                 rows.append(row)
                 bar.update(1)
     table = pd.DataFrame(rows)
+    if smoothed is not None:
+        print("note: errors of stiffness and resonance are without the scan's", file=sys.stderr)
+        if scan is not None:
+            print(*scan.warnings, sep="\n", end="\n" * bool(scan.warnings), file=sys.stderr)
     if options.output is not None:
         write_table(table, options.output)
         return

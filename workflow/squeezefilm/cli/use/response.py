@@ -11,14 +11,17 @@ passes modulation at any frequency, with another size. `rise_s` is until the for
 after the surface starts, `release_s` until 5 % is left after it stops, each to about two periods.
 
 By the slow film equation where its error is at most 3 %, else by marching through every period;
-without inertia and heat of the gas. `squeezefilm budget` says what those are for the force.
+without inertia and heat of the gas. Where `gas: auto` would have them in the force, what they do to
+the gain of slow modulation is said for one scene; `squeezefilm budget` says what they are for the
+force.
 """
 
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import isfinite
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,6 +34,8 @@ from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.answers.stiffness import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import (
     METHODS,
@@ -43,9 +48,12 @@ from squeezefilm.reynolds.dynamics.response import (
 from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.runs import node_cache
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
+# Of the forces that a quotient is made of: their errors count fifty times in it.
+GAIN_TOLERANCE = 1e-4
 FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
@@ -76,6 +84,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = which_study.study_at(options.config).only(SECTIONS)
+    settings = solver_settings(config)
     points = points_in(options)
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
     with node_cache.one_build_at_a_time():
@@ -90,8 +99,9 @@ def run(options: argparse.Namespace) -> None:
         )
         if lacking := [each for each in ("inertia", "heat") if _included(chosen, each)]:
             print(
-                f"note: {' and '.join(lacking)} would be in this force (gas: auto); how much they "
-                "change the response is not known"
+                f"note: {' and '.join(lacking)} would be in this force (gas: auto): "
+                + _slow_gains(chosen, settings.how(device))
+                + "; how much they change the rest of the response is not known"
             )
         return
     if len(points.columns):
@@ -108,6 +118,34 @@ def run(options: argparse.Namespace) -> None:
         write_table(rows, options.gains)
     if options.steps is not None:
         write_table(_all_steps(table, scenes), options.steps)
+
+
+def _slow_gains(included: Scene, how: dict[str, Any]) -> str:
+    """What terms do to the gain of slow modulation, of forces with and without them, in words.
+
+    The gain of the slowest modulation is that of periodic states, hv/F ∂F/∂hv: a difference
+    quotient of forces.
+    """
+    found = []
+    how["tolerance"] = min(how["tolerance"], GAIN_TOLERANCE)
+    without = replace(included, gas=replace(included.gas, inertia="none", heat="none"))
+    for scene in (included, without):
+        shares = 1 + STEP * np.array([0, *AROUND])
+        there = [replace(scene, hv_m=scene.hv_m * float(share)) for share in shares]
+        solutions = solve(there, **how)
+        if bad := next((each.status for each in solutions if each.status != "ok"), None):
+            return f"their part in the gain for slow modulation is not known ({bad})"
+        forces, errors = np.array([(each.force_n, each.force_error_n) for each in solutions]).T
+        slope, error = quotient(forces[1:], errors[1:], scene.hv_m)
+        gain = -slope * scene.hv_m / forces[0]
+        found.append(
+            (gain, abs(gain) * errors[0] / abs(forces[0]) + error * scene.hv_m / forces[0])
+        )
+    (gain, error), (other, other_error) = found
+    return (
+        f"with them the gain for slow modulation is {gain:.4g} ± {error:.1g} instead of "
+        f"{other:.4g} ± {other_error:.1g}"
+    )
 
 
 def _included(scene: Scene, term: str) -> bool:

@@ -35,6 +35,7 @@ from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.folds import FOLDED
+from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.progress import progress_bar
@@ -135,6 +136,7 @@ def _simulate_points(
             derivatives=options.derivatives,
         )
         write_points(forces_table(points, forces), options.output)
+        _print_scan_notes(smoothed)
     failures = [
         f"row {row}: {force.status}" if len(forces) > 1 else force.status
         for row, force in enumerate(forces, start=1)
@@ -195,6 +197,7 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
             "`squeezefilm profile` says" + f"; warning: {FOLDED}" * smoothed.folded,
             file=sys.stderr,
         )
+        _print_scan_notes(smoothed)
     print(
         f"{solved} of {len(table)} scenes solved in {seconds:.3f} s"
         + f", their derivatives in {derivative_seconds:.3f} s" * options.derivatives,
@@ -206,6 +209,11 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
         what = "no force or no derivatives" if options.derivatives else "no force"
         what += ", or not all outputs," * bool(settings.outputs)
         raise RunError(f"{what} for " + "; ".join(failures))
+
+
+def _print_scan_notes(smoothed: SmoothedScan | None) -> None:
+    for note in smoothed.scan.notes if smoothed else ():
+        print(f"note: {note}", file=sys.stderr)
 
 
 def _missing(solution: Solution) -> str:
