@@ -122,13 +122,14 @@ class Inertia(Term):
         return {
             f"flux_{name}_{axis}": matrix
             for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True)
+            for parts in (points.axis.parts_of,)
             for name, matrix in {
-                "values": points.from_nodes,
-                "nodes": points.to_nodes,
-                "slope": points.slope / length,
-                "along": points.along / length,
-                "divergence": points.divergence / length,
-                "across": points.across / length,
+                "values": parts(points.from_nodes),
+                "nodes": parts(points.to_nodes),
+                "slope": parts(points.slope) / length,
+                "along": parts(points.along) / length,
+                "divergence": parts(points.divergence) / length,
+                "across": parts(points.across) / length,
                 "rim": points.rim / length,
                 "to_end": points.to_end,
             }.items()

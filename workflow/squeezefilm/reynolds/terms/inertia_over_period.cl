@@ -82,8 +82,8 @@ static double4 lag_slope(const Film *film, double4 gap) { return film->row->lag 
 static void velocity_across(const Grid *g, const Film *film, field along, field other, int axis,
                             field work)
 {
-    along_axis(g, 1 - axis, direction_of(film, 1 - axis).nodes, other, work, 0);
-    along_axis(g, axis, direction_of(film, axis).values, work, along, 0);
+    along_axis(g, 1 - axis, direction_of(film, 1 - axis).nodes, NODES_TO_NODES, other, work, 0);
+    along_axis(g, axis, direction_of(film, axis).values, NODES_TO_NODES, work, along, 0);
 }
 
 /* What the derivative across a direction of a velocity along it has from the ends, where `across` takes
@@ -122,8 +122,8 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
         field4 filling = (field4)state_field(g, film, axis, FILLING);
         matrix4 b = (matrix4)(film->own + axis * g->count);
         field4 logarithm = (field4)spare;
-        along_axis(g, axis, d.values, (field)film->p, (field)p, 0);
-        along_axis(g, axis, d.slope, (field)film->p, (field)slope, 0);
+        along_axis(g, axis, d.values, NODES_TO_NODES, (field)film->p, (field)p, 0);
+        along_axis(g, axis, d.slope, NODES_TO_SLOPES, (field)film->p, (field)slope, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
@@ -138,8 +138,10 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
             filling[i] += rate_by(g, film, d.amplitude, row, t) / gap;
         }
         SYNC;
-        along_axis(g, axis, d.along, (field)u, state_field(g, film, axis, ALONG_RATE), 0);
-        along_axis(g, 1 - axis, d.across, (field)u, state_field(g, film, axis, ACROSS_RATE), 0);
+        along_axis(g, axis, d.along, NODES_TO_SLOPES,
+                   (field)u, state_field(g, film, axis, ALONG_RATE), 0);
+        along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES,
+                   (field)u, state_field(g, film, axis, ACROSS_RATE), 0);
     }
     for (int axis = 0; axis < 2; axis++) {
         const Direction d = direction_of(film, axis);
@@ -174,7 +176,7 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
             flux[i] = sigma * gap * density * (b[i] - settled[i]);
         }
         SYNC;
-        along_axis(g, axis, d.divergence, rate, out, 1);
+        along_axis(g, axis, d.divergence, NODES_TO_SLOPES, rate, out, 1);
     }
 }
 
@@ -186,8 +188,8 @@ static void driven(const Grid *g, const Film *film, int axis, field rise)
     matrix4 slope = (matrix4)state_field(g, film, axis, SLOPE);
     field4 rises = (field4)change_field(g, film, axis, DENSITY);
     field4 drive = (field4)change_field(g, film, axis, DEFICIT);
-    along_axis(g, axis, d.values, rise, (field)rises, 0);
-    along_axis(g, axis, d.slope, rise, (field)drive, 0);
+    along_axis(g, axis, d.values, NODES_TO_NODES, rise, (field)rises, 0);
+    along_axis(g, axis, d.slope, NODES_TO_SLOPES, rise, (field)drive, 0);
     FOR_EACH_POINT(g, row, t, i)
     {
         EACH_OF(d)
@@ -248,12 +250,12 @@ static void response_inertia(const Grid *g, const Film *film, field mass, field 
         /* δ(u across) times u's derivative there, and u across times that of δu. */
         FOR_EACH(i, g->count4) crossing[i] *= u_across[i];
         SYNC;
-        along_axis(g, 1 - axis, d.across, velocity, along_rate, 0);
+        along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES, velocity, along_rate, 0);
         FOR_EACH_POINT(g, row, t, i)
             crossing[i] += across[i] * (((matrix4)along_rate)[i] +
                                         carried_out(g, film, &d, axis, across, v, row, t));
         SYNC;
-        along_axis(g, axis, d.along, velocity, along_rate, 0);
+        along_axis(g, axis, d.along, NODES_TO_SLOPES, velocity, along_rate, 0);
         along_t(g, g->time_derivative, relative, rate, 0);
         FOR_EACH(i, g->count4)
             crossing[i] = 9.0 / 7.0 * (crossing[i] + v[i] * u_along[i] +
@@ -276,7 +278,7 @@ static void response_inertia(const Grid *g, const Film *film, field mass, field 
             flux[i] = sigma * gap * (density * (deficit[i] - settled[i]) + rises[i] * b[i]);
         }
         SYNC;
-        along_axis(g, axis, d.divergence, rate, out, 1);
+        along_axis(g, axis, d.divergence, NODES_TO_SLOPES, rate, out, 1);
     }
 }
 
