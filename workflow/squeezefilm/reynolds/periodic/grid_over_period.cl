@@ -42,6 +42,12 @@ typedef struct {
     field own_work;
 } Film;
 
+/* Copies of what is pointed to: compilers know that no loop stores into them, and keep their members in
+ * registers. */
+#define AS_COPIES(whole_grid, whole_film)                                \
+    const Grid grid_copy = *(whole_grid), *const g = &grid_copy;         \
+    const Film film_copy = *(whole_film), *const film = &film_copy;
+
 #define ARRAY(film, name) ((film)->values + (film)->row->name)
 
 /* A matrix as GMRES takes it, at `room`, which is moved on; itself if that is no other type. */

@@ -86,23 +86,34 @@ static void velocity_across(const Grid *g, const Film *film, field along, field 
     along_axis(g, axis, direction_of(film, axis).values, NODES_TO_NODES, work, along, 0);
 }
 
-/* What the derivative across a direction of a velocity along it has from the ends, where `across` takes
- * it as zero: so it is where gas comes in, and where gas goes out it carries its velocity along. */
-static double4 carried_out(const Grid *g, const Film *film, const Direction *d, int axis,
-                           matrix4 across, matrix4 velocity, int row, int t)
+/* Add to the derivative across a direction of a velocity along it what that has from the ends, where
+ * `d.across` takes the velocity as zero: so it is where gas comes in, and where gas goes out it carries
+ * its velocity along. */
+static void add_carried_out(const Grid *g, const Film *film, const Direction *d, int axis,
+                            matrix4 across, matrix4 velocity, field4 derivative)
 {
-    const int n = axis == 0 ? g->ny : g->nx, apart = axis == 0 ? 1 : g->ny;
-    const int whole = axis == 0 ? g->whole_y : g->whole_x, place = row / apart % n;
-    double4 sum = (double4)(0.0);
-    for (int end = 0; end <= whole; end++) {
-        const int last = row + ((end ? n - 1 : 0) - place) * apart, step = end ? -apart : apart;
-        const double4 out = (end ? 1.0 : -1.0) * across[last * g->nt4 + t] / film->row->reversing;
-        double4 there = (double4)(0.0);
-        for (int j = 0; j < 4; j++)
-            there += d->to_end[j] * velocity[(last + j * step) * g->nt4 + t];
-        sum += d->rim[end * n + place] * there * (0.5 + 0.5 * out / sqrt(1.0 + out * out));
+    const int n = axis == 0 ? g->ny : g->nx, whole = axis == 0 ? g->whole_y : g->whole_x;
+    const int apart = (axis == 0 ? 1 : g->ny) * g->nt4;
+    matrix first_rim = d->rim, last_rim = d->rim + n, to_end = d->to_end;
+    const double reversing = 1.0 / film->row->reversing;
+    FOR_EACH(i, g->rows / n * g->nt4)
+    {
+        const int first = axis == 0 ? i / g->nt4 * g->ny * g->nt4 + i % g->nt4 : i;
+        double4 carried[2];
+        carried[1] = (double4)(0.0);
+        for (int end = 0; end <= whole; end++) {
+            const int last = first + (end ? n - 1 : 0) * apart, step = end ? -apart : apart;
+            const double4 out = (end ? reversing : -reversing) * across[last];
+            double4 there = (double4)(0.0);
+            for (int j = 0; j < 4; j++)
+                there += to_end[j] * velocity[last + j * step];
+            carried[end] = there * (0.5 + 0.5 * out / sqrt(1.0 + out * out));
+        }
+        for (int place = 0; place < n; place++)
+            derivative[first + place * apart] +=
+                first_rim[place] * carried[0] + last_rim[place] * carried[1];
     }
-    return sum;
+    SYNC;
 }
 
 /* Gap and density at a point of a direction. */
@@ -110,8 +121,10 @@ static double4 carried_out(const Grid *g, const Film *film, const Direction *d, 
     const double4 gap = 1.0 + beyond_even(g, film, d.amplitude, row, t);                         \
     const double4 density = 1.0 + density_rise(film, p[i]);
 
-static void residual_inertia(const Grid *g, const Film *film, field mass, field work, field out)
+static void residual_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
+                             field out)
 {
+    AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
     for (int axis = 0; axis < 2; axis++) {
@@ -156,9 +169,7 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
         field4 lagging = (field4)spare, settled = (field4)(film->own_out + axis * g->count);
         field4 flux = (field4)rate;
         velocity_across(g, film, (field)across, state_field(g, film, 1 - axis, ALONG), axis, spare);
-        FOR_EACH_POINT(g, row, t, i)
-            ((field4)across_rate)[i] += carried_out(g, film, &d, axis, across, u, row, t);
-        SYNC;
+        add_carried_out(g, film, &d, axis, across, u, (field4)across_rate);
         along_t(g, g->time_derivative, (field)u, rate, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
@@ -181,8 +192,9 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
 }
 
 /* δρ and δV, the latter in the place of the deficit, of a change `rise` of the pressure. */
-static void driven(const Grid *g, const Film *film, int axis, field rise)
+static void driven(const Grid *whole_grid, const Film *whole_film, int axis, field rise)
 {
+    AS_COPIES(whole_grid, whole_film)
     const Direction d = direction_of(film, axis);
     matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
     matrix4 slope = (matrix4)state_field(g, film, axis, SLOPE);
@@ -200,8 +212,10 @@ static void driven(const Grid *g, const Film *film, int axis, field rise)
     SYNC;
 }
 
-static void response_inertia(const Grid *g, const Film *film, field mass, field work, field out)
+static void response_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
+                             field out)
 {
+    AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
     field relative = scratch_field(g, film, 2), along_rate = scratch_field(g, film, 3);
@@ -251,9 +265,8 @@ static void response_inertia(const Grid *g, const Film *film, field mass, field 
         FOR_EACH(i, g->count4) crossing[i] *= u_across[i];
         SYNC;
         along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES, velocity, along_rate, 0);
-        FOR_EACH_POINT(g, row, t, i)
-            crossing[i] += across[i] * (((matrix4)along_rate)[i] +
-                                        carried_out(g, film, &d, axis, across, v, row, t));
+        add_carried_out(g, film, &d, axis, across, v, (field4)along_rate);
+        FOR_EACH(i, g->count4) crossing[i] += across[i] * ((matrix4)along_rate)[i];
         SYNC;
         along_axis(g, axis, d.along, NODES_TO_SLOPES, velocity, along_rate, 0);
         along_t(g, g->time_derivative, relative, rate, 0);
