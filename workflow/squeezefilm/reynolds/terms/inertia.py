@@ -52,8 +52,8 @@ REVERSING = 0.1
 STEEPENING, LAYERED_SIGMA, SIZE_SHARE = 0.3, 300.0, 0.15
 # By so much a first grid takes layers to be thinner than σ says, where they are thinner than in a
 # film of this σ, or waves steeper than STIFF: without it two grids agreed by chance at σ 1e5,
-# ε 0.5, Re 0.5, on a force that was off by four times its estimate, and a quarter of the paper's scenes
-# needed a third grid.
+# ε 0.5, Re 0.5, on a force that was off by four times its estimate, and a quarter of the paper's
+# scenes needed a third grid.
 LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF = 2.5, 1e4, 0.05
 # A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
