@@ -334,6 +334,30 @@ def test_flux_points_are_exact_on_polynomials() -> None:
     assert points.to_end @ (nodes[:4] ** 3 + 1) == pytest.approx(1.0, abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    "name", ["from_nodes", "to_nodes", "slope", "along", "across", "divergence"]
+)
+def test_halves_of_a_whole_axis_stand_for_all_of_it(name: str) -> None:
+    """On the second half what commutes with mirroring has one sign, a derivative the other."""
+    matrix = getattr(flux_points(8, False), name)
+    even, odd = axis(8, False).parts_of(matrix)
+    values = np.random.default_rng(1).normal(size=8)
+    first, last = values[:4], values[:3:-1]
+    of_even, of_odd = even @ (first + last), odd @ (first - last)
+    sign = 1 if name in ("from_nodes", "to_nodes") else -1
+    exact = matrix @ values
+    assert of_even + of_odd == pytest.approx(exact[:4], abs=1e-11)
+    assert sign * (of_even - of_odd) == pytest.approx(exact[:3:-1], abs=1e-11)
+
+
+def test_whole_axes_bear_as_much_as_folded_ones() -> None:
+    scene = moving(2.0, epsilon=0.3, sigma=200.0)
+    halved, whole = (
+        mean_overpressure(scene, points=16, instants=8, fold=fold) for fold in (True, False)
+    )
+    assert whole == pytest.approx(halved, rel=1e-9)
+
+
 @pytest.mark.parametrize("odd", [False, True])
 def test_a_folded_axis_has_the_flux_points_of_the_whole_one(odd: bool) -> None:
     """About the middle the velocity along the axis is odd, all else even."""

@@ -116,7 +116,9 @@ def first_of(scene: Scene, needs: Needs, *, tolerance: float) -> StretchedGrid:
 
     def guess(sigma: float, bearing: float) -> Grid:
         return first_grid(
-            **{**numbers, "sigma": sigma},
+            epsilon=numbers["epsilon"],
+            sigma=sigma,
+            bend=numbers["bend"],
             bearing=bearing,
             aspect=scene.aspect,
             needs=needs,

@@ -126,7 +126,11 @@ class Axis:
         Shape (n, n), or (2, n/2, n/2): halved, for sum and difference of a function's values
         at a node and at its mirror image stand for twice its even and odd part.
         """
-        return self.second_derivative if self.folded else self._even_and_odd() / 2
+        return self.parts_of(self.second_derivative)
+
+    def parts_of(self, matrix: np.ndarray) -> np.ndarray:
+        """The same of any matrix that commutes with mirroring, or changes its sign with it."""
+        return matrix if self.folded else even_and_odd(matrix) / 2
 
     @cached_property
     def modes_in_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -136,20 +140,13 @@ class Axis:
         """
         if self.folded:
             return self.modes
-        values, vectors = np.linalg.eig(self._even_and_odd())
+        values, vectors = np.linalg.eig(even_and_odd(self.second_derivative))
         order = np.argsort(-values.real, axis=-1)
         values = np.take_along_axis(values.real, order, axis=-1)
         vectors = np.take_along_axis(vectors.real, order[:, None], axis=-1)
         half = self.points // 2
         vectors /= np.sqrt(2 * self.weights[:half] @ vectors**2)[:, None]
         return np.append(values[0], values[1, ::-1]), vectors, np.linalg.inv(vectors) / 2
-
-    def _even_and_odd(self) -> np.ndarray:
-        """D2 of even and of odd functions on the first half of the nodes, shape (2, n/2, n/2)."""
-        half = self.points // 2
-        rows = self.second_derivative[:half]
-        near, far = rows[:, :half], rows[:, : half - 1 : -1]
-        return np.stack([near + far, near - far])
 
     @lru_cache(maxsize=64)  # noqa: B019 - axes are few and live as long as the process
     def moments(self, count: int) -> np.ndarray:
@@ -245,6 +242,16 @@ class Period:
     def at(self, instants: np.ndarray) -> np.ndarray:
         """Matrix from values on the nodes to any instants T (m,), shape (m, points)."""
         return np.asarray(self._basis(instants).T @ self.fourier)
+
+
+def even_and_odd(matrix: np.ndarray) -> np.ndarray:
+    """What it makes of even and of odd functions on the first half of n nodes: (2, n/2, n/2).
+
+    It commutes with mirroring, as a second derivative does, or changes its sign, as a first one.
+    """
+    half = len(matrix) // 2
+    near, far = matrix[:half, :half], matrix[:half, : half - 1 : -1]
+    return np.stack([near + far, near - far])
 
 
 @lru_cache(maxsize=64)

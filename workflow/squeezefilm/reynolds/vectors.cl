@@ -71,9 +71,10 @@
         WIDE_##registers(ROWS_##rows, STORE)                                                   \
     }
 
-/* Products with a matrix that commutes with mirroring, kept as its even and its odd part of half the
- * size. Of b and c the values at a node and at its mirror image are the k-th row from the first and
- * the k-th from the last on; the coefficients of an even and an odd mode likewise. */
+/* Products with a matrix that commutes with mirroring, or as a derivative changes its sign with it
+ * (`to_nodes` below zero), kept as its even and its odd part of half the size. Of b and c the values at
+ * a node and at its mirror image are the k-th row from the first and the k-th from the last on; the
+ * coefficients of an even and an odd mode likewise. */
 #define NONE(i, w) lanes e##i##w = (lanes)(0), o##i##w = (lanes)(0);
 #define PARTS(i, w)                                                               \
     const lanes x##w = loaded(row + w * LANES), y##w = loaded(image + w * LANES); \
@@ -85,7 +86,8 @@
         vector top = c + i * columns + w * LANES, bottom = mirrored - i * columns + w * LANES; \
         const int count = w < wide - 1 ? LANES : last;                                          \
         const lanes first = to_nodes ? e##i##w + o##i##w : e##i##w;                             \
-        const lanes second = to_nodes ? e##i##w - o##i##w : o##i##w;                            \
+        const lanes second =                                                                    \
+            to_nodes > 0 ? e##i##w - o##i##w : to_nodes ? o##i##w - e##i##w : o##i##w;          \
         store(add ? loaded(top) + first : first, top, count);                                   \
         store(add ? loaded(bottom) + second : second, bottom, count);                           \
     }
@@ -114,6 +116,7 @@
 #define NODES_TO_NODES 0
 #define NODES_TO_MODES 1
 #define MODES_TO_NODES 2
+#define NODES_TO_SLOPES 3
 #endif
 
 typedef __global real *vector;
@@ -342,12 +345,13 @@ OF_BOTH_TYPES void mirrored_product(constant_vector a, int half_rows, constant_v
     switch (kind) {
     case NODES_TO_NODES: product_of_parts(a, half_rows, b, c, columns, panels, 1, 1, add); break;
     case NODES_TO_MODES: product_of_parts(a, half_rows, b, c, columns, panels, 1, 0, add); break;
+    case NODES_TO_SLOPES: product_of_parts(a, half_rows, b, c, columns, panels, 1, -1, add); break;
     default: product_of_parts(a, half_rows, b, c, columns, panels, 0, 1, add);
     }
 #else
     /* One of them: what compilers inline is as long as it must be. */
     product_of_parts(a, half_rows, b, c, columns, panels, kind != MODES_TO_NODES,
-                   kind != NODES_TO_MODES, add);
+                   kind == NODES_TO_MODES ? 0 : kind == NODES_TO_SLOPES ? -1 : 1, add);
 #endif
 }
 

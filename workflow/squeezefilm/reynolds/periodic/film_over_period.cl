@@ -45,12 +45,6 @@ static double4 flow_slope(const Film *film, double4 p, int k)
 }
 #endif
 
-/* Copies of what is pointed to: compilers know that no loop stores into them, and keep their members in
- * registers. */
-#define AS_COPIES(whole_grid, whole_film)                                \
-    const Grid grid_copy = *(whole_grid), *const g = &grid_copy;         \
-    const Film film_copy = *(whole_film), *const film = &film_copy;
-
 /* What depends on the gap alone: H^(a/2) and the potential q of each flow term. */
 static void set_gap(const Grid *whole_grid, const Film *whole_film)
 {

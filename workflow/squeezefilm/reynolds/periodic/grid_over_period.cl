@@ -42,6 +42,12 @@ typedef struct {
     field own_work;
 } Film;
 
+/* Copies of what is pointed to: compilers know that no loop stores into them, and keep their members in
+ * registers. */
+#define AS_COPIES(whole_grid, whole_film)                                \
+    const Grid grid_copy = *(whole_grid), *const g = &grid_copy;         \
+    const Film film_copy = *(whole_film), *const film = &film_copy;
+
 #define ARRAY(film, name) ((film)->values + (film)->row->name)
 
 /* A matrix as GMRES takes it, at `room`, which is moved on; itself if that is no other type. */
@@ -197,9 +203,14 @@ static void carry_field(const Grid *g, const Film *film, __global const Row *coa
     multiply(in_y, g->ny, ny, (matrix)film->work_b, fine, g->nt, g->nx, 0);
 }
 
-/* along_x or along_y, in one call: compilers that inline it have half as much to do. */
-static void along_axis(const Grid *g, int axis, matrix a, field in, field out, int add)
+/* mirrored_x or mirrored_y, in one call: compilers that inline it have half as much to do. */
+static void along_axis(const Grid *g, int axis, matrix a, int kind, field in, field out, int add)
 {
-    const int n = axis == 0 ? g->nx : g->ny;
-    multiply(a, n, n, (matrix)in, out, axis == 0 ? g->ny * g->nt : g->nt, axis == 0 ? 1 : g->nx, add);
+    const int n = axis == 0 ? g->nx : g->ny, whole = axis == 0 ? g->whole_x : g->whole_y;
+    const int columns = axis == 0 ? g->ny * g->nt : g->nt, panels = axis == 0 ? 1 : g->nx;
+    if (whole)
+        mirrored_product(a, n / 2, (matrix)in, out, columns, panels, kind, add);
+    else
+        product(a, n, n, (matrix)in, out, columns, panels, add);
+    SYNC;
 }

@@ -46,7 +46,13 @@ from squeezefilm.reynolds.periodic.resolution import (
 )
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_on
-from squeezefilm.reynolds.terms import numbers_of, size_share_of, state_refused, stiffness_of
+from squeezefilm.reynolds.terms import (
+    layer_stiffness_of,
+    numbers_of,
+    size_share_of,
+    state_refused,
+    stiffness_of,
+)
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
@@ -179,8 +185,9 @@ def grid_for(
     step: int = FOURS,
 ) -> Grid:
     """A grid that is to leave a share of the tolerance."""
+    numbers = gap_numbers(scene)
     return first_grid(
-        **gap_numbers(scene),
+        **numbers,
         bearing=abs(scene.bearing_number),
         aspect=scene.aspect,
         needs=needs,
@@ -188,6 +195,7 @@ def grid_for(
         share=share,
         # Without terms nothing lags.
         slow=float(numbers_of(scene, needs.terms)["slow"]) if needs.terms else 1.0,  # type: ignore[arg-type]
+        stiffness=layer_stiffness_of(scene, needs.terms, sigma=numbers["sigma"]),
         room=room,
         step=step,
     )

@@ -45,8 +45,6 @@ SLIDING_LAYER = 24.0
 # Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,
 # with stronger harmonics than the gas spring's 1/H.
 INCOMPRESSIBLE = 10.0
-# Above this the layer at the rim is thin enough for two coarse grids to agree by chance.
-THIN_LAYER_SIGMA = 1e4
 # Above this errors may go up and down from grid to grid; below 1e4 none of 996 films was beyond its
 # estimate, but one at 9963 came to 0.9 of it.
 UNEVEN_SIGMA = 5e3
@@ -128,6 +126,7 @@ def first_grid(
     bend: float = 0.0,
     share: float = FIRST_SHARE,
     slow: float = 1.0,
+    stiffness: float = 1.0,
     room: float = MOST_UNKNOWNS,
     step: int = FOURS,
 ) -> Grid:
@@ -138,6 +137,7 @@ def first_grid(
     Args:
         bend: what the gap at rest adds to the profile's curvature.
         slow: share of the harmonics that the equation is whole for (time_modes.py).
+        stiffness: by which terms make layers at the rim ask for more nodes, in units of σ.
         room: most unknowns that there is memory for, on the next finer grid too.
         step: of which unknowns along the axes are multiples, FOURS or TWOS.
     """
@@ -149,9 +149,7 @@ def first_grid(
         instants += 4
     seen = _seen(needs, tolerance)
     bent_x, bent_y = seen.curvature_x + bend, seen.curvature_y + bend
-    layers = sigma
-    if sigma > THIN_LAYER_SIGMA:
-        layers *= max((term.LAYER_STIFFNESS for term in needs.terms), default=1.0)
+    layers = stiffness * sigma
     layer_x = max(layers, SLIDING_LAYER * (bearing / (1 - epsilon)) ** 2)
     layer_y = layers * aspect**2
     if outline := needs.outline:

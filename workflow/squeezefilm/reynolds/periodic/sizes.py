@@ -40,8 +40,6 @@ def sizes_of(grid: Grid, terms: Terms) -> Columns:
 @lru_cache(maxsize=4096)
 def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
-    nx, ny, nt = grid.shape
-    in_space = 3 * sum(grid.space_products)
-    in_space += (nx + ny) * sum(term.SPACE_PRODUCTS for term in terms)
+    in_space = 3 + sum(term.SPACE_PRODUCTS for term in terms)
     in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
-    return 2.0 * nx * ny * nt * (in_space + in_time * nt)
+    return 2.0 * grid.count * (in_space * sum(grid.space_products) + in_time * grid.nt)

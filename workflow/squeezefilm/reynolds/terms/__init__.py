@@ -76,6 +76,11 @@ def stiffness_of(scene: Scene, terms: Terms) -> float:
     return factor
 
 
+def layer_stiffness_of(scene: Scene, terms: Terms, *, sigma: float) -> float:
+    """Factor of σ where it chooses a first grid for the layers at the rim."""
+    return max((term.layer_stiffness(scene, sigma=sigma) for term in terms), default=1.0)
+
+
 def size_share_of(scene: Scene, terms: Terms) -> float:
     """Share of the size of two grids' difference that counts at least."""
     return max((term.size_share(scene) for term in terms), default=0.0)

@@ -88,8 +88,8 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
     for (int axis = 0; axis < 2; axis++, u += g->count, nodal += g->count) {
         matrix amplitude = ON_AXIS(axis, flux_amplitude);
         field4 u4 = (field4)u;
-        along_axis(g, axis, ON_AXIS(axis, flux_values), (field)film->p, pressure, 0);
-        along_axis(g, axis, ON_AXIS(axis, flux_slope), (field)film->p, u, 0);
+        along_axis(g, axis, ON_AXIS(axis, flux_values), NODES_TO_NODES, (field)film->p, pressure, 0);
+        along_axis(g, axis, ON_AXIS(axis, flux_slope), NODES_TO_SLOPES, (field)film->p, u, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
             const double4 gap = 1.0 + beyond_even(g, film, amplitude, row, t);
@@ -100,7 +100,7 @@ static void set_velocities(const Grid *g, const Film *film, field u, field nodal
 #endif
         }
         SYNC;
-        along_axis(g, axis, ON_AXIS(axis, flux_nodes), u, nodal, 0);
+        along_axis(g, axis, ON_AXIS(axis, flux_nodes), NODES_TO_NODES, u, nodal, 0);
     }
 }
 
@@ -131,9 +131,9 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
         field u = velocity + axis * g->count;
         matrix amplitude = ON_AXIS(axis, flux_amplitude), values = ON_AXIS(axis, flux_values);
         field4 pressure = (field4)first, warmer = (field4)second, cooler = (field4)third;
-        along_axis(g, axis, values, (field)film->p, first, 0);
-        along_axis(g, axis, values, warmth, second, 0);
-        along_axis(g, axis, values, nodal + (1 - axis) * g->count, third, 0);
+        along_axis(g, axis, values, NODES_TO_NODES, (field)film->p, first, 0);
+        along_axis(g, axis, values, NODES_TO_NODES, warmth, second, 0);
+        along_axis(g, axis, values, NODES_TO_NODES, nodal + (1 - axis) * g->count, third, 0);
         FOR_EACH(i, g->count4)
         {
             const double4 own = ((matrix4)u)[i];
@@ -158,7 +158,7 @@ static void residual_heat(const Grid *g, const Film *film, field mass, field wor
             pressure[i] = -sigma * gap * density * beside;
         }
         SYNC;
-        along_axis(g, axis, ON_AXIS(axis, flux_divergence), first, out, 1);
+        along_axis(g, axis, ON_AXIS(axis, flux_divergence), NODES_TO_SLOPES, first, out, 1);
     }
 }
 

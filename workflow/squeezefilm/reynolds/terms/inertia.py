@@ -50,6 +50,11 @@ REVERSING = 0.1
 # twice its estimate. In thick layers the size says too much: with it 11 of the 200 more were
 # refused there.
 STEEPENING, LAYERED_SIGMA, SIZE_SHARE = 0.3, 300.0, 0.15
+# By so much a first grid takes layers to be thinner than σ says, where they are thinner than in a
+# film of this σ, or waves steeper than STIFF: without it two grids agreed by chance at σ 1e5,
+# ε 0.5, Re 0.5, on a force that was off by four times its estimate, and a quarter of the paper's
+# scenes needed a third grid.
+LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF = 2.5, 1e4, 0.05
 # A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
 # Beyond these one mode across the gap was more than 1 % off the resolved velocity, on a strip
@@ -71,8 +76,6 @@ class Inertia(Term):
     SPACE_PRODUCTS = 7
     TIME_PRODUCTS = 10
     ESTIMATE_MARGIN = 2.0
-    # Without it two grids agreed by chance at σ 1e5, ε 0.5, Re 0.5: four times the error estimate.
-    LAYER_STIFFNESS = 2.5
     MOST_WORK = 1e11  # ten to twenty seconds of one core
     CARRYING = ("carry_flux_x", "carry_flux_y")
 
@@ -122,13 +125,14 @@ class Inertia(Term):
         return {
             f"flux_{name}_{axis}": matrix
             for axis, points, length in zip("xy", _points(grid), (1.0, aspect), strict=True)
+            for parts in (points.axis.parts_of,)
             for name, matrix in {
-                "values": points.from_nodes,
-                "nodes": points.to_nodes,
-                "slope": points.slope / length,
-                "along": points.along / length,
-                "divergence": points.divergence / length,
-                "across": points.across / length,
+                "values": parts(points.from_nodes),
+                "nodes": parts(points.to_nodes),
+                "slope": parts(points.slope) / length,
+                "along": parts(points.along) / length,
+                "divergence": parts(points.divergence) / length,
+                "across": parts(points.across) / length,
                 "rim": points.rim / length,
                 "to_end": points.to_end,
             }.items()
@@ -141,6 +145,10 @@ class Inertia(Term):
             "flux_amplitude_x": along_x.from_all_nodes @ parts[..., inner_y],
             "flux_amplitude_y": parts[:, :, inner_x] @ along_y.from_all_nodes.T,
         }
+
+    def layer_stiffness(self, scene: Scene, *, sigma: float) -> float:
+        layered = sigma > THIN_LAYER_SIGMA or steepness(scene) > STIFF
+        return LAYER_STIFFNESS if layered else 1.0
 
     def size_share(self, scene: Scene) -> float:
         layered = scene.sigma > LAYERED_SIGMA and steepness(scene) > STEEPENING

@@ -82,27 +82,38 @@ static double4 lag_slope(const Film *film, double4 gap) { return film->row->lag 
 static void velocity_across(const Grid *g, const Film *film, field along, field other, int axis,
                             field work)
 {
-    along_axis(g, 1 - axis, direction_of(film, 1 - axis).nodes, other, work, 0);
-    along_axis(g, axis, direction_of(film, axis).values, work, along, 0);
+    along_axis(g, 1 - axis, direction_of(film, 1 - axis).nodes, NODES_TO_NODES, other, work, 0);
+    along_axis(g, axis, direction_of(film, axis).values, NODES_TO_NODES, work, along, 0);
 }
 
-/* What the derivative across a direction of a velocity along it has from the ends, where `across` takes
- * it as zero: so it is where gas comes in, and where gas goes out it carries its velocity along. */
-static double4 carried_out(const Grid *g, const Film *film, const Direction *d, int axis,
-                           matrix4 across, matrix4 velocity, int row, int t)
+/* Add to the derivative across a direction of a velocity along it what that has from the ends, where
+ * `d.across` takes the velocity as zero: so it is where gas comes in, and where gas goes out it carries
+ * its velocity along. */
+static void add_carried_out(const Grid *g, const Film *film, const Direction *d, int axis,
+                            matrix4 across, matrix4 velocity, field4 derivative)
 {
-    const int n = axis == 0 ? g->ny : g->nx, apart = axis == 0 ? 1 : g->ny;
-    const int whole = axis == 0 ? g->whole_y : g->whole_x, place = row / apart % n;
-    double4 sum = (double4)(0.0);
-    for (int end = 0; end <= whole; end++) {
-        const int last = row + ((end ? n - 1 : 0) - place) * apart, step = end ? -apart : apart;
-        const double4 out = (end ? 1.0 : -1.0) * across[last * g->nt4 + t] / film->row->reversing;
-        double4 there = (double4)(0.0);
-        for (int j = 0; j < 4; j++)
-            there += d->to_end[j] * velocity[(last + j * step) * g->nt4 + t];
-        sum += d->rim[end * n + place] * there * (0.5 + 0.5 * out / sqrt(1.0 + out * out));
+    const int n = axis == 0 ? g->ny : g->nx, whole = axis == 0 ? g->whole_y : g->whole_x;
+    const int apart = (axis == 0 ? 1 : g->ny) * g->nt4;
+    matrix first_rim = d->rim, last_rim = d->rim + n, to_end = d->to_end;
+    const double reversing = 1.0 / film->row->reversing;
+    FOR_EACH(i, g->rows / n * g->nt4)
+    {
+        const int first = axis == 0 ? i / g->nt4 * g->ny * g->nt4 + i % g->nt4 : i;
+        double4 carried[2];
+        carried[1] = (double4)(0.0);
+        for (int end = 0; end <= whole; end++) {
+            const int last = first + (end ? n - 1 : 0) * apart, step = end ? -apart : apart;
+            const double4 out = (end ? reversing : -reversing) * across[last];
+            double4 there = (double4)(0.0);
+            for (int j = 0; j < 4; j++)
+                there += to_end[j] * velocity[last + j * step];
+            carried[end] = there * (0.5 + 0.5 * out / sqrt(1.0 + out * out));
+        }
+        for (int place = 0; place < n; place++)
+            derivative[first + place * apart] +=
+                first_rim[place] * carried[0] + last_rim[place] * carried[1];
     }
-    return sum;
+    SYNC;
 }
 
 /* Gap and density at a point of a direction. */
@@ -110,8 +121,10 @@ static double4 carried_out(const Grid *g, const Film *film, const Direction *d, 
     const double4 gap = 1.0 + beyond_even(g, film, d.amplitude, row, t);                         \
     const double4 density = 1.0 + density_rise(film, p[i]);
 
-static void residual_inertia(const Grid *g, const Film *film, field mass, field work, field out)
+static void residual_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
+                             field out)
 {
+    AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
     for (int axis = 0; axis < 2; axis++) {
@@ -122,8 +135,8 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
         field4 filling = (field4)state_field(g, film, axis, FILLING);
         matrix4 b = (matrix4)(film->own + axis * g->count);
         field4 logarithm = (field4)spare;
-        along_axis(g, axis, d.values, (field)film->p, (field)p, 0);
-        along_axis(g, axis, d.slope, (field)film->p, (field)slope, 0);
+        along_axis(g, axis, d.values, NODES_TO_NODES, (field)film->p, (field)p, 0);
+        along_axis(g, axis, d.slope, NODES_TO_SLOPES, (field)film->p, (field)slope, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
             EACH_OF(d)
@@ -138,8 +151,10 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
             filling[i] += rate_by(g, film, d.amplitude, row, t) / gap;
         }
         SYNC;
-        along_axis(g, axis, d.along, (field)u, state_field(g, film, axis, ALONG_RATE), 0);
-        along_axis(g, 1 - axis, d.across, (field)u, state_field(g, film, axis, ACROSS_RATE), 0);
+        along_axis(g, axis, d.along, NODES_TO_SLOPES,
+                   (field)u, state_field(g, film, axis, ALONG_RATE), 0);
+        along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES,
+                   (field)u, state_field(g, film, axis, ACROSS_RATE), 0);
     }
     for (int axis = 0; axis < 2; axis++) {
         const Direction d = direction_of(film, axis);
@@ -154,9 +169,7 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
         field4 lagging = (field4)spare, settled = (field4)(film->own_out + axis * g->count);
         field4 flux = (field4)rate;
         velocity_across(g, film, (field)across, state_field(g, film, 1 - axis, ALONG), axis, spare);
-        FOR_EACH_POINT(g, row, t, i)
-            ((field4)across_rate)[i] += carried_out(g, film, &d, axis, across, u, row, t);
-        SYNC;
+        add_carried_out(g, film, &d, axis, across, u, (field4)across_rate);
         along_t(g, g->time_derivative, (field)u, rate, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
@@ -174,20 +187,21 @@ static void residual_inertia(const Grid *g, const Film *film, field mass, field 
             flux[i] = sigma * gap * density * (b[i] - settled[i]);
         }
         SYNC;
-        along_axis(g, axis, d.divergence, rate, out, 1);
+        along_axis(g, axis, d.divergence, NODES_TO_SLOPES, rate, out, 1);
     }
 }
 
 /* δρ and δV, the latter in the place of the deficit, of a change `rise` of the pressure. */
-static void driven(const Grid *g, const Film *film, int axis, field rise)
+static void driven(const Grid *whole_grid, const Film *whole_film, int axis, field rise)
 {
+    AS_COPIES(whole_grid, whole_film)
     const Direction d = direction_of(film, axis);
     matrix4 p = (matrix4)state_field(g, film, axis, PRESSURE);
     matrix4 slope = (matrix4)state_field(g, film, axis, SLOPE);
     field4 rises = (field4)change_field(g, film, axis, DENSITY);
     field4 drive = (field4)change_field(g, film, axis, DEFICIT);
-    along_axis(g, axis, d.values, rise, (field)rises, 0);
-    along_axis(g, axis, d.slope, rise, (field)drive, 0);
+    along_axis(g, axis, d.values, NODES_TO_NODES, rise, (field)rises, 0);
+    along_axis(g, axis, d.slope, NODES_TO_SLOPES, rise, (field)drive, 0);
     FOR_EACH_POINT(g, row, t, i)
     {
         EACH_OF(d)
@@ -198,8 +212,10 @@ static void driven(const Grid *g, const Film *film, int axis, field rise)
     SYNC;
 }
 
-static void response_inertia(const Grid *g, const Film *film, field mass, field work, field out)
+static void response_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
+                             field out)
 {
+    AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
     field spare = scratch_field(g, film, 0), rate = scratch_field(g, film, 1);
     field relative = scratch_field(g, film, 2), along_rate = scratch_field(g, film, 3);
@@ -248,12 +264,11 @@ static void response_inertia(const Grid *g, const Film *film, field mass, field 
         /* δ(u across) times u's derivative there, and u across times that of δu. */
         FOR_EACH(i, g->count4) crossing[i] *= u_across[i];
         SYNC;
-        along_axis(g, 1 - axis, d.across, velocity, along_rate, 0);
-        FOR_EACH_POINT(g, row, t, i)
-            crossing[i] += across[i] * (((matrix4)along_rate)[i] +
-                                        carried_out(g, film, &d, axis, across, v, row, t));
+        along_axis(g, 1 - axis, d.across, NODES_TO_SLOPES, velocity, along_rate, 0);
+        add_carried_out(g, film, &d, axis, across, v, (field4)along_rate);
+        FOR_EACH(i, g->count4) crossing[i] += across[i] * ((matrix4)along_rate)[i];
         SYNC;
-        along_axis(g, axis, d.along, velocity, along_rate, 0);
+        along_axis(g, axis, d.along, NODES_TO_SLOPES, velocity, along_rate, 0);
         along_t(g, g->time_derivative, relative, rate, 0);
         FOR_EACH(i, g->count4)
             crossing[i] = 9.0 / 7.0 * (crossing[i] + v[i] * u_along[i] +
@@ -276,7 +291,7 @@ static void response_inertia(const Grid *g, const Film *film, field mass, field 
             flux[i] = sigma * gap * (density * (deficit[i] - settled[i]) + rises[i] * b[i]);
         }
         SYNC;
-        along_axis(g, axis, d.divergence, rate, out, 1);
+        along_axis(g, axis, d.divergence, NODES_TO_SLOPES, rate, out, 1);
     }
 }
 

@@ -61,7 +61,6 @@ class Term:
         OWN_FIELDS: room that its lines need beside that, in fields.
         ESTIMATE_MARGIN: by which the difference of two grids is increased to tell the error.
         LEAST_FALL: no faster do changes from grid to grid count as falling.
-        LAYER_STIFFNESS: by which σ is increased where it chooses a first grid for thin layers.
         SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
             add to a Krylov iteration.
         MOST_WORK: operations of a scene's iterations (refinement.py) beyond which no finer grid is
@@ -82,7 +81,6 @@ class Term:
     OWN_FIELDS: ClassVar[int] = 0
     ESTIMATE_MARGIN: ClassVar[float] = 1.0
     LEAST_FALL: ClassVar[float] = 0.0
-    LAYER_STIFFNESS: ClassVar[float] = 1.0
     MOST_WORK: ClassVar[float] = inf
     SPACE_PRODUCTS: ClassVar[int] = 0
     TIME_PRODUCTS: ClassVar[int] = 0
@@ -113,6 +111,10 @@ class Term:
     def size_share(self, scene: Scene) -> float:
         """Share of the size of two grids' difference that counts, though its moments be smaller."""
         return 0.0
+
+    def layer_stiffness(self, scene: Scene, *, sigma: float) -> float:
+        """Factor of σ, at its largest, where it chooses a first grid for the layers at the rim."""
+        return 1.0
 
     def stiffness(self, scene: Scene) -> float:
         """Factor of the relative change of pressure with that of density."""
