@@ -31,7 +31,7 @@ from squeezefilm.reynolds.grid import MOMENTS, Grid
 from squeezefilm.reynolds.modes.galerkin import solve_in_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import refinement
-from squeezefilm.reynolds.periodic.refinement import first_grids, grid_for
+from squeezefilm.reynolds.periodic.first_grids import first_grids, grid_for
 from squeezefilm.reynolds.periodic.resolution import profile_fall
 from squeezefilm.reynolds.spectral import Axis
 

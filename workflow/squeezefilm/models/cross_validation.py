@@ -1,4 +1,8 @@
-"""How well a model predicts points that it was not fitted to, from the points there are."""
+"""How well a model predicts points that it was not fitted to, from the points there are.
+
+Points of one gap and amplitude are left out together, wherever the finger is: where a force hardly
+depends on its position they are copies, and no point is unseen whose copy was fitted.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +25,18 @@ def fold_numbers(*, points: int, folds: int, seed: int) -> NDArray[np.int64]:
     return np.random.default_rng(seed).permutation(numbers)
 
 
+def film_folds(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
+    """To which fold each point belongs, shape (n,): of as many as asked for, or as there are pairs
+    of a gap and an amplitude if these are fewer; all points of a pair to one."""
+    pairs = np.column_stack([factors.h0_m, factors.hv_m])
+    _, first, pair = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
+    in_order = np.argsort(np.argsort(first))[pair.ravel()]
+    if len(first) == 1:
+        return in_order
+    numbers = fold_numbers(points=len(first), folds=min(folds, len(first)), seed=seed)
+    return numbers[in_order]
+
+
 def left_out_predictions(
     model: ExpressionModel,
     factors: Factors,
@@ -30,16 +46,16 @@ def left_out_predictions(
     folds: int,
     seed: int,
 ) -> Array:
-    """Each point's force by the model fitted to the other folds, in newtons, shape (n,).
+    """Each point's force by the model fitted to the other folds of films, in newtons, shape (n,).
 
     ``theta`` is where the fits start: that of all points. NaN where the model, fitted to the
     others, is undefined.
     Raises InputError where a fold leaves fewer points than parameters, or a fit is impossible.
     """
     force = np.asarray(force_n, dtype=float)
-    numbers = fold_numbers(points=len(force), folds=folds, seed=seed)
+    numbers = film_folds(factors, folds=folds, seed=seed)
     predicted = np.empty(len(force))
-    for fold in range(folds):
+    for fold in np.unique(numbers):
         out = numbers == fold
         if np.sum(~out) < len(model.parameter_names):
             raise InputError(

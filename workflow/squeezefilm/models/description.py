@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.models.cross_validation import left_out_predictions
+from squeezefilm.models.cross_validation import film_folds, left_out_predictions
 from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
 from squeezefilm.models.trust import Trust, Unseen
@@ -51,7 +51,7 @@ def describe(
         "cross_validation": None
         if left_out is None
         else {
-            "folds": min(FOLDS, len(force_n)),
+            "folds": len(_points_by_fold(factors)),
             **error_sizes(model_n=left_out, simulation_n=force_n),
         },
         "trust": (trust if control is None else trust.with_control(control)).to_dict(),
@@ -62,11 +62,13 @@ def _left_out(
     model: ExpressionModel, factors: Factors, force_n: np.ndarray, fit: Fit
 ) -> np.ndarray | None:
     """Forces at points left out of the fit; none where they are too few to leave any out."""
-    count = len(force_n)
-    folds = min(FOLDS, count)
-    if folds < 2 or count - -(-count // folds) < len(model.parameter_names):
+    if len(force_n) - _points_by_fold(factors).max() < max(len(model.parameter_names), 1):
         return None
     predicted = left_out_predictions(
-        model, factors, force_n, theta=fit.theta, folds=folds, seed=FOLD_SEED
+        model, factors, force_n, theta=fit.theta, folds=FOLDS, seed=FOLD_SEED
     )
     return predicted if np.all(np.isfinite(predicted)) else None
+
+
+def _points_by_fold(factors: Factors) -> np.ndarray:
+    return np.bincount(film_folds(factors, folds=FOLDS, seed=FOLD_SEED))

@@ -11,7 +11,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.march import marching
 from squeezefilm.reynolds.modes import galerkin
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
-from squeezefilm.reynolds.periodic.refinement import first_grids
+from squeezefilm.reynolds.periodic.first_grids import first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.solver import LimitResult, Way, each_on_its_own, unexpected, ways_of
 from squeezefilm.reynolds.terms import Terms

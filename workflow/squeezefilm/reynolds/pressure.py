@@ -13,8 +13,9 @@ from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import pressure_at, solved_in_modes
 from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import STATUS, solve_batch
-from squeezefilm.reynolds.periodic.refinement import finer_grid, grid_for
+from squeezefilm.reynolds.periodic.resolution import finer_grid
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device

@@ -27,8 +27,8 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import solved_in_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.changes import margin_of
+from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, States, launch
-from squeezefilm.reynolds.periodic.refinement import grid_for
 from squeezefilm.reynolds.periodic.resolution import finer_grid, profile_fall
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_of

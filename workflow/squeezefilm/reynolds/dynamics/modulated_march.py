@@ -21,7 +21,7 @@ from squeezefilm.reynolds.march.schemes import steps_for_accuracy
 from squeezefilm.reynolds.march.settling import settle
 from squeezefilm.reynolds.march.transient import STATUS, Modulation, march
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.refinement import grid_for
+from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.resolution import finer_grid
 from squeezefilm.reynolds.problems import problems_of
 

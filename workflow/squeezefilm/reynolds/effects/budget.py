@@ -23,8 +23,8 @@ from squeezefilm.reynolds.effects.sensitivity import Answers, sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, launch
-from squeezefilm.reynolds.periodic.refinement import grid_for
 from squeezefilm.reynolds.periodic.resolution import unseen_profile
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms

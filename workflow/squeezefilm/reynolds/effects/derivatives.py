@@ -24,8 +24,8 @@ from squeezefilm.reynolds.effects.sensitivity import sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
+from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, launch
-from squeezefilm.reynolds.periodic.refinement import grid_for
 from squeezefilm.reynolds.periodic.resolution import finer_grid, unseen_profile
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of

@@ -21,7 +21,7 @@ from squeezefilm.reynolds.march.settling import (
 )
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import LeftOut, Needs
-from squeezefilm.reynolds.periodic.refinement import grid_for
+from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.resolution import finer_grid
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solution import solution_of

@@ -27,32 +27,19 @@ from squeezefilm.reynolds.periodic.changes import (
     least_fall_of,
     margin_of,
 )
+from squeezefilm.reynolds.periodic.first_grids import first_grids
 from squeezefilm.reynolds.periodic.launch import STATUS, Batch, Launch, States, launch
 from squeezefilm.reynolds.periodic.resolution import (
-    FIRST_SHARE,
-    FOURS,
-    JUDGED_SHARE,
     MOST_UNKNOWNS,
-    TWOS,
-    at_least_judged,
     finer_grid,
-    first_grid,
-    gap_numbers,
     least_fall,
     nodes_for_profile,
     profile_fall,
     up_to,
-    with_finer,
 )
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_on
-from squeezefilm.reynolds.terms import (
-    layer_stiffness_of,
-    numbers_of,
-    size_share_of,
-    state_refused,
-    stiffness_of,
-)
+from squeezefilm.reynolds.terms import size_share_of, state_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-3
@@ -62,8 +49,6 @@ LEFT_SHARE = 0.5
 TIMELY = 0.04
 # Share of the allowed error up to which that in time is left as it is.
 TIME_SHARE = 0.3
-# Tolerance below which a finer grid tells a smooth film's error with less work than coarser ones.
-FINER_BELOW = 2e-4
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
 MOST_FAILURES = 3
 # Launches under way at a time: the host judges one while the device is at the other.
@@ -150,55 +135,6 @@ def solve_periodic(
 def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float) -> _Progress:
     grids = first_grids(scene, needs, tolerance=tolerance, room=room)
     return _Progress(index=index, scene=scene, needs=needs, grids=grids)
-
-
-def first_grids(
-    scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS
-) -> tuple[Grid, ...]:
-    """Those of the first launch: a start, if it pays, and those that it takes to know the error.
-
-    Args:
-        room: most unknowns of a grid that the device has memory for.
-    """
-    seen = nodes_for_profile(needs, tolerance=tolerance)
-    plain = needs.outline is None and margin_of(needs.terms) == 1
-    # Twice the change to the second grid must be below the tolerance, or a third is needed; but
-    # plain films want fewer nodes than the guess.
-    share, step = (JUDGED_SHARE, TWOS) if plain else (FIRST_SHARE, FOURS)
-    first = grid_for(scene, needs, tolerance=tolerance, share=share, room=room, step=step)
-    smooth = profile_fall(needs, first.across, first.across, tolerance=tolerance) == 0
-    finer_pays = plain and smooth and tolerance < FINER_BELOW
-    if judged_from_coarser(needs.terms, tolerance=tolerance) and not finer_pays:
-        last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
-        if grids := up_to(at_least_judged(last), seen):
-            return grids
-    return with_finer(first, seen, room, step)
-
-
-def grid_for(
-    scene: Scene,
-    needs: Needs,
-    *,
-    tolerance: float,
-    share: float = FIRST_SHARE,
-    room: float = MOST_UNKNOWNS,
-    step: int = FOURS,
-) -> Grid:
-    """A grid that is to leave a share of the tolerance."""
-    numbers = gap_numbers(scene)
-    return first_grid(
-        **numbers,
-        bearing=abs(scene.bearing_number),
-        aspect=scene.aspect,
-        needs=needs,
-        tolerance=tolerance,
-        share=share,
-        # Without terms nothing lags.
-        slow=float(numbers_of(scene, needs.terms)["slow"]) if needs.terms else 1.0,  # type: ignore[arg-type]
-        stiffness=layer_stiffness_of(scene, needs.terms, sigma=numbers["sigma"]),
-        room=room,
-        step=step,
-    )
 
 
 def _launches(waiting: Iterable[_Progress]) -> Iterable[list[list[_Progress]]]:
