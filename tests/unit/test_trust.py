@@ -5,6 +5,7 @@ import shutil
 import subprocess
 from copy import deepcopy
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,8 @@ import pytest
 from squeezefilm.cli import main as cli
 from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
-from squeezefilm.models.cross_validation import left_out_predictions
+from squeezefilm.models.cross_validation import film_folds, left_out_predictions
+from squeezefilm.models.description import describe
 from squeezefilm.models.fitting.local_fit import local_fit
 from squeezefilm.models.force_model import Factors, get_model
 from squeezefilm.models.trust import LEAST_POINTS, MOST_RELATIVE_ERROR, Trust, Unseen
@@ -287,3 +289,20 @@ def test_control_points_make_five_fitted_points_trusted(study, tmp_path):
     control = f"--control={study.root}/simulations/screen/forces.csv"
     for words in (point, ("working-point", "--force=0.3N", "--h0=6um")):
         assert 0 < row(*words, control)["within_percent"] < 15
+
+
+def test_copies_of_fitted_points_are_no_evidence():
+    """Under a travelling wave the force does not depend on the place: 25 places are one point."""
+    films = centred_grid(h0_m=[6e-6, 14e-6], hv_m=[0.5e-6, 3e-6])
+    places = [(r, angle) for r in (1e-3, 2e-3, 3e-3, 4e-3, 5e-3) for angle in range(0, 50, 10)]
+    table = pd.concat([films.assign(phi_r_m=r, phi_deg=a) for r, a in places], ignore_index=True)
+    factors = Factors.of(**{each: table[each] for each in FACTOR_COLUMNS})
+    force = np.sqrt(factors.h0_m / 1e-5) * factors.epsilon**2
+    model = get_model("polynomial_3")
+    fit = SimpleNamespace(theta=local_fit(model, factors, force, np.zeros(3)))
+    said = describe(model, factors, force, fit, force_error_n=0 * force, scan_error=0.0)
+    folds = film_folds(factors, folds=5, seed=1)
+    assert len(np.unique(folds)) == 4 == said["cross_validation"]["folds"]
+    assert all(len(np.unique(folds[k::4])) == 1 for k in range(4))
+    own = np.abs(model.evaluate(fit.theta, factors) - force)
+    assert said["cross_validation"]["largest_n"] > 3 * own.max()
