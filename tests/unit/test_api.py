@@ -159,6 +159,16 @@ def test_a_fit_predicts_what_is_simulated(study, fit):
     assert "hv_m outside" in outside["note"]
 
 
+def test_a_model_is_fitted_to_positions_on_a_rectangle(repository):
+    plate = sf.load(repository / "config" / "plate.yaml")
+    points = plate.plan(centred=False)
+    assert {"x_m", "y_m"} <= set(points.columns)
+    fit = plate.fit("along_x")
+    at = {"h0": "10 um", "hv": "2 um", "x": "5 mm", "y": "0 mm"}
+    (predicted,) = fit.predict(**at)["force_n"]
+    assert predicted == pytest.approx(float(plate.force(**at)), rel=0.1)
+
+
 def test_a_working_point_gives_the_force_that_was_wanted(study, fit):
     row = fit.working_point("0.5 N", "5 um").iloc[0]
     force = float(study.force("5 um", float(row["hv_m"])))

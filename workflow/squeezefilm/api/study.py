@@ -12,6 +12,7 @@ from squeezefilm import __version__
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.fitted import expected_error, fit_of
 from squeezefilm.models.fitting.described import described_fit
@@ -20,7 +21,7 @@ from squeezefilm.models.library import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import finger_positions, four_factor_plan, level_values
-from squeezefilm.studies.study import scene_of, symmetry_of
+from squeezefilm.studies.study import scene_of, surface_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
@@ -44,7 +45,8 @@ class Study(Film):
         """The points that models are fitted to: the study's screen, and all its positions.
 
         Every gap of the screen with every amplitude, the finger at the centre or at each of the
-        study's positions too: h0_m, hv_m, phi_r_m and phi_deg.
+        study's positions too: h0_m, hv_m, and the position in the surface's form, phi_r_m and
+        phi_deg or x_m and y_m.
         """
         levels = (level_values(self.config["screen"][name]) for name in FACTOR_COLUMNS[:2])
         gaps, amplitudes = np.meshgrid(*levels, indexing="ij")
@@ -52,6 +54,7 @@ class Study(Film):
             positions=[(0.0, 0.0)] if centred else finger_positions(self.config),
             h0_m=gaps.ravel(),
             hv_m=amplitudes.ravel(),
+            position=surface_of(self.config).position,
         )
 
     def fit(self, model: str, *, seeds: int = 1, processes: int = 1) -> Fit:
@@ -90,7 +93,7 @@ class Study(Film):
         if chosen.column_names:
             limits = with_limits(points, scenes)
             columns = {name: limits[name].to_numpy() for name in COLUMNS.values()}
-        factors = {name: points[name].to_numpy() for name in FACTOR_COLUMNS}
+        factors = {name: points[name].to_numpy() for name in as_in(FACTOR_COLUMNS, points)}
         found, _ = described_fit(
             chosen,
             Factors.of(**factors, **columns),

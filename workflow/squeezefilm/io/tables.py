@@ -17,7 +17,7 @@ import pandas as pd
 from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError, needing
-from squeezefilm.io.positions import POLAR, as_in, cartesian
+from squeezefilm.io.positions import CARTESIAN, POLAR, as_in, cartesian
 from squeezefilm.io.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
@@ -33,6 +33,7 @@ TEXT_COLUMNS = {
     *("point_id", "origin", "status", "method", "left_out"),
     *("derivatives_status", "outputs_status"),
 }
+EITHER_FORM = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
 PARQUET = ".parquet"
 OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
@@ -238,12 +239,18 @@ def _read_parquet(
 def _check_header(
     header: Sequence[str], *, columns: Sequence[str], more: Sequence[str], path: Path
 ) -> None:
+    if len(header) == 1 and ";" in header[0]:
+        raise InputError(f"{path}: cells are separated by semicolons; a table has commas")
     for name in columns:
         if header.count(name) == 0:
-            raise InputError(f"{path}: column {name!r} is missing; it has {', '.join(header)}")
+            known = f"column {name!r} is missing; it has {', '.join(header)}"
+            other = f" ({EITHER_FORM})" if name in (*POLAR, *CARTESIAN) else ""
+            raise InputError(f"{path}: {known}{other}")
         if header.count(name) > 1:
             raise InputError(f"{path}: column {name!r} stands twice")
     unknown = [name for name in header if name not in (*columns, *more)]
+    if unknown and unknown[0] in CARTESIAN:
+        raise InputError(f"{path}: {unknown[0]!r} beside {POLAR[0]!r}: {EITHER_FORM}")
     if unknown:
         raise InputError(
             f"{path}: unknown column {unknown[0]!r}; the columns are {', '.join(columns)}"

@@ -138,9 +138,9 @@ def _simulate_points(
         write_points(forces_table(points, forces), options.output)
         _print_scan_notes(smoothed)
     failures = [
-        f"row {row}: {force.status}" if len(forces) > 1 else force.status
+        f"row {row}: {reason}" if len(forces) > 1 else reason
         for row, force in enumerate(forces, start=1)
-        if force.status != "ok"
+        if (reason := _missing(force.solution))
     ]
     if failures and not options.keep_going:
         raise RunError("; ".join(failures))
