@@ -91,11 +91,7 @@ BY_HAND = {
     "python -m numerics auto-terms --config config/paper.yaml --output TABLE.csv": (
         "solves hundreds of films with and without each term"
     ),
-    "python -m numerics estimates --output TABLE.csv --most-work 3e11": (
-        "solves hundreds of films twice"
-    ),
-    "python -m numerics estimates --draw any-gap --output TABLE.csv"
-    " --films 1000 --seed 23 --most-work 1e11": "solves a thousand films twice",
+    "python -m numerics estimates --output TABLE.csv": "solves hundreds of films twice",
 }
 """Commands that nothing runs, and why."""
 

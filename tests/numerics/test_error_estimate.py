@@ -35,6 +35,8 @@ from squeezefilm.reynolds.periodic.first_grids import first_grids, grid_for
 from squeezefilm.reynolds.periodic.resolution import profile_fall
 from squeezefilm.reynolds.spectral import Axis
 
+FIRST_GRID = "squeezefilm.reynolds.periodic.first_grids.first_grid"
+
 
 def quarter(points: int) -> Grid:
     return Grid(points, points, 8, fold_x=True, fold_y=True)
@@ -133,7 +135,7 @@ def test_the_first_grid_knows_the_layer_that_a_sliding_surface_makes():
 def test_a_grid_on_which_newton_fails_is_refined(monkeypatch):
     """So coarse a grid has no state for this film, whose layers are thin."""
     coarse = Grid(12, 8, 8, fold_x=False, fold_y=True)
-    monkeypatch.setattr(refinement, "first_grid", lambda **numbers: coarse)
+    monkeypatch.setattr(FIRST_GRID, lambda **numbers: coarse)
     scene = film(epsilon=0.9, sigma=2400.0, bearing=76.0, profile=PISTON)
     (solution,) = solve([scene], tolerance=1e-1, method="periodic")
     assert solution.status == "ok"

@@ -18,6 +18,7 @@ from numerics.estimates.films import random_film
 from numerics.estimates.judge import MOST_WORK, TIGHTER, Verdict, judge
 from numerics.films import Film, balanced_points
 from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import InputError
 from squeezefilm.io.progress import say
 from squeezefilm.io.solution import Solution
 from squeezefilm.io.tables import write_table
@@ -74,6 +75,8 @@ def campaign(
         most_work: see ``judge``.
     """
     table = pd.read_csv(output) if output.exists() else pd.DataFrame({"film": []})
+    if "film" not in table:
+        raise InputError(f"{output}: no table of films, which a run would go on with")
     numbers = range(first, first + films)
     drawn = {number: DRAWS[draw].film(number, seed=seed) for number in numbers}
     dear = {n: _dear(film, tolerance=DRAWS[draw].tolerance(n)) for n, film in drawn.items()}
