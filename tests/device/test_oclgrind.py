@@ -47,4 +47,5 @@ def test_work_items_keep_out_of_each_other_s_way(kernel: str, items: int) -> Non
     [*zip(FAULTS, ("data race at global memory", "divergence detected (barrier)"), strict=True)],
 )
 def test_a_fault_is_found(fault: str, message: str) -> None:
-    assert message in watched("8", "squeeze", fault).stderr
+    """Sixteen items: of eight each would read from this grid's field what it wrote itself."""
+    assert message in watched("16", "squeeze", fault).stderr
