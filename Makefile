@@ -19,7 +19,7 @@ COMPILE := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --py
 	--generate-hashes --no-header --no-annotate
 
 .DEFAULT_GOAL := help
-.PHONY: help paper paper-inertia quick check reference report test test-check test-docs test-faults test-browser test-install test-device api lint format keys lock resume clean test-cluster
+.PHONY: help paper paper-inertia quick check reference report test test-check test-docs test-faults test-browser test-install test-device test-stability api lint format keys lock resume clean test-cluster
 
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
@@ -33,6 +33,7 @@ help:
 	@echo "make test-faults    runs that are killed, full disks, damaged results"
 	@echo "make test-browser   the pages, in a browser without a screen"
 	@echo "make test-device    the kernels' work-items, watched by Oclgrind, and large work-groups"
+	@echo "make test-stability   stiff and extreme films, each judged; minutes"
 	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
 	@echo "make test-install   the library from its wheel, in an environment of its own; needs a network"
 	@echo "make api      pages about the library's names, from its docstrings: $(API)"
@@ -102,6 +103,9 @@ test-device: $(VENV)/.dev
 	@command -v oclgrind >/dev/null || [ "$$(id -u)" != 0 ] \
 		|| { apt-get -q update && apt-get -qy install --no-install-recommends oclgrind; } || true
 	$(RUN) pytest tests/device
+
+test-stability: $(VENV)/.run
+	$(SNAKEMAKE) results/paper/numerics/stability.csv
 
 test-cluster: $(VENV)/.dev
 	$(RUN) pytest -v -s tests/cluster

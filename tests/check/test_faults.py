@@ -14,9 +14,12 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
+from reporting.check.study import study_quantities
+from reporting.commands.check import SECTIONS
 from reporting.figures import figure_module
 from reporting.figures.parts import style
 from squeezefilm.io.tables import read_json, write_json
+from squeezefilm.studies.config import load_config
 
 from ..workflow.conftest import copy_checkout
 from .conftest import REFERENCE, Results, run_check
@@ -150,17 +153,44 @@ def test_a_point_outside_the_space_is_caught(results):
 def test_a_worse_design_is_caught_and_an_equal_one_is_not(results):
     path = results.folder / "designs/four_factor.csv"
     original = pd.read_csv(path)
-    # The point inside slides along its line of equal hv/h0, as from one machine to the next.
-    inside = original["hv_m"].between(0.25e-6, 1.95e-6)
+    # The point inside slides along its line of equal hv/h0, on which the model stays the same.
+    inside = original["h0_m"].between(5.5e-6, 9.5e-6)
     assert inside.sum() == 1
     for column in ("h0_m", "hv_m"):
         edit(
             path,
-            lambda table, c=column: table.assign(**{c: table[c].where(~inside, table[c] * 1.02)}),
+            lambda table, c=column: table.assign(**{c: table[c].where(~inside, table[c] * 0.98)}),
         )
     assert results.failed() == set()
     edit(path, lambda table: table.assign(hv_m=table["hv_m"].where(~inside, 1.0e-6)))
     assert results.failed() == {("designs", "four_factor", "D-efficiency")}
+
+
+def test_a_rare_pattern_may_be_missing_but_the_best_one_must_be_as_good(results):
+    path = results.folder / "designs/two_factor.json"
+    summary = read_json(path)
+    best = summary["scalings"]["micrometre"][0]
+    rare = {**best, "pattern": "B", "count": 1}
+    summary["scalings"]["micrometre"] = [{**best, "count": summary["searches"] - 1}, rare]
+    path.unlink()
+    write_json(summary, path)
+    assert results.failed() == set()
+    best["objective"] *= 1.05
+    best["count"] = 1
+    write_json(summary | {"scalings": {**summary["scalings"], "micrometre": [best]}}, path)
+    assert results.failed() == {
+        ("designs", "two-factor searches, micrometre", quantity)
+        for quantity in ("criterion (12)", "searches")
+    }
+
+
+def test_stiff_films_are_compared_where_they_are_the_sample_of_the_reference(results, tmp_path):
+    sample = results.checkout / "config" / "quick.yaml"
+    full = tmp_path / "full.yaml"
+    full.write_text(sample.read_text().replace("extent: sample", "extent: full"))
+    for config, compared in ((sample, True), (full, False)):
+        quantities = study_quantities(results.folder, load_config(config).only(SECTIONS))
+        assert any(each.part == "numerics" for each in quantities) == compared
 
 
 def test_a_missing_file_is_caught(results):

@@ -1,19 +1,22 @@
 """Scenes made from dimensionless numbers, for tests of the solver."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Actuator, Finger, Gas, Scene
+from squeezefilm.film.finger import Finger
+from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.limits.forces import LimitForces, limit_axis
-from squeezefilm.reynolds.periodic.launch import States, solve_batch
+from squeezefilm.reynolds.limits.films import Films, films_of, limit_axis
+from squeezefilm.reynolds.limits.forces import LimitForces
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.states import States
 from squeezefilm.reynolds.problems import problems_of
 
 SINC = Sinc(wave_number_per_m=109.8)
@@ -88,7 +91,7 @@ def mean_overpressure(
 
 
 def limit(
-    method: Callable[..., LimitForces],
+    method: Callable[[Films], LimitForces],
     *,
     epsilon: list[float] | np.ndarray,
     sigma: list[float] | np.ndarray,
@@ -100,13 +103,9 @@ def limit(
     nodes = limit_axis(points).all_nodes
     scene = film(epsilon=0.1, sigma=1.0, **place)
     s = scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))
-    return method(
-        epsilon=np.array(epsilon),
-        sigma=np.array(sigma),
-        amplitude=np.repeat(s[None], len(epsilon), axis=0),
-        aspect=scene.aspect,
-        slip=slip,
-    )
+    profiles = np.repeat(s[None], len(epsilon), axis=0)
+    numbers = np.array(epsilon), np.array(sigma)
+    return method(films_of(*numbers, profiles, aspect=scene.aspect, slip=slip))
 
 
 @dataclass(frozen=True)
@@ -118,3 +117,11 @@ class AsTheGap:
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         finger = self.scene.finger
         return self.scene.rest_gap(x_m / finger.length_x_m + 0.5, y_m / finger.length_y_m + 0.5)
+
+
+def saying(states: States, **values: np.ndarray) -> States:
+    """States of which something else is said."""
+    said = states.said.copy()
+    for name, each in values.items():
+        said[name] = each
+    return replace(states, said=said)

@@ -17,7 +17,8 @@ import numpy as np
 from films import PISTON, film
 
 from squeezefilm.film.contour import read_contour
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.finger import GapShape
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.solver import solve
 
 TOLERANCE, CLOSE = 1e-4, 3e-6

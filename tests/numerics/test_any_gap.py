@@ -10,7 +10,8 @@ from films import PISTON, AsTheGap, film, mean_overpressure, periodic_state
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.existence import check_scene
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.finger import GapShape
+from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Formula, StandingWave, TwoPhases, Vibration
 from squeezefilm.film.vibration.surfaces import Disc
@@ -181,6 +182,15 @@ def test_shaped_gaps_cost_at_most_three_times_a_flat_one():
     assert max(each.work for each in others) < 3 * plain.work
 
 
+def test_preconditioners_share_rows_where_the_gap_differs():
+    """1.7 times a flat film's iterations; 2.3 with one of them, 3.4 if that has whole rows."""
+    flat = film(epsilon=0.3, sigma=583.0, x=0.1, y=0.05)
+    both_ways = shaped(flat, GapShape(tilt_x_m=3e-6, tilt_y_m=1e-6))
+    plain, tilted = solve([flat, both_ways], tolerance=1e-4)
+    assert tilted.status == "ok"
+    assert tilted.krylov_iterations < 2 * plain.krylov_iterations
+
+
 def test_films_of_many_gaps_share_what_is_known_of_their_place():
     """And each is still the film that is so much thicker."""
     even = [replace(film(epsilon=0.3, sigma=300.0), h0_m=h0_m) for h0_m in (5e-6, 6e-6, 9e-6)]
@@ -290,7 +300,7 @@ def test_derivatives_are_those_of_forces_solved_again(numbers, gap, of_gas):
         quotient = (more.force_n - less.force_n) / (2 * step)
         error = found.derivatives.error[name] + 1e-5 * abs(quotient) + 1e-10
         assert abs(found.derivatives.value[name] - quotient) < error
-        assert error < 0.02 * abs(quotient) + 1e-10
+        assert error <= 0.02 * abs(quotient) + 1e-10
 
 
 def test_a_part_levitates_on_a_tilted_film_from_where_it_does_not_touch(monkeypatch):

@@ -9,7 +9,8 @@ import pytest
 from films import PISTON, SINC, film
 
 from squeezefilm.cli.main import main
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.finger import GapShape
+from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Profile, StandingWave
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve

@@ -10,7 +10,8 @@ from physics_facts import fast_piston
 from scipy.special import ellipe, iv
 
 from squeezefilm.film.existence import check_scene
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.finger import GapShape
+from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import StandingWave
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError

@@ -57,6 +57,7 @@ def test_a_table_keeps_every_load_with_a_reason_where_it_has_no_gap(tmp_path):
     [
         (["levitate", "--hv", "1um"], "--load and --hv"),
         (["levitate", "--load", "1um", "--hv", "1um"], "unit of N"),
+        (["levitate", "--load", "0.5N,-1N", "--hv", "1um"], "--load '0.5N,-1N' must be positive"),
         (["levitate", "--load", "1000N", "--hv", "1um"], "carries 1000 N"),
         (["levitate", "--load", "0.5N", "--hv", "1um", "--mass", "0g"], "must be positive"),
     ],

@@ -6,12 +6,12 @@ from films import PISTON, SINC, film, limit, mean_overpressure
 from physics_facts import SINC_CONVERGED, fast_piston
 
 from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.reynolds.limits.films import limit_axis
 from squeezefilm.reynolds.limits.forces import (
     boundary_layer,
     boundary_layer_limit,
     closed_form,
     fast_limit,
-    limit_axis,
     limit_points,
     matched_limit,
     small_amplitude,

@@ -11,11 +11,11 @@ import pytest
 from strip_with_inertia import SINC_ALONG, strip_mean
 
 from squeezefilm.reynolds.limits import boundary_layer, inertial_layer
+from squeezefilm.reynolds.limits.films import Films, films_of, limit_axis
 from squeezefilm.reynolds.limits.forces import (
     LimitForces,
     boundary_layer_limit,
     fast_limit,
-    limit_axis,
     matched_limit,
     small_amplitude,
 )
@@ -24,7 +24,7 @@ from squeezefilm.reynolds.limits.inertial_layer import rim_values
 from squeezefilm.reynolds.limits.layer_state import Layer, LayerGrid, Seen
 from squeezefilm.reynolds.spectral import period
 
-Method = Callable[..., LimitForces]
+Method = Callable[[Films], LimitForces]
 
 
 def seen_by_core(a: float, reynolds: float, *, nodes: int = 56, instants: int = 20) -> Seen:
@@ -58,13 +58,10 @@ def on_strip(
 ) -> float:
     """Mean under an infinite strip: a finger of twice the length less one of the length."""
     two = np.ones(2)
+    profiles = np.repeat(sinc(points, along_y=False)[None], 2, axis=0)
+    aspects = np.array([side, 2 * side])
     forces = method(
-        epsilon=epsilon * two,
-        sigma=sigma * two,
-        amplitude=np.repeat(sinc(points, along_y=False)[None], 2, axis=0),
-        aspect=np.array([side, 2 * side]),
-        slip=slip,
-        reynolds=reynolds,
+        films_of(epsilon * two, sigma * two, profiles, aspect=aspects, slip=slip, reynolds=reynolds)
     )
     return float(2 * forces.mean[1] - forces.mean[0])
 
@@ -73,8 +70,7 @@ def on_square(
     method: Method, *, epsilon: float, sigma: float, reynolds: float, points: int = 47
 ) -> LimitForces:
     s = sinc((points, points))
-    numbers = {"epsilon": np.array([epsilon]), "sigma": np.array([sigma])}
-    return method(**numbers, amplitude=s[None], aspect=1.0, reynolds=reynolds)
+    return method(films_of(np.array([epsilon]), np.array([sigma]), s[None], reynolds=reynolds))
 
 
 @pytest.mark.parametrize("a", [0.2, 0.6])
@@ -267,9 +263,10 @@ def test_error_estimates_hold_on_random_films_of_small_amplitude(
         (x, y), aspect = generator.uniform(-0.3, 0.3, 2), 10 ** generator.uniform(-0.3, 0.3)
         nodes = limit_axis(71).all_nodes - 0.5
         s = np.sinc(wave_number * np.hypot(nodes[:, None] - x, aspect * nodes - y))
-        film = {"epsilon": np.array([0.01]), "sigma": np.array([sigma]), "amplitude": s[None]}
-        exact = small_amplitude(**film, aspect=aspect, reynolds=reynolds).mean[0]
-        forces = method(**film, aspect=aspect, reynolds=reynolds)
+        film = films_of(
+            np.array([0.01]), np.array([sigma]), s[None], aspect=aspect, reynolds=reynolds
+        )
+        exact, forces = small_amplitude(film).mean[0], method(film)
         ratios.append(forces.error[0] / abs(forces.mean[0] - exact))
     assert min(ratios) > 1
     # Honest, but not by despair.
@@ -284,13 +281,12 @@ def test_composite_is_second_order_at_small_amplitude() -> None:
 
 def test_films_with_and_without_inertia_may_share_a_batch() -> None:
     s = np.repeat(sinc((21, 21))[None], 3, axis=0)
-    numbers = {"epsilon": np.array([0.2, 0.3, 0.4]), "sigma": np.array([600.0, 900.0, 1200.0])}
-    reynolds = np.array([1.8, 0.0, 0.9])
+    epsilon, sigma = np.array([0.2, 0.3, 0.4]), np.array([600.0, 900.0, 1200.0])
+    films = films_of(epsilon, sigma, s, reynolds=np.array([1.8, 0.0, 0.9]))
     for method in (fast_limit, boundary_layer_limit, small_amplitude, matched_limit):
-        together = method(**numbers, amplitude=s, aspect=1.0, reynolds=reynolds)
+        together = method(films)
         for k in range(3):
-            some = {name: values[k : k + 1] for name, values in numbers.items()}
-            alone = method(**some, amplitude=s[:1], aspect=1.0, reynolds=reynolds[k])
+            alone = method(films.take(np.arange(3) == k))
             assert together.mean[k] == pytest.approx(alone.mean[0], rel=1e-10)
             assert together.error[k] == pytest.approx(alone.error[0], rel=1e-6)
 

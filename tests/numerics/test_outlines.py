@@ -11,8 +11,9 @@ from skfem import MeshTri2
 
 from numerics.peers import finite_elements
 from squeezefilm.film.contour import read_contour
+from squeezefilm.film.finger import GapShape
 from squeezefilm.film.outlines import ellipse
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import StandingWave
 from squeezefilm.reynolds.answers.outputs import _from_states, _of_modes
 from squeezefilm.reynolds.device import choose_device

@@ -19,6 +19,7 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.dynamics.response import HASTE, gains, response, steps_of
 from squeezefilm.reynolds.dynamics.scenes import slow_film_of
 from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
+from squeezefilm.reynolds.dynamics.slow_gain import slow_gain
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.limits.boundary_layer import all_weights
 from squeezefilm.reynolds.limits.films import limit_axis
@@ -286,3 +287,19 @@ def test_terms_that_auto_would_include_are_said_by_what_they_do_to_slow_modulati
     assert included == pytest.approx(
         np.diff(np.log(forces))[0] / np.log(2.222 / 2.178), abs=2 * error
     )
+
+
+@pytest.mark.parametrize("epsilon", [0.1, 0.44])
+def test_gain_of_slow_modulation_is_that_of_periodic_forces(epsilon):
+    scene = film(epsilon=epsilon, sigma=2331.0)
+    by_forces, by_slow = slow_gain(scene, tolerance=1e-6, device=DEVICE), response(scene)
+    assert 0 < by_forces.error < 3e-4
+    assert abs(by_slow.static_gain / by_forces.gain - 1) <= by_slow.error
+    # By differences twice as far apart.
+    low, high = solve(
+        [replace(scene, hv_m=scene.hv_m * (1 + step)) for step in (-0.04, 0.04)],
+        tolerance=1e-6,
+        device=DEVICE,
+    )
+    wide = np.log(high.force_n / low.force_n) / np.log(1.04 / 0.96)
+    assert by_forces.gain == pytest.approx(wide, rel=2e-3)

@@ -75,11 +75,8 @@ def test_the_cheapest_method_that_is_taken_holds_the_tolerance(paper_scenes, exa
     assert {solution.status for solution in solutions} == {"ok"}
     assert np.all(np.abs(force - exact_n) <= tolerance * force)
     assert np.mean(np.abs(force - exact_n) <= estimate) >= 0.99
-    if tolerance >= 1e-2:  # on a quarter the periodic state costs no more than the dearest limit
-        periodic = [each.method == "periodic" for each in solutions]
-        quarters = [len(needs_of(scene).halves_left_out) == 2 for scene in paper_scenes]
-        assert not np.any(np.array(periodic) & ~np.array(quarters))
-        assert np.mean(periodic) < 0.1
+    if tolerance >= 1e-2:  # then limits are good enough for nearly all
+        assert np.mean([each.method == "periodic" for each in solutions]) < 0.1
 
 
 def test_a_limit_by_name_gives_its_force_and_says_when_it_is_not_good_enough():

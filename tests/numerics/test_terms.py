@@ -9,11 +9,15 @@ from scipy.optimize import brentq
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve, terms
+from squeezefilm.reynolds.answers.outputs import with_outputs
+from squeezefilm.reynolds.effects.budget import budgets
+from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import _periodic_state, first_resolution
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.terms import numbers_of
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
 
@@ -202,3 +206,36 @@ def test_scenes_of_unlike_terms_are_no_batch():
     scenes = [film(epsilon=0.3, sigma=20.0), film(epsilon=0.3, sigma=20.0, rarefaction="slip")]
     with pytest.raises(ValueError, match="like terms"):
         problems_of(scenes, Grid(8, 8, 8, False, False), tolerance=1e-6)
+
+
+@pytest.mark.parametrize("more", [{}, {"inertia": "included"}, {"bearing": 3.0}])
+def test_slip_is_by_a_length_whatever_makes_it(more):
+    """A coefficient c at a path λ is the coefficient 1 at c λ: force, budget, friction, slope."""
+    short = film(epsilon=0.4, sigma=300.0, rarefaction="slip", knudsen=0.02, **more)
+    kinetic = replace(short, gas=replace(short.gas, slip_coefficient=1.147))
+    long = film(epsilon=0.4, sigma=300.0, rarefaction="slip", knudsen=1.147 * 0.02, **more)
+    assert dict(numbers_of(kinetic, terms.terms_of(kinetic)))["flow"] == pytest.approx(
+        (1.0, 6 * 1.147 * 0.02)
+    )
+    (plain,), (one,), (other,) = (
+        with_derivatives([each], solve([each], tolerance=1e-4), tolerance=1e-4)
+        for each in (short, kinetic, long)
+    )
+    assert one.force_n == pytest.approx(other.force_n, rel=1e-9)
+    assert abs(one.force_n / plain.force_n - 1) > 1e-3
+    assert sliding_friction(kinetic) == pytest.approx(sliding_friction(long), rel=1e-9)
+    first, second = budgets([kinetic, long])
+    assert first.inertia.percent == pytest.approx(second.inertia.percent, rel=1e-5)
+    if one.derivatives.status == "ok":
+        slope = one.derivatives.value
+        path_m = kinetic.gas.mean_free_path_m
+        assert slope["slip_coefficient"] * 1.147 == pytest.approx(
+            slope["mean_free_path_m"] * path_m, rel=1e-6
+        )
+
+
+def sliding_friction(scene: Scene) -> float:
+    (solution,) = solve([scene], tolerance=1e-4)
+    (found,) = with_outputs([scene], [solution], outputs=["thrust"], tolerance=1e-4)
+    assert found.outputs is not None
+    return found.outputs.value.get("sliding_friction", 0.0)

@@ -219,7 +219,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         load(tmp_path)
     (tmp_path / "latin.yaml").write_bytes("study: für".encode("latin-1"))
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="cannot be read: byte 9 is no text in UTF-8"):
         load(tmp_path / "latin.yaml")
 
 

@@ -41,7 +41,7 @@ def test_a_job_is_a_line_without_its_reason(said):
     logger.info(None, extra={"event": "progress", "done": 1, "total": 60})
     logger.info("Rule: plan", extra=job(3, "Points to simulate"))
     logger.info(None, extra={"event": "progress", "done": 60, "total": 60})
-    assert lines[0] == "Study mine: 60 jobs; about 2 min, as fast as earlier runs here"
+    assert lines[0] == "Study mine: 60 jobs; about 2 min if each takes 2 s, as in earlier runs here"
     assert [line[10:] for line in lines[1:3]] == [
         " 1/60  Fit the model",
         " 2/60  Points to simulate",

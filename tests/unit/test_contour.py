@@ -8,7 +8,7 @@ import yaml
 
 import squeezefilm as sf
 from squeezefilm.film.contour import read_contour
-from squeezefilm.film.scene import Finger
+from squeezefilm.film.finger import Finger
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import parse_config
 from squeezefilm.studies.effective import effective_text

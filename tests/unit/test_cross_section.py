@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from numerics.cross_section import cross_section
-from squeezefilm.film.scene import GapShape
+from squeezefilm.film.finger import GapShape
 from squeezefilm.reynolds.modes.galerkin import pressure_at
 from squeezefilm.reynolds.solver import solve
 

@@ -10,6 +10,7 @@ import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
+from squeezefilm.api.film import Film
 from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.typed_units import in_unit
@@ -29,6 +30,7 @@ screen:
   hv: {start: 2 µm, stop: 18.5 µm, levels: 5}
 extrapolation: {force: 500 mN}
 """
+SOUND = yaml.safe_load(SHORT)
 CODE = Code()
 
 
@@ -264,3 +266,34 @@ def test_units_may_be_written_in_lists_and_zero_needs_none():
     assert study(text)["positions"] == {"phi_r_m": [0.005, 0.01], "phi_deg": [0, 30]}
     with pytest.raises(InputError, match="each number there needs a unit that fits"):
         study(SHORT + "positions: {phi_r: [5, 1 cm]}\n")
+
+
+def test_thin_air_is_thin_in_every_number():
+    """At a tenth of the pressure slip is ten times what it is; it was that of dense air."""
+    gas = study(gas={"ambient_pressure_pa": 10132.5})["gas"]
+    assert gas["density_kg_per_m3"] == pytest.approx(0.1204)
+    assert gas["mean_free_path_m"] == pytest.approx(6.7e-7)
+    written = study(gas={"ambient_pressure_pa": 10132.5, "mean_free_path_m": 5e-7})["gas"]
+    assert (written["mean_free_path_m"], written["density_kg_per_m3"]) == (
+        5e-7,
+        gas["density_kg_per_m3"],
+    )
+
+
+def test_another_gas_is_written_whole():
+    helium = {"viscosity_pa_s": 1.96e-5, "density_kg_per_m3": 0.166, "mean_free_path_m": 1.9e-7}
+    with pytest.raises(
+        InputError, match=r"mine.yaml: gas: viscosity_pa_s 1.96e-05 is not that of air"
+    ):
+        study(gas=helium)
+    rest = {"prandtl": 0.68, "heat_capacity_ratio": 1.667, "viscosity_exponent": 0.65}
+    assert study(gas=helium | rest)["gas"]["prandtl"] == 0.68
+    film = {"actuator": SOUND["actuator"], "finger": SOUND["finger"]}
+    with pytest.raises(InputError, match="give mean_free_path_m, prandtl"):
+        Film.of(**film, gas={"viscosity_pa_s": 1.5e-5, "density_kg_per_m3": 1.8})
+
+
+def test_a_coefficient_of_slip_is_refused_where_nothing_slips():
+    assert study(gas={"rarefaction": "slip", "slip_coefficient": 1.147})["gas"]["slip_coefficient"]
+    with pytest.raises(InputError, match=r"slip_coefficient 1\.147 is read with rarefaction: slip"):
+        study(gas={"slip_coefficient": 1.147})

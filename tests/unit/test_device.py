@@ -95,15 +95,15 @@ def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
         device.kernel(chosen, "none", sources=(), header="// not built")
 
 
-def test_host_arrays_are_lent_again_and_none_is_too_small():
-    host = replace(choose_device(), spare=[])
-    first = host.lent(100)
-    host.give_back(first)
-    assert host.lent(first.size) is first
-    host.give_back(first)
-    larger = host.lent(2 * first.size)
+def test_host_arrays_are_taken_up_again_and_none_is_too_small():
+    pool = device.ArrayPool()
+    first = pool.acquire(100)
+    pool.release(first)
+    assert pool.acquire(first.size) is first
+    pool.release(first)
+    larger = pool.acquire(2 * first.size)
     assert larger.size >= 2 * first.size
-    assert not host.spare
+    assert not pool.free
     for _ in range(10):
-        host.give_back(np.empty(100))
-    assert len(host.spare) == 4
+        pool.release(np.empty(100))
+    assert len(pool.free) == 4

@@ -252,3 +252,20 @@ def test_without_a_pressure_the_overview_has_no_place_for_one(study, tmp_path):
         assert ("p − p₀ (kPa)" in labels) == shown
         assert ("pressure" in data["note"].iloc[0]) == shown
         assert "16 times of a period" in data["note"].iloc[0]
+
+
+@pytest.mark.parametrize("known", [0, 1, 3])
+def test_a_response_that_few_films_have_is_numbers_and_never_an_empty_scale(known, tables):
+    data = pd.read_csv(tables["response"])
+    gaps = sorted(data.loc[data["layer"] == "plane", "h0_um"].unique())
+    unknown = (data["layer"] == "plane") & data["h0_um"].isin(gaps[known:])
+    data.loc[unknown, ["corner_hz", "prompt_percent"]] = np.nan
+    axes = drawn("response", data).axes[0]
+    texts = [text.get_text().strip() for text in axes.texts]
+    films = data[(data["layer"] == "plane") & data["corner_hz"].notna()]
+    if known == 1:
+        assert texts == [f"{value:.3g}" for value in films.sort_values("hv_um")["corner_hz"]]
+    elif known == 0:
+        assert texts == ["not known"]
+    else:
+        assert axes.collections

@@ -11,6 +11,7 @@ from squeezefilm.designs.paper_design import (
     d_efficiency,
     exchange_design,
     search_design,
+    spread_on_lines,
 )
 from squeezefilm.designs.patterns import Region, augment, find_patterns, find_regions
 from squeezefilm.io.errors import InputError
@@ -117,6 +118,36 @@ def test_distinct_scenes_cost_little_information():
     free = exchange_design(Criterion(placed_gradient, PLACED), 5, levels=7)
     loss = d_efficiency(placed_gradient(found.points), placed_gradient(free.points))
     assert 0.97 < loss < 0.999
+
+
+@pytest.mark.parametrize("separation", [0.0, 0.25])
+def test_a_free_point_lies_where_the_others_are_far_and_not_where_rounding_left_it(separation):
+    apart = coordinates("scene", PLACED) if separation else None
+    criterion = Criterion(placed_gradient, PLACED, apart=apart, separation=separation)
+    found = search_design(criterion, 5, seed=0)
+    epsilon = found.points[:, 1] / found.points[:, 0]
+    (free,) = np.flatnonzero((epsilon > 0.1) & (epsilon < 0.35))
+    ends = []
+    for gap in (5.001e-6, 6.5e-6):
+        points = found.points.copy()
+        points[free, :2] *= gap / points[free, 0]
+        moved = Design(points, float(criterion.value(points)), found.inverse_determinant)
+        assert moved.value == pytest.approx(found.value, rel=1e-9)
+        ends.append(spread_on_lines(criterion, moved, ratio=("h0_m", "hv_m")).points)
+    np.testing.assert_allclose(PLACED.to_unit(ends[0]), PLACED.to_unit(ends[1]), atol=1e-9)
+    assert ends[0][3, 1] == pytest.approx(2e-6, rel=1e-12)
+
+
+def test_a_point_that_is_not_free_stays():
+    def knows_the_gap_alone(points):
+        return np.stack([np.ones(len(points)), points[:, 0]], axis=-1)
+
+    criterion = Criterion(knows_the_gap_alone, FILM)
+    ends = np.array([[5e-6, 1e-6], [10e-6, 1e-6]])
+    found = Design(ends, float(criterion.value(ends)), float(criterion.value(ends)))
+    np.testing.assert_array_equal(
+        spread_on_lines(criterion, found, ratio=("h0_m", "hv_m")).points, ends
+    )
 
 
 def test_equal_seeds_give_equal_designs():

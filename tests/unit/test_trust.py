@@ -306,3 +306,17 @@ def test_copies_of_fitted_points_are_no_evidence():
     assert all(len(np.unique(folds[k::4])) == 1 for k in range(4))
     own = np.abs(model.evaluate(fit.theta, factors) - force)
     assert said["cross_validation"]["largest_n"] > 3 * own.max()
+
+
+def test_no_less_is_claimed_of_a_fitted_point_than_its_residual():
+    """A point left out may lie nearer to the fit of the others than to the fit of all."""
+    model = get_model("polynomial_3")
+    films = centred_grid(h0_m=np.linspace(12e-6, 50e-6, 6), hv_m=np.linspace(1e-6, 10e-6, 6))
+    factors = Factors.of(**{each: films[each] for each in ("h0_m", "hv_m")})
+    force = 15 * factors.epsilon**2 * (1 + 0.5 * np.exp(-(((factors.h0_m - 3e-5) / 1e-5) ** 2)))
+    theta = local_fit(model, factors, force, (15.0, 5.0, 20.0))
+    fit = SimpleNamespace(theta=theta)
+    told = describe(model, factors, force, fit, force_error_n=0 * force, scan_error=0.0)
+    fitted = model.evaluate(theta, factors)
+    claimed = Trust.from_dict(told["trust"], place="fit").judge(factors, fitted).error_n
+    assert (claimed >= np.abs(fitted - force) * (1 - 1e-9)).all()

@@ -6,7 +6,8 @@ from math import ceil, log, log10, pi, sqrt
 import numpy as np
 
 from numerics.peers.yardstick import FloatArray, Fold
-from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene
+from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc, TwoPhases, Vibration
 from squeezefilm.film.vibration.surfaces import Disc
 

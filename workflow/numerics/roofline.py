@@ -15,7 +15,7 @@ import numpy as np
 
 from numerics.films import Film
 from numerics.peers.fixed_grid import problems_on_grid
-from squeezefilm.reynolds.device import SPARE, Device, kernel
+from squeezefilm.reynolds.device import PADDING, Device, kernel
 from squeezefilm.reynolds.grid import Grid, grid_matrices
 from squeezefilm.reynolds.layout import Pile, c_struct, rows_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -54,7 +54,7 @@ def measure(device: Device) -> list[Rate]:
 
     def seconds(name: str, *arguments: Any) -> float:
         row_type = c_struct("Row", _row(GRIDS["quarter"])[0].dtype)
-        header = f"#define FLOW_TERMS 1\n#define UNKNOWN_FIELDS 1\n{row_type}"
+        header = f"#define FLOW_TERMS 1\n#define UNKNOWN_FIELDS 1\n#define ROW_PARTS 0\n{row_type}"
         handle = kernel(device, name, sources=SOURCES, header=header)
         shape = (device.groups * device.work_items,), (device.work_items,)
 
@@ -66,7 +66,7 @@ def measure(device: Device) -> list[Rate]:
 
     def peak() -> float:
         items = device.groups * device.work_items
-        values = device.sent(np.zeros(items + SPARE))
+        values = device.sent(np.zeros(items + PADDING))
         time_s = seconds("multiply_add_peak", PEAK_TURNS, values)
         return 2 * 12 * device.lanes(8) * PEAK_TURNS * items / time_s / 1e9
 
@@ -85,7 +85,7 @@ def measure(device: Device) -> list[Rate]:
     for name, grid in GRIDS.items():
         row, matrices = (device.sent(values) for values in _row(grid))
         nx, ny, nt = grid.shape
-        workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups + SPARE))
+        workspace = device.sent(np.zeros(2 * nx * ny * nt * device.groups + PADDING))
         inner_x, inner_y = grid.space_products
         inner_of = (("along x", inner_x), ("along y", inner_y), ("along t", nt))
         for which, (part, inner) in enumerate(inner_of):

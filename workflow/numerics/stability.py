@@ -1,7 +1,8 @@
 """Stiff and extreme films, each judged by checks that the solver does not know of.
 
-Verdicts: *solved*, all checks passed; *refused*, the solver says that it cannot and the film lies
-where that is documented (`beyond`); *failed*, anything else, with the checks that did not pass.
+Verdicts: *solved*, all checks passed; *unchecked*, solved, but no check can be had; *refused*, the
+solver says that it cannot and the film lies where that is documented (`beyond`); *failed*, anything
+else, with the checks that did not pass.
 """
 
 import math
@@ -27,8 +28,8 @@ from squeezefilm.io.progress import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.periodic.resolution import finer_grid
+from squeezefilm.reynolds.periodic.states import States
 
 TOLERANCE = 1e-4
 # The defect is a first-order estimate of the force's error; a film in distress exceeds this by far.
@@ -39,7 +40,8 @@ ITERATION = 1e-3 * TOLERANCE
 # Local values: in a layer thinner than the grid's spacing they are rougher than the force.
 FIELD = {"resolved layer": 1e-2, "thin layer": 0.2}
 THIN_LAYER_SIGMA = 1e4
-SCRAMBLED = 1e-8
+# Round-off alone is left of states that are iterated so far.
+SCRAMBLED, SCRAMBLED_ITERATION = 1e-8, 1e-10
 SINGLE_PRECISION_TOLERANCE = 1e-6
 # Larger grids are not solved anew in single precision or with sums in another order.
 SMALL_GRID = 60_000
@@ -166,10 +168,11 @@ def limit_of(film: Film) -> Limit | None:
 
 @dataclass
 class _Judgement:
-    """A row that grows, and the checks that did not pass."""
+    """A row that grows, the checks that did not pass, and why there was none."""
 
     row: dict[str, Any]
     broken: list[str] = field(default_factory=list)
+    unchecked: str = ""
 
     def require(self, name: str, value: float, most: float) -> None:
         self.row[name] = value
@@ -238,8 +241,10 @@ def _judge(case: Case, *, device: Device) -> dict[str, Any]:
         check(judgement, film, periodic, force, device=device)
     elif not beyond(film):
         judgement.broken.append(f"periodic state: {periodic.status}")
-    row["verdict"] = "failed" if judgement.broken else "solved"
-    row["reason"] = "; ".join(judgement.broken)
+    row["verdict"] = "unchecked" if judgement.unchecked else "solved"
+    row["reason"] = judgement.unchecked
+    if judgement.broken:
+        row["verdict"], row["reason"] = "failed", "; ".join(judgement.broken)
     return row
 
 
@@ -271,8 +276,10 @@ def _check_periodic(
         judgement.broken.append(f"pressure falls to {checks.lowest_pressure:.1e}")
     judgement.require("defect", checks.defect, DEFECT)
     judgement.require("state_defect", checks.state_defect, STATE_DEFECT)
-    # A force is good on grids too coarse for its field everywhere: that is looked at on the next.
+    # A force is good on grids too coarse for its field everywhere: that is looked at on the next
+    # but one.
     finer = finer_grid(grid) or grid
+    finer = finer_grid(finer) or finer
     there = solve_on_grid([film], grid=finer, tolerance=ITERATION, device=device)
     of_field = check_state(film, unfold(there.overpressure[0], fold))
     local = FIELD["thin layer" if film.sigma > THIN_LAYER_SIGMA else "resolved layer"]
@@ -283,8 +290,9 @@ def _check_periodic(
         judgement.broken.append(f"force {checks.force:.6g} on the same grid, iterated further")
     if solution.nx * solution.ny * solution.nt > SMALL_GRID:
         return
+    plain = solve_on_grid([film], grid=grid, tolerance=SCRAMBLED_ITERATION, device=device)
     scrambled = _scrambled(film, grid, device=device)
-    difference = abs(float(scrambled.mean[0] / states.mean[0]) - 1)
+    difference = abs(float(scrambled.mean[0] / plain.mean[0]) - 1)
     judgement.require("scrambled_difference", difference, SCRAMBLED)
     if film.aspect == 1 and film.knudsen == 0 and film.scene.plain:
         row["single_precision_difference"] = _single_precision(film, solution, force)
@@ -297,7 +305,9 @@ def _check_inertia(
     finer = with_inertia.on_a_finer_grid(film, solution, tolerance=0.1 * TOLERANCE, device=device)
     if finer is not None:
         judgement.require("finer_difference", abs(finer / force - 1), TOLERANCE)
-    elif not beyond(film):
+    elif beyond(film):
+        judgement.unchecked = with_inertia.NOT_CHECKED
+    else:
         judgement.broken.append(with_inertia.NOT_CHECKED)
 
 
@@ -319,7 +329,7 @@ def _scrambled(film: Film, grid: Grid, *, device: Device) -> States:
         other = film
     else:
         whole, other = grid, film.mirrored
-    return solve_on_grid([other], grid=whole, tolerance=ITERATION, device=device)
+    return solve_on_grid([other], grid=whole, tolerance=SCRAMBLED_ITERATION, device=device)
 
 
 def _single_precision(film: Film, solution: Solution, force: float) -> float:

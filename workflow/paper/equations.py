@@ -233,8 +233,8 @@ def to_markdown(table: pd.DataFrame) -> str:
         "reports.\n",
         markdown_table(conditions_met),
         "Both studies have the same space, plans, seeds and tolerance. Points of designs are in "
-        "the order of their gaps and amplitudes; of a design with four factors a point may lie "
-        "anywhere on a line of equal hv/h0, for the model knows nothing else.\n",
+        "the order of their gaps and amplitudes; of points with equal hv/h0, which teach the model "
+        "of four factors the same, the one far from the others is taken.\n",
     ]
     for part, rows in table.groupby("part", sort=False):
         parts += [f"## {str(part)[0].upper()}{str(part)[1:]}\n", markdown_table(_shown(rows))]

@@ -295,14 +295,13 @@ def _four_factor_points(results: Results) -> Finding:
 def _four_factor_error(results: Results) -> Finding:
     distinct = _error_percent(results.four_factor_distinct_on_plan)
     control = _error_percent(results.four_factor_distinct_on_control)
-    # Two digits: the place of one point on its line of equal hv/h0 is free, and moves the third.
     return finding(
         _error_percent(results.four_factor_design_on_plan),
-        ".2g",
+        ".1f",
         explanation=(
             f"On the {len(results.four_factor)} simulations; the paper does not state its control "
-            f"set. With five physically distinct points: {distinct:.2g} %, and "
-            f"{control:.2g} % on {results.four_factor_distinct_on_control['points']} random "
+            f"set. With five physically distinct points: {distinct:.1f} %, and "
+            f"{control:.1f} % on {results.four_factor_distinct_on_control['points']} random "
             "control points."
         ),
     )
@@ -312,8 +311,8 @@ def _four_factor_error(results: Results) -> Finding:
 def _locus(results: Results) -> Finding:
     """Largest distance of hv/h0 of a four-factor optimum from the nearest of the two-factor design.
 
-    In proportion to the largest hv/h0. The model knows h0 and hv by their ratio alone, so that the
-    place of a point on its line of equal hv/h0 is free.
+    In proportion to the largest hv/h0. The model knows h0 and hv by their ratio alone, so that all
+    points on a line of equal hv/h0 are as good.
     """
     two = (results.design["hv_m"] / results.design["h0_m"]).to_numpy()
     four = (results.four_factor_design["hv_m"] / results.four_factor_design["h0_m"]).to_numpy()

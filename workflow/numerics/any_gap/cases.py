@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from numerics.films import H0_M, LENGTH_M, PISTON, SINC, Film
-from squeezefilm.film.scene import GapShape
+from squeezefilm.film.finger import GapShape
 from squeezefilm.film.vibration.shapes import StandingWave, TwoPhases, Vibration
 
 GROUP = "any gap, ellipse"

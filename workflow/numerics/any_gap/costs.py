@@ -97,6 +97,8 @@ Run = tuple[float, list[Solution]]
 
 
 def _run(scenes: Any, needs: list[Needs], *, tolerance: float, device: Device) -> Run:
+    # As new: a scene keeps what it was asked for.
+    scenes = [replace(scene) for scene in scenes]
     begin = processor_seconds()
     solutions = solve_periodic(scenes, needs, tolerance=tolerance, device=device)
     return processor_seconds() - begin, solutions

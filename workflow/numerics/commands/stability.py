@@ -24,7 +24,8 @@ NOTE = (
     "(to leading order). Defect: change of the force, and of "
     "the pressure, in one correction on a finer grid. Mass "
     "balance: net over gross mass over the rim in a period. ⟨H³P²⟩: of a piston at rest, from "
-    "1 + 3ε²/2. Sums reordered: the same collocation, unfolded or mirrored. Single precision: the "
+    "1 + 3ε²/2. Sums reordered: the same collocation, unfolded or mirrored. Finer "
+    "grid: with inertia and under an ellipse, which the others do not know. Single precision: the "
     "same algorithm in float32; lost: no digit is left. Empty: the check does not apply."
 )
 

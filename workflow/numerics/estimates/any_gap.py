@@ -16,7 +16,7 @@ from numerics.estimates.films import (
     random_profile,
 )
 from numerics.films import H0_M, LENGTH_M, Film
-from squeezefilm.film.scene import GapShape
+from squeezefilm.film.finger import GapShape
 from squeezefilm.film.vibration.shapes import StandingWave, TwoPhases, Vibration, largest_magnitude
 
 # Largest excursion over the gap at rest, where the two are nearest to each other.

@@ -25,7 +25,7 @@ from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.resolution import gap_numbers
+from squeezefilm.reynolds.periodic.gap_numbers import gap_numbers
 from squeezefilm.reynolds.solver import ways_of
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)

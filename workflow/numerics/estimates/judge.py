@@ -17,9 +17,11 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs, needs_of
-from squeezefilm.reynolds.periodic.launch import Batch, States, launch
-from squeezefilm.reynolds.periodic.resolution import first_grid, gap_numbers
+from squeezefilm.reynolds.periodic.gap_numbers import GapNumbers, gap_numbers
+from squeezefilm.reynolds.periodic.launch import Batch, launch
+from squeezefilm.reynolds.periodic.resolution import first_grid
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
+from squeezefilm.reynolds.periodic.states import States
 from squeezefilm.reynolds.problems import problems_on
 
 # What the judge may be off by, and what its iteration may leave, of the tolerance judged.
@@ -111,14 +113,12 @@ def judge(
 
 def first_of(scene: Scene, needs: Needs, *, tolerance: float) -> StretchedGrid:
     """The first grid, with the stretch along each side that wants few nodes."""
-
     numbers = gap_numbers(scene)
 
     def guess(sigma: float, bearing: float) -> Grid:
+        gap: GapNumbers = {**numbers, "sigma": sigma}
         return first_grid(
-            epsilon=numbers["epsilon"],
-            sigma=sigma,
-            bend=numbers["bend"],
+            **gap,
             bearing=bearing,
             aspect=scene.aspect,
             needs=needs,

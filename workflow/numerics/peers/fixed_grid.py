@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from numerics.films import Film
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import States, solve_batch
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.states import States
 from squeezefilm.reynolds.problems import Problems, problems_of
 
 

@@ -49,7 +49,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     note = (
         "Numbers tell the points of a design apart. At radius 0 every angle is one and the same "
         f"scene: of the {len(paper)} points by the paper's criterion {distinct_scenes(paper)} are "
-        "different scenes. Where a point lies on its line of equal hv/h0 is left free."
+        "different scenes. Of places with equal hv/h0, all as good, the one far from the "
+        "others is taken."
     )
     return data.assign(
         phi_r_max_mm=round(float(plan["phi_r_m"].max()) * 1e3, 9),

@@ -22,8 +22,8 @@ from squeezefilm.io.errors import InputError
 
 DRAWINGS = "drawings"
 SVG = "{http://www.w3.org/2000/svg}"
-SLIDING = ("fig16",)
-"""Figures that show where the points of the four-factor design lie, which rounding decides."""
+BY_CHANCE = ("fig09",)
+"""Figures of many searches: how many ended where is chance, and a rare pattern may be missing."""
 
 ON_PAGE = Close(absolute=0.5)
 IN_AXES = Close(absolute=0.01)
@@ -174,11 +174,11 @@ def _svg(folder: Path, name: str) -> Iterator[Quantity]:
     for number, texts in enumerate(drawing.ticks, start=1):
         if texts:
             yield _ticks(name, f"ticks of axis {number}", texts)
-    if drawing.legends:
+    if drawing.legends and name not in BY_CHANCE:
         entries = {f"entry {number}": text for number, text in enumerate(drawing.legends, start=1)}
         yield Quantity(DRAWINGS, name, "legend", entries, SAME)
     yield Quantity(DRAWINGS, name, "dots", {"number": str(drawing.dots)}, SAME)
-    if drawing.dots and name not in SLIDING and np.all(np.isfinite(drawing.places)):
+    if drawing.dots and name not in BY_CHANCE and np.all(np.isfinite(drawing.places)):
         x, y = np.transpose(drawing.places)
         cells = {
             f"{how} {axis}": f"{function(values):.4f}"

@@ -12,7 +12,6 @@ from reporting.check.tolerances import (
     GIVEN,
     PLACE,
     SAME,
-    SLIDING,
     AtMost,
     Close,
     Closeness,
@@ -51,15 +50,20 @@ FIT_NAMES = (
     "four_factor_design",
     "four_factor_design_distinct",
 )
-SLIDING_NAMES = ("four_factor_design", "four_factor_design_distinct")
-PLACED = ("two_factor_design", "extrapolation", "four_factor")
+PLACED = (
+    "two_factor_design",
+    "extrapolation",
+    "four_factor",
+    "four_factor_design",
+    "four_factor_design_distinct",
+)
 """Plans whose points come out of a design or a fit."""
 
 
 def setting_quantities(config: Config) -> Iterator[Quantity]:
     """Every key that decides a result: the study must be the one that the reference is of."""
     for section in config:
-        if section == "paper":  # says what is made besides, and decides no number
+        if section in ("paper", "numerics"):  # say what is made besides, and decide no number
             continue
         yield Quantity(SETTINGS, section, "keys", dict(_leaves(section, config[section])), SAME)
 
@@ -103,8 +107,6 @@ def _simulations(plan: str, path: Path, closeness: Closeness) -> Iterator[Quanti
         name: PLACE if plan in PLACED else GIVEN for name in factors
     }
     tolerances["force_n"] = closeness.model if plan in PLACED else closeness.force
-    if plan in SLIDING_NAMES:  # its scenes are judged as a design, and its forces by the fit
-        shown = shown.drop(columns=[*factors, "force_n"])
     yield from column_quantities(SIMULATIONS, plan, shown, tolerances=tolerances)
     largest = float((forces["force_error_n"] / forces["force_n"].abs()).max())
     yield Quantity(
@@ -123,7 +125,7 @@ def fit_quantities(results: Path, config: Config, closeness: Closeness) -> Itera
 
 
 def _fit(folder: Path, name: str, config: Config, closeness: Closeness) -> Iterator[Quantity]:
-    fit, sliding = read_fit(folder / f"{name}.json"), name in SLIDING_NAMES
+    fit = read_fit(folder / f"{name}.json")
     model = get_model(fit.model)
     yield Quantity(
         FITS, name, "objective", {"|y − η|/|y|": f"{fit.global_error:.9g}"}, closeness.residual
@@ -136,14 +138,14 @@ def _fit(folder: Path, name: str, config: Config, closeness: Closeness) -> Itera
         name,
         "predicted forces",
         dict(zip(_places(points), map(text_of, forces), strict=True)),
-        SLIDING if sliding else closeness.model,
+        closeness.model,
     )
     yield Quantity(
         FITS,
         name,
         "parameters",
         dict(zip(model.parameter_names, map(text_of, fit.theta), strict=True)),
-        SLIDING if sliding else closeness.parameters,
+        closeness.parameters,
     )
     runs = read_columns(folder / f"{name}_runs.csv", columns=("method", "bound", "seed"))
     yield from column_quantities(
@@ -190,7 +192,7 @@ VALIDATIONS = (
     ),
     *(
         (fit, plan)
-        for fit in ("four_factor", *SLIDING_NAMES)
+        for fit in ("four_factor", "four_factor_design", "four_factor_design_distinct")
         for plan in ("four_factor", "four_factor_control")
     ),
 )
@@ -203,19 +205,19 @@ def validation_quantities(results: Path, closeness: Closeness) -> Iterator[Quant
         yield from guarded(
             VALIDATION,
             path.stem,
-            partial(_validation, path, fit in SLIDING_NAMES, closeness),
+            partial(_validation, path, closeness),
         )
 
 
-def _validation(path: Path, sliding: bool, closeness: Closeness) -> Iterator[Quantity]:
+def _validation(path: Path, closeness: Closeness) -> Iterator[Quantity]:
     summary = read_json(path)
     points, error = number(summary, "points", path), number(summary, "global_error", path)
     inside = number(summary, "share_within_band", path)
-    residual: Tolerance = SLIDING if sliding else closeness.residual
-    yield Quantity(VALIDATION, path.stem, "global error", {"|η − y|/|y|": text_of(error)}, residual)
+    cells = {"|η − y|/|y|": text_of(error)}
+    yield Quantity(VALIDATION, path.stem, "global error", cells, closeness.residual)
     # A point at the very edge of the band may change sides.
     within = {"points": text_of(points), "within the band": text_of(inside * points)}
-    yield Quantity(VALIDATION, path.stem, "points", within, Close(absolute=1 if sliding else 0.01))
+    yield Quantity(VALIDATION, path.stem, "points", within, Close(absolute=0.01))
 
 
 def numerics_quantities(results: Path) -> Iterator[Quantity]:

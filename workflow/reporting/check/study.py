@@ -31,5 +31,6 @@ def study_quantities(results: Path, config: Config) -> list[Quantity]:
         *design_quantities(results, config, closeness),
         *validation_quantities(results, closeness),
         *drawing_quantities(results),
-        *numerics_quantities(results),
+        # A reference has a sample of the films; all of them take minutes.
+        *(numerics_quantities(results) if config["numerics"]["extent"] == "sample" else ()),
     ]

@@ -160,11 +160,6 @@ PLACE = Close(of_largest=1e-3)
 """Where an optimal point lies: an optimum is flat, so its place is known to the root of its value's
 accuracy; a thousandth of the space is far below anything that a design is used for."""
 
-SLIDING = Close(relative=0.05, of_largest=0.003)
-"""What follows from the four-factor design. One of its points may lie anywhere on a line of equal
-hv/h0 and rounding decides where. From end to end parameters and errors move by 1.5 % of their
-value, and errors on control points by 2.4 % (measured on the paper's study)."""
-
 
 @dataclass(frozen=True)
 class Closeness:

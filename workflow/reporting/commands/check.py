@@ -34,6 +34,7 @@ SECTIONS = (
     "error_map",
     "validation",
     "extrapolation",
+    "numerics",
 )
 
 

@@ -30,6 +30,7 @@ SECTIONS = (
     "error_map",
     "validation",
     "extrapolation",
+    "numerics",
 )
 MOST_SHOWN = 60
 

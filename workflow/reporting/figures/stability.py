@@ -1,8 +1,9 @@
 """Stiff and extreme films: every case with its verdict, and what each check found.
 
 A row for each film, a column for each check that the solver does not know of, and the verdict:
-solved, refused for a documented reason, or failed. Single precision is no check but a warning: what
-the same algorithm would lose in float32. The films are the same for every study.
+solved, unchecked (solved, but no check can be had), refused for a documented reason, or failed.
+Single precision is no check but a warning: what the same algorithm would lose in float32. The films
+are the same for every study.
 """
 
 import matplotlib as mpl
@@ -24,12 +25,14 @@ CHECKS = {
     "mass_balance": "mass\nbalance",
     "piston_identity": r"$\langle H^3P^2\rangle$",
     "scrambled_difference": "sums\nreordered",
+    "finer_difference": "finer\ngrid",
     "single_precision_difference": "single\nprecision",
 }
 VERDICTS = {
-    "solved": ("o", style.GREEN),
-    "refused": ("s", style.GREY),
-    "failed": ("X", style.VERMILLION),
+    "solved": ("o", style.GREEN, "full"),
+    "unchecked": ("o", style.GREEN, "none"),
+    "refused": ("s", style.GREY, "full"),
+    "failed": ("X", style.VERMILLION, "full"),
 }
 SMALLEST, LARGEST = 1e-16, 1.0
 ROW_IN = 0.135
@@ -70,13 +73,14 @@ def draw(data: pd.DataFrame) -> Figure:
             (extra + 1, f"{iterations:.0f}" if np.isfinite(iterations) else ""),
         ):
             axes.text(column, row, text, ha="center", va="center", fontsize=5.2)
-    for verdict, (marker, colour) in VERDICTS.items():
+    for verdict, (marker, colour, fill) in VERDICTS.items():
         rows = np.flatnonzero(data["verdict"] == verdict)
         axes.plot(
             np.full(len(rows), extra + 2),
             rows,
             marker,
             color=colour,
+            fillstyle=fill,
             markersize=4,
             label=f"{verdict} ({len(rows)})",
         )
@@ -94,7 +98,7 @@ def draw(data: pd.DataFrame) -> Figure:
         spine.set_visible(False)
     bar = figure.colorbar(image, ax=axes, pad=0.01, fraction=0.025, aspect=40)
     bar.set_label("relative difference found by the check")
-    figure.legend(loc="outside upper right", ncols=3)
+    figure.legend(loc="outside upper right", ncols=len(VERDICTS))
     style.add_note(figure, data)
     return figure
 

@@ -4,9 +4,8 @@ Relative error of the mean force over processor time, a panel for each film, a l
 refined along its own path; to the lower left is better. The reference shares nothing with any
 method, with inertia it is the solver's own force on a finer grid; no error can be seen below the
 grey band. Without inertia: the same film's force by the Reynolds equation, held against that
-equation. Inside the orange band the error is larger than
-that of the empirical model fitted to this study's screen. The films are those of the paper's
-actuator, whatever the study.
+equation. Inside the orange band the error is larger than that of the empirical model fitted to this
+study's screen. The films are those of the paper's actuator, whatever the study.
 """
 
 import numpy as np
@@ -92,7 +91,7 @@ def draw(data: pd.DataFrame) -> Figure:
     columns = min(4, len(scenes))
     rows = -(-len(scenes) // columns)
     figure = style.new_figure(
-        width_in=style.DOUBLE_COLUMN_IN, height_in=1.0 + (1.9 if rows > 1 else 2.4) * rows
+        width_in=style.DOUBLE_COLUMN_IN, height_in=1.0 + (2.1 if rows > 1 else 2.4) * rows
     )
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     lowest = 0.2 * float(warm["reference_uncertainty"].min())
@@ -102,11 +101,13 @@ def draw(data: pd.DataFrame) -> Figure:
     drawn: dict[Key, Line2D] = {}
     for panel, scene in zip(axes.ravel(), scenes, strict=False):
         drawn |= _panel(panel, warm[warm["scene"] == scene], lowest=lowest)
-        panel.set_title(scene, fontsize=7)
+        panel.set_title(scene.replace(", ε", "\nε"), fontsize=7)
         panel.set_xlim(0.5 * seconds.min(), 2 * seconds.max())
         panel.set_ylim(lowest, 1)
-    for panel in axes[-1]:
-        panel.set_xlabel("processor time per film (s)")
+    for column in axes.T:
+        lowest_panel = [panel for panel in column if panel.get_visible()][-1]
+        lowest_panel.set_xlabel("processor time per film (s)")
+        lowest_panel.tick_params(labelbottom=True)
     for panel in axes[:, 0]:
         panel.set_ylabel("relative error of the force")
     shown = [drawn[key] for key in STYLES if key in drawn]

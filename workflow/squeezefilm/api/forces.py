@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.typed_units import with_error
@@ -38,24 +37,17 @@ class ScanPart:
     Attributes:
         noise_n: half of the interval that holds the noise's part in 95 % of all scans.
         out_of_phase_n: by what the force is low without the motion out of phase, an estimate.
-        folded: whether the scan may show less motion than there was (film/vibration/folds.py).
-        notes: what was seen of the scan that its errors do not hold.
+        warnings: what was seen of the scan that these do not hold, a line each.
     """
 
     noise_n: float
     out_of_phase_n: float
-    folded: bool
-    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def total_n(self) -> float:
         """All that the scan leaves open."""
         return self.noise_n + self.out_of_phase_n
-
-    @property
-    def warnings(self) -> list[str]:
-        """What is to be said beside the numbers."""
-        return [f"warning: {FOLDED}"] * self.folded + [f"note: {note}" for note in self.notes]
 
 
 @dataclass(frozen=True)
@@ -226,7 +218,7 @@ def scan_parts(
     """
     errors = scan_errors(scenes, smoothed, device=device)
     return [
-        ScanPart(float(noise), float(dropped), smoothed.folded, tuple(smoothed.scan.notes))
+        ScanPart(float(noise), float(dropped), smoothed.warnings)
         for noise, dropped in zip(errors.noise_n, errors.out_of_phase_n, strict=True)
     ]
 

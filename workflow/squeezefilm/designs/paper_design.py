@@ -31,6 +31,10 @@ EXCHANGES = 4
 KICKS = 2
 KICK = 0.05
 """Descents from a design kicked by so much, in unit factors, before a search is believed."""
+EQUAL = 1e-9
+"""Share up to which two values of a criterion are one: what rounding makes of a determinant."""
+PLACES = 101
+"""Places tried on a line of equally good points."""
 
 
 def information_determinant(derivatives: ArrayLike) -> Array:
@@ -205,6 +209,30 @@ def descend(criterion: Criterion, points: Array) -> Design:
         value=float(criterion.value(found)),
         inverse_determinant=float(inverse_determinant(criterion.derivatives(found))),
     )
+
+
+def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:
+    """Of equally good designs the one whose points lie far apart, as eq. 12 would choose.
+
+    A response that knows two factors by their ratio alone, here named, is the same all along a line
+    of equal ratio: the determinant leaves a point free there, and rounding would choose its place.
+    Point by point, of PLACES on its line those are taken at which the criterion is the same, and of
+    them the one with the least sum of inverse distances in unit factors.
+    """
+    box = criterion.box
+    columns = [box.names.index(name) for name in ratio]
+    low, high = np.array(box.lower)[columns], np.array(box.upper)[columns]
+    points = design.points
+    for number, point in enumerate(points):
+        both = point[columns]
+        ends = np.max(low / both), np.min(high / both)
+        scale = np.append(1.0, np.linspace(*ends, PLACES))
+        trials = np.repeat(points[None], len(scale), axis=0)
+        trials[:, number, columns] = np.clip(scale[:, None] * both, low, high)
+        equal = criterion.value(trials) <= design.value * (1 + EQUAL)
+        distances = np.where(equal, inverse_distances(box.to_unit(trials)), np.inf)
+        points = trials[int(np.argmin(distances))] if equal.any() else points
+    return replace(design, points=_sorted(points, box))
 
 
 def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design:

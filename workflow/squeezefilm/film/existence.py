@@ -22,7 +22,7 @@ def check_scene(scene: Scene) -> None:
     if not GAPS_M[0] <= scene.h0_m <= GAPS_M[1]:
         raise InputError(
             f"point {scene.point_id}: h0_m = {scene.h0_m:g} must lie between {GAPS_M[0]:g} and "
-            f"{GAPS_M[1]:g}: thinner, there is no film of gas, thicker, it is none"
+            f"{GAPS_M[1]:g} m: thinner, there is no film of gas, thicker, it is none"
         )
     if scene.hv_m < 0:
         raise InputError(f"point {scene.point_id}: hv_m = {scene.hv_m:g} must not be negative")

@@ -1,20 +1,15 @@
 """One operating point of a squeeze film, and the dimensionless numbers that govern it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import cos, hypot, pi, radians, sin, sqrt
-from typing import TypeVar
+from math import pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
-from squeezefilm.film.contour import DENSE, Contour
-from squeezefilm.film.outlines import Outline, ellipse
+from squeezefilm.film.finger import Finger, net
 from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of, phasor_of
 from squeezefilm.film.vibration.surfaces import Surface
-
-OUTLINE_POINTS = 144
-
-Number = TypeVar("Number", float, np.ndarray)
 
 
 @dataclass(frozen=True)
@@ -24,11 +19,12 @@ class Gas:
     ``rarefaction`` is ``none`` (viscous flow), ``slip`` (first order) or ``fukui-kaneko``.
     The density follows the pressure as ρ ~ p^(1/n) with the ``polytropic_exponent`` n: 1 for an
     isothermal film, the ratio of specific heats for an adiabatic one. The mean free path is given
-    at ambient density and goes like 1/ρ, as for molecules of a fixed size. ``inertia`` and
-    ``heat`` are ``none`` or ``included``; ``auto`` is decided before a scene is solved
-    (effects/automatic.py). Heat goes by the Prandtl number, the ratio of specific heats and the
-    exponent κ of viscosity ~ temperature^κ. What the equation of a scene leaves out enters its
-    budget alone (reynolds/effects).
+    at ambient density and goes like 1/ρ, as for molecules of a fixed size; slip of first order is
+    by a length of ``slip_coefficient`` times it. ``inertia`` and ``heat`` are ``none`` or
+    ``included``; ``auto`` is decided before a scene is solved (effects/automatic.py). Heat goes by
+    the Prandtl number, the ratio of specific heats and the exponent κ of viscosity ~
+    temperature^κ. What the equation of a scene leaves out enters its budget alone
+    (reynolds/effects).
     """
 
     viscosity_pa_s: float
@@ -42,6 +38,7 @@ class Gas:
     prandtl: float
     heat_capacity_ratio: float
     viscosity_exponent: float
+    slip_coefficient: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -60,114 +57,25 @@ class Actuator:
         return 2 * pi * self.frequency_hz
 
 
-@dataclass(frozen=True)
-class GapShape:
-    """How the gap at rest differs from place to place under the finger; zero at its centre.
+class _OnNet(NamedTuple):
+    """What is asked of a shaped gap, on a net of points under the finger, over h0."""
 
-    ``tilt_x_m`` is the gap at the middle of the side at +x less that at −x, ``tilt_y_m`` likewise;
-    ``bulge_m`` the gap at the middle of a side less that at the centre: positive for a pad that
-    bulges towards the surface.
+    narrowest: float
+    closure: float
+
+
+class _Inside(NamedTuple):
+    """The gap at a place on the net: what it is at rest less h0, and how far the surface moves over
+    a period, in units of hv, where no other point has less of the first and as much of the second;
+    and the first's least, largest, mean and mean square about that, on all of the net.
     """
 
-    tilt_x_m: float = 0.0
-    tilt_y_m: float = 0.0
-    bulge_m: float = 0.0
-
-    @cached_property
-    def flat(self) -> bool:
-        return not (self.tilt_x_m or self.tilt_y_m or self.bulge_m)
-
-    def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Gap at rest less h0 at positions in [0, 1] across the finger."""
-        x, y = x - 0.5, y - 0.5
-        tilt: np.ndarray = self.tilt_x_m * x + self.tilt_y_m * y
-        return tilt + 4 * self.bulge_m * (x**2 + y**2)
-
-
-@dataclass(frozen=True)
-class Finger:
-    """A pad, sliding along its own x axis at constant speed.
-
-    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, the axes of the ellipse, or
-    the extents of a ``curve``, the closed ``contour``, whose middle is the pad's centre; the
-    finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
-    """
-
-    length_x_m: float
-    length_y_m: float
-    speed_x_m_per_s: float
-    shape: str = "rectangle"
-    rotation_deg: float = 0.0
-    gap: GapShape = GapShape()
-    contour: Contour | None = None
-
-    @property
-    def area_m2(self) -> float:
-        if self.contour:
-            return self.contour.outline.area * self.length_x_m**2
-        share = pi / 4 if self.shape == "ellipse" else 1.0
-        return share * self.length_x_m * self.length_y_m
-
-    @property
-    def reach_m(self) -> float:
-        """Distance of the outline's farthest point from the finger's centre."""
-        if self.contour:
-            return float(np.abs(self.contour.rim).max()) * self.length_x_m
-        if self.shape == "ellipse":
-            return max(self.length_x_m, self.length_y_m) / 2
-        return hypot(self.length_x_m, self.length_y_m) / 2
-
-    @property
-    def rectangle_within(self) -> float:
-        """Sides of the largest rectangle of its proportions about its centre, over its own."""
-        if self.contour:
-            rim = self.contour.rim
-            across = np.maximum(2 * np.abs(rim.real), 2 * np.abs(rim.imag) / self.contour.aspect)
-            return float(across.min())
-        return sqrt(0.5) if self.shape == "ellipse" else 1.0
-
-    @property
-    def smooth_outline(self) -> Outline | None:
-        """The outline in conformal coordinates, unless it is a rectangle."""
-        if self.contour:
-            return self.contour.outline
-        return ellipse(self.length_y_m / self.length_x_m) if self.shape == "ellipse" else None
-
-    def outline(self) -> list[tuple[float, float]]:
-        """Points on the rim from the finger's centre, along the actuator's axes: (x_m, y_m).
-
-        A rectangle's four corners, or points all around another pad.
-        """
-        half_x, half_y = self.length_x_m / 2, self.length_y_m / 2
-        if self.contour:
-            rim = self.contour.rim[:: DENSE // (2 * OUTLINE_POINTS)] * self.length_x_m
-            points = list(zip(rim.real.tolist(), rim.imag.tolist(), strict=True))
-        elif self.shape == "ellipse":
-            angles = (2 * pi * step / OUTLINE_POINTS for step in range(OUTLINE_POINTS))
-            points = [(half_x * cos(angle), half_y * sin(angle)) for angle in angles]
-        else:
-            points = [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
-        return [self.turned(x, y) for x, y in points]
-
-    def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Whether places in [0, 1] across the sides lie under the pad."""
-        if self.contour:
-            z = (x - 0.5) + 1j * (y - 0.5) * self.contour.aspect
-            return self.contour.within(z.ravel()).reshape(z.shape)
-        if self.shape == "ellipse":
-            return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1 + 1e-12)
-        return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
-
-    def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
-        """Finger's coordinates in those of the actuator's axes."""
-        if self.rotation_deg == 0:
-            return x, y
-        c, s = cos(radians(self.rotation_deg)), sin(radians(self.rotation_deg))
-        return c * x - s * y, s * x + c * y
-
-    def turned_back(self, x: Number, y: Number) -> tuple[Number, Number]:
-        """Coordinates along the actuator's axes in the finger's own."""
-        return replace(self, rotation_deg=-self.rotation_deg).turned(x, y)
+    rises_m: np.ndarray
+    moves: np.ndarray
+    least_m: float
+    largest_m: float
+    mean_m: float
+    variance_m2: float
 
 
 @dataclass(frozen=True)
@@ -220,11 +128,16 @@ class Scene:
         return self.gas.mean_free_path_m / self.h0_m
 
     @property
+    def slip_knudsen(self) -> float:
+        """Length of first-order slip over mean gap, at ambient density; 0 without such slip."""
+        return self.gas.slip_coefficient * self.knudsen * (self.gas.rarefaction == "slip")
+
+    @property
     def inverse_knudsen(self) -> float:
         """D = √π / (2 Kn) at the mean gap and ambient density (Fukui and Kaneko)."""
         return sqrt(pi) / (2 * self.knudsen)
 
-    @property
+    @cached_property
     def modified_reynolds(self) -> float:
         """Modified Reynolds number ρ ω h0² / μ: the inertia that eq. (1) leaves out."""
         return (
@@ -253,6 +166,11 @@ class Scene:
     def place_hash(self) -> int:
         """Its hash, which takes as long as many a step of preparing a scene."""
         return hash(self.place)
+
+    @cached_property
+    def at(self) -> "AtPlace":
+        """The same for all scenes at one place, so that they need not be compared again."""
+        return _at(AtPlace(self))
 
     @property
     def two_phases(self) -> bool:
@@ -304,12 +222,10 @@ class Scene:
         moved = sum(part[..., None] * each for part, each in moves)
         return self.rest_gap(x, y)[..., None] + self.epsilon * moved
 
-    @cached_property
+    @property
     def narrowest(self) -> float:
         """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        if self.finger.gap.flat:
-            return 1 - self.epsilon
-        return float((self.rest_inside - self.epsilon * _moves_inside(AtPlace(self))).min())
+        return 1 - self.epsilon if self.finger.gap.flat else self._on_net.narrowest
 
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and finger touch.
@@ -319,17 +235,41 @@ class Scene:
         """
         if self.finger.gap.flat:
             return self.epsilon * getattr(self.actuator.profile, "largest", 1.0)
-        gap, excursion = self.rest_inside, self.epsilon * _moves_inside(AtPlace(self))
-        return float(np.max(np.where(gap > 0, excursion / gap, 1.0)))
+        return self._on_net.closure
+
+    @cached_property
+    def rest_range(self) -> tuple[float, float]:
+        """Least and largest gap over h0 without vibration."""
+        if self.finger.gap.flat:
+            return 1.0, 1.0
+        known = _inside(self.at)
+        return 1 + known.least_m / self.h0_m, 1 + known.largest_m / self.h0_m
+
+    @property
+    def typical_rest(self) -> float:
+        """A mean of the gap G over h0 without vibration that goes by where it is narrow.
+
+        (mean of 1/G⁴)^(-1/4), to second order in what G is more than its mean.
+        """
+        if self.finger.gap.flat:
+            return 1.0
+        known = _inside(self.at)
+        mean, variance = 1 + known.mean_m / self.h0_m, known.variance_m2 / self.h0_m**2
+        return mean**2 / sqrt(mean**2 + 5 * variance)
+
+    @cached_property
+    def _on_net(self) -> _OnNet:
+        known = _inside(self.at)
+        rest, excursion = 1 + known.rises_m / self.h0_m, self.epsilon * known.moves
+        touching = known.least_m <= -self.h0_m
+        return _OnNet(
+            narrowest=float((rest - excursion).min()),
+            closure=1.0 if touching else float((excursion / rest).max()),
+        )
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
         """A net of points x, y over the finger, rim included, in [0, 1]."""
-        return _net(self.finger)
-
-    @property
-    def rest_inside(self) -> np.ndarray:
-        """Gap over h0 without vibration on that net."""
-        return 1 + _rises_inside(self.finger) / self.h0_m
+        return net(self.finger)
 
 
 class AtPlace:
@@ -350,26 +290,20 @@ class AtPlace:
 # A study has many gaps and amplitudes at few places.
 
 
-@lru_cache(maxsize=256)
-def _net(finger: Finger) -> tuple[np.ndarray, np.ndarray]:
-    if finger.contour:
-        across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
-        return finger.contour.outline.positions(across, nu)
-    if finger.shape == "ellipse":
-        r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
-        return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
-    side = np.linspace(0, 1, 25)
-    x, y = np.meshgrid(side, side, indexing="ij")
-    return x, y
-
-
-@lru_cache(maxsize=256)
-def _rises_inside(finger: Finger) -> np.ndarray:
-    """Gap at rest less h0 on the net over a finger."""
-    return finger.gap.rise_m(*_net(finger))
+@lru_cache(maxsize=4096)
+def _at(place: AtPlace) -> AtPlace:
+    return place
 
 
 @lru_cache(maxsize=1024)
-def _moves_inside(at: AtPlace) -> np.ndarray:
-    """How far the surface moves over a period on the net, in units of hv."""
-    return at.scene.magnitude(*at.scene.inside())
+def _inside(at: AtPlace) -> _Inside:
+    x, y = (each.ravel() for each in at.scene.inside())
+    rises_m = at.scene.finger.gap.rise_m(x, y)
+    of_rises = (rises_m.min(), rises_m.max(), rises_m.mean(), rises_m.var())
+    moves = at.scene.magnitude(x, y)
+    order = np.lexsort((-moves, rises_m))
+    rises_m, moves = rises_m[order], moves[order]
+    # What is no number stays, for it has no finite value to be hidden behind.
+    most_before = np.maximum.accumulate(np.append(-np.inf, moves[:-1]))
+    hardest = ~(moves <= most_before)
+    return _Inside(rises_m[hardest], moves[hardest], *map(float, of_rises))

@@ -9,7 +9,7 @@ from math import nan
 from squeezefilm.io.errors import InputError
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True, slots=True)  # not frozen, which takes three times as long to make
 class Solution:
     """The mean force of one scene and how it was obtained; a scene that was not tried has no more
     than a status and a method.
@@ -69,6 +69,7 @@ DERIVATIVES = {
     "prandtl": ("prandtl", "n", "N"),
     "heat_capacity_ratio": ("heat_capacity_ratio", "n", "N"),
     "viscosity_exponent": ("viscosity_exponent", "n", "N"),
+    "slip_coefficient": ("slip_coefficient", "n", "N"),
 }
 
 

@@ -32,9 +32,13 @@ def describe(
     # A model that knows no position was fitted at some all the same.
     position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
     left_out = _left_out(model, factors, force_n, fit)
+    fitted_n = model.evaluate(fit.theta, factors)
     unseen = None
     if left_out is not None:
-        unseen = Unseen.of(factors, model_n=left_out, force_n=force_n, force_error_n=force_error_n)
+        # A point left out may lie nearer to the others' fit than it does to the fit of all.
+        off = np.abs(fitted_n - force_n) > np.abs(left_out - force_n)
+        model_n = np.where(off, fitted_n, left_out)
+        unseen = Unseen.of(factors, model_n=model_n, force_n=force_n, force_error_n=force_error_n)
     trust = Trust.of(factors, unseen, scan_error=scan_error)
     return {
         "about": model.about,
@@ -47,7 +51,7 @@ def describe(
             for name in (*model.factor_names, *position, *model.column_names)
             for values in [factors.column(name)]
         },
-        "residual": error_sizes(model_n=model.evaluate(fit.theta, factors), simulation_n=force_n),
+        "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
         "cross_validation": None
         if left_out is None
         else {

@@ -1,14 +1,15 @@
 """How far a fitted model is to be trusted at a point; the rule, for every place that says so.
 
-A fit is judged by simulations that it never saw: points left out of it in turn, or control points.
-Their errors are taken to change from point to point no faster than SAFETY times the steepest change
-among them, more where they are few (a Lipschitz bound: G. Beliakov, Interpolation of Lipschitz
-functions, J. Comput. Appl. Math. 196 (2006) 20-44, with the constant estimated from the data). So
-the error at a point is at most that at any unseen simulation and the steepness times the distance
-to it. This is done for the error in newtons and for the error over (hv/h0)², which a force follows;
-the lesser bound counts, and the simulations' own error is added, and what the scan of a measured
-profile leaves open. A point is trusted inside the ranges of the fitted points, also in hv/h0, where
-the bound is a small enough share of the force.
+A fit is judged by simulations that it never saw: points left out of it in turn, whose error is no
+less than the fit's own there, or control points. Their errors are taken to change from point to
+point no faster than SAFETY times the steepest change among them, more where they are few (a
+Lipschitz bound: G. Beliakov, Interpolation of Lipschitz functions, J. Comput. Appl. Math. 196
+(2006) 20-44, with the constant estimated from the data). So the error at a point is at most that at
+any unseen simulation and the steepness times the distance to it. This is done for the error in
+newtons and for the error over (hv/h0)², which a force follows; the lesser bound counts, and the
+simulations' own error is added, and what the scan of a measured profile leaves open. A point is
+trusted inside the ranges of the fitted points, also in hv/h0, where the bound is a small enough
+share of the force.
 
 The explorer's trust.js computes the same from the numbers of `Trust.to_dict`.
 """

@@ -18,12 +18,37 @@ from squeezefilm.reynolds import unknown_processor
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64
 # Doubles behind an array that kernels may read with the last of it, and not use (vectors.cl).
-SPARE = 8
-# Host arrays that are kept for the next launches: how many, and doubles of each.
-MOST_SPARE, LEAST_LENT, MOST_LENT = 4, 2**17, 2**22
+PADDING = 8
+# Host arrays that a pool keeps: how many, and doubles of each.
+MOST_POOLED, LEAST_POOLED, LARGEST_POOLED = 4, 2**17, 2**22
 BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable", "-cl-kernel-arg-info")
 # Kernels' arguments that are numbers: told of their types, pyopencl need not try them out.
 NUMBER_TYPES: dict[str, Any] = {"int": np.int32, "ulong": np.uint64, "double": np.float64}
+
+
+@dataclass(frozen=True)
+class ArrayPool:
+    """Host arrays that launches are done with, for the next ones.
+
+    The system clears the pages of new memory, which takes a tenth of the time of a batch.
+    """
+
+    free: list[np.ndarray] = field(default_factory=list)
+
+    def acquire(self, count: int) -> np.ndarray:
+        """An array of so many doubles, or more, as whoever had it before has left it."""
+        if count > LARGEST_POOLED:
+            return aligned(count)
+        try:
+            array = self.free.pop()
+        except IndexError:
+            array = aligned(LEAST_POOLED)
+        return array if array.size >= count else aligned(count)
+
+    def release(self, *arrays: np.ndarray) -> None:
+        for array in arrays:
+            if array.size <= LARGEST_POOLED and len(self.free) < MOST_POOLED:
+                self.free.append(array)
 
 
 @dataclass(frozen=True)
@@ -40,7 +65,7 @@ class Device:
         memory_bytes: the device's own memory.
         processor: whether it is one, and not an accelerator.
         rooms: the buffer that kernels work in, kept from launch to launch.
-        spare: host arrays that launches are done with.
+        arrays: host arrays, kept from launch to launch.
     """
 
     context: Any
@@ -53,7 +78,7 @@ class Device:
     processor: bool = True
     register_bytes: int = 32
     rooms: list[Any] = field(default_factory=list, compare=False)
-    spare: list[np.ndarray] = field(default_factory=list, compare=False)
+    arrays: ArrayPool = field(default_factory=ArrayPool, compare=False)
 
     def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
         """Groups to launch: no more than scenes, nor than half the memory has room for."""
@@ -107,37 +132,18 @@ class Device:
         return self.work_items > 1 and self.processor and _of_pocl(self.context.devices[0])
 
     def room(self, numbers: int) -> Any:
-        """A buffer of so many doubles, or more, for a kernel to work in, and some to spare.
+        """A buffer of so many doubles, or more, for a kernel to work in, and padding.
 
         All kernels get the same one, for the queue runs them one after the other, and it is kept:
         new room is dear, the system clears its pages first.
         """
         import pyopencl as cl
 
-        size = 8 * (numbers + SPARE)
+        size = 8 * (numbers + PADDING)
         if not self.rooms or self.rooms[0].size < size:
             self.rooms.clear()
             self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
         return self.rooms[0]
-
-    def lent(self, count: int) -> np.ndarray:
-        """Room for so many doubles, or more, as whoever had it before has left it.
-
-        Who is done with it gives it back: the system clears the pages of new room, which takes a
-        tenth of the time of a batch.
-        """
-        if count > MOST_LENT:
-            return aligned(count)
-        try:
-            room = self.spare.pop()
-        except IndexError:
-            room = aligned(LEAST_LENT)
-        return room if room.size >= count else aligned(count)
-
-    def give_back(self, *rooms: np.ndarray) -> None:
-        for room in rooms:
-            if room.size <= MOST_LENT and len(self.spare) < MOST_SPARE:
-                self.spare.append(room)
 
     @property
     def _in_host_memory(self) -> bool:

@@ -131,13 +131,17 @@ def left_after(fall: np.ndarray | float) -> np.ndarray:
     return np.asarray(FALL_FACTOR * q / (1 - q))
 
 
-def fall_of(before: Change, after: Change, *, coarse: Grid, fine: Grid) -> np.ndarray:
-    """Factor by which changes fall from one to that between two grids.
+def step_between(coarse: Grid, fine: Grid) -> float:
+    """How many nodes one grid has for one of the other, along the axis where it has most."""
+    return max(coarse.nx / fine.nx, coarse.ny / fine.ny)
+
+
+def fall_of(before: Change, after: Change, *, step: np.ndarray | float) -> np.ndarray:
+    """Factor by which changes fall from one to that between two grids, a ``step_between`` apart.
 
     That of the moments, but no less than their sizes': chance may make moments small, or a layer at
     the rim that the grids do not resolve yet.
     """
-    step = max(coarse.nx / fine.nx, coarse.ny / fine.ny)
     moments, sizes = (
         np.divide(new, old, out=np.where(new > 0, np.inf, 0.0), where=old > 0)
         for new, old in ((after.largest, before.largest), (after.size, before.size))

@@ -111,7 +111,7 @@ class Grid:
         """What it has in common with grids of the same nodes across the finger."""
         return _of_few_instants(self)
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of unknowns."""
         return self.nx * self.ny * self.nt

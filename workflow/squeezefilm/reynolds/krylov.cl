@@ -1,6 +1,14 @@
 /* GMRES for the film's linear systems, by the work-items of one work-group. Compiled between a film
  * (Grid, Film and its apply_jacobian) and the method that solves for it. */
 
+/* The sum of some vectors, each times a number, in the first of them. */
+static void combine(vector vectors, int length, matrix factors, int some, int count4)
+{
+    scale_field(vectors, factors[0], count4);
+    for (int k = 1; k < some; k++)
+        subtract(vectors, -factors[k], vectors + k * length, count4);
+}
+
 /* GMRES with modified Gram–Schmidt and Givens rotations for a preconditioned system whose product
  * is apply_jacobian. On entry basis[0] holds the right-hand side, of norm `beta`; on exit the
  * solution. Vectors are of the type `real`, all that is small is double. Norms are root sums of
@@ -59,9 +67,7 @@ static int gmres(const Grid *g, Film *film, vector basis, field small, double be
         }
     SYNC;
     if (steps > 0)
-        scale_field(basis, right[0], g->length4);
-    for (int j = 1; j < steps; j++)
-        subtract(basis, -right[j], basis + j * g->length, g->length4);
+        combine(basis, g->length, right, steps, g->length4);
     *left_over = left;
     return steps;
 }

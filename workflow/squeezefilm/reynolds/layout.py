@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import accumulate
 from typing import Any
 
 import numpy as np
 
-from squeezefilm.reynolds.device import SPARE
+from squeezefilm.reynolds.device import PADDING
 from squeezefilm.reynolds.terms import HOOKS, Terms
 
 C_TYPES = {"float64": "double", "int64": "long"}
+# What stands for no place; it stays below zero whatever is added to it.
+NOTHING = -(2**62)
 
 
 def c_struct(name: str, row: np.dtype[Any]) -> str:
@@ -41,11 +43,12 @@ def c_terms(terms: Terms) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Whole numbers in rows.
+    """Whole numbers in rows, of which a scene has one for each stage of its way.
 
     Attributes:
         names: of the columns.
-        values: one of each for all scenes, shape (names,), or for each, (scenes, names).
+        values: the same for all, for each stage or for each row: shape (names,), (stages, names)
+            or (scenes, stages, names).
     """
 
     names: tuple[str, ...]
@@ -53,28 +56,35 @@ class Columns:
 
 
 def rows_of(
-    *stages: Sequence[Columns], numbers: np.ndarray, **more: np.ndarray | Sequence[float]
+    columns: Sequence[Columns],
+    *,
+    numbers: np.ndarray,
+    stages: int = 1,
+    **more: np.ndarray | Sequence[float],
 ) -> np.ndarray:
     """Rows for a kernel, scene by scene one for each stage: whole numbers, the scene's, and more.
 
     Args:
-        stages: whole numbers of each stage, of names that there are twice the last counts; every
-            stage has the same names.
+        columns: whole numbers, of names that there are twice the last counts.
         numbers: with a row per scene.
         more: one for each scene, shape (scenes,), or for each of its rows, (scenes, stages).
     """
-    kind, places = _row_type(tuple(each.names for each in stages[0]), numbers.dtype, tuple(more))
+    kind, places = _row_type(tuple(each.names for each in columns), numbers.dtype, tuple(more))
     # As plain numbers, and many columns at once: a row has some thirty.
-    table = np.empty((len(numbers), len(stages), kind.itemsize // 8), dtype=np.int64)
-    for stage, whole in enumerate(stages):
-        for place, columns in zip(places, whole, strict=False):
-            table[:, stage, place] = columns.values
+    table = np.empty((len(numbers), stages, kind.itemsize // 8), dtype=np.int64)
+    for place, each in zip(places, columns, strict=False):
+        table[:, :, place] = each.values
     reals = table.view(np.float64)
     if numbers.dtype.itemsize:
         reals[..., places[-1]] = numbers.view(np.float64).reshape(len(numbers), 1, -1)
     for column, values in enumerate(more.values(), start=reals.shape[-1] - len(more)):
         reals[..., column] = np.reshape(values, (len(numbers), -1))
     return table.reshape(-1, table.shape[-1]).view(kind)[:, 0]
+
+
+def by_stages(stages: Sequence[Columns]) -> Columns:
+    """Those of the scenes on each stage, shapes (scenes, 1, names), as one."""
+    return Columns(stages[0].names, np.concatenate([each.values for each in stages], axis=1))
 
 
 def joined_rows(batches: Sequence[np.ndarray]) -> np.ndarray:
@@ -105,21 +115,44 @@ def _row_type(
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """Arrays behind each other, and where each begins."""
+    """Arrays behind each other, and where each begins: shape (names,) or (stages, names)."""
 
+    names: tuple[str, ...]
     values: np.ndarray
-    starts: dict[str, int]
-
-    @cached_property
-    def columns(self) -> Columns:
-        return Columns(tuple(self.starts), np.array(list(self.starts.values())))
+    starts: np.ndarray
 
 
 def joined(parts: Mapping[str, np.ndarray]) -> Joined:
     """Arrays behind each other, each beginning where kernels can read four numbers at once."""
     pieces = [_in_fours(np.ascontiguousarray(part).ravel()) for part in parts.values()]
-    starts = accumulate((piece.size for piece in pieces[:-1]), initial=0)
-    return Joined(np.concatenate(pieces), dict(zip(parts, starts, strict=True)))
+    return Joined(tuple(parts), np.concatenate(pieces), _begins(piece.size for piece in pieces))
+
+
+def nothing(names: Sequence[str]) -> Joined:
+    """Of arrays that there are not, as if they were there."""
+    return Joined(tuple(names), np.empty(0), np.full(len(names), NOTHING))
+
+
+def joined_stages(stages: Sequence[Sequence[Joined]]) -> Joined:
+    """What there is of each stage, under the same names, behind what there is of the one before."""
+    each = [some for stage in stages for some in stage]
+    ends = iter(_begins(some.values.size for some in each))
+    starts = [np.concatenate([some.starts + next(ends) for some in stage]) for stage in stages]
+    names = tuple(name for some in stages[0] for name in some.names)
+    return Joined(names, np.concatenate([some.values for some in each]), np.stack(starts))
+
+
+def joined_each(stages: Sequence[Mapping[str, np.ndarray]]) -> list[Joined]:
+    """Of each row of arrays that have as many rows, on every stage of the same names."""
+    rows = [part.reshape(len(part), -1) for parts in stages for part in parts.values()]
+    rows = [np.pad(part, ((0, 0), (0, -part.shape[1] % 4))) for part in rows]
+    begins = _begins(part.shape[1] for part in rows).reshape(len(stages), -1)
+    return [Joined(tuple(stages[0]), row, begins) for row in np.concatenate(rows, axis=1)]
+
+
+def _begins(sizes: Iterable[int]) -> np.ndarray:
+    """Where each of some arrays begins that lie behind each other."""
+    return np.array([*accumulate(sizes, initial=0)][:-1])
 
 
 def _in_fours(piece: np.ndarray) -> np.ndarray:
@@ -143,7 +176,7 @@ class Pile:
 
     def add(self, more: Joined) -> Columns:
         """Where each of some arrays begins."""
-        return Columns(more.columns.names, more.columns.values + self.put(more.values))
+        return Columns(more.names, more.starts + self.put(more.values))
 
     def add_each(self, parts: Mapping[str, np.ndarray], which: np.ndarray | None = None) -> Columns:
         """Where each scene's part begins of arrays with a row for each scene, or for ``which``."""
@@ -151,12 +184,12 @@ class Pile:
         count = len(next(iter(parts.values())))
         sizes = [part.size // count for part in parts.values()]
         rows = np.arange(count) if which is None else which
-        return Columns(tuple(parts), begins + np.multiply.outer(rows, sizes))
+        return Columns(tuple(parts), begins + np.multiply.outer(rows, [sizes]))
 
     @property
     def values(self) -> np.ndarray:
-        """All of them, with room to spare behind the last."""
-        return self.put_into(np.empty(self.end + SPARE))
+        """All of them, with padding behind the last."""
+        return self.put_into(np.empty(self.end + PADDING))
 
     def put_into(self, room: np.ndarray) -> np.ndarray:
         """All of them at the beginning of some room."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 from squeezefilm.film.outlines import Outline
-from squeezefilm.film.scene import Finger, Scene
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
 from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
 
@@ -57,12 +57,12 @@ class Needs:
 
 def needs_of(scene: Scene) -> Needs:
     """What the scene needs, found from its profile, motion and gas."""
-    return _needs(under_finger(scene), terms_of(scene), scene.finger)
+    return _needs(under_finger(scene), terms_of(scene))
 
 
 @lru_cache(maxsize=4096)
-def _needs(profile: UnderFinger, terms: Terms, finger: Finger) -> Needs:
-    gap, outline = finger.gap, finger.smooth_outline
+def _needs(profile: UnderFinger, terms: Terms) -> Needs:
+    gap, outline = profile.finger.gap, profile.finger.smooth_outline
     broken = {axis for term in terms for axis in term.BREAKS}
     return Needs(
         fold_x=profile.even_x

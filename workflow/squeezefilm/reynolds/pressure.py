@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from squeezefilm.film.scene import Finger, Scene
+from squeezefilm.film.finger import Finger
+from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
@@ -14,9 +15,10 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import pressure_at, solved_in_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.first_grids import grid_for
-from squeezefilm.reynolds.periodic.launch import STATUS, solve_batch
+from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import finer_grid
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
+from squeezefilm.reynolds.periodic.states import STATUS
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.solver import ways_of

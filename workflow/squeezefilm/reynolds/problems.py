@@ -31,8 +31,7 @@ class Problems:
             and mirror images included, shape (places, parts, nodes along x, nodes along y).
         places: row of ``parts`` that each scene has.
         tolerance: relative error of the force that the iteration may leave, one for the batch.
-        at: the places, where scenes share them and their parts are so few and simple that they are
-            kept.
+        at: the places, where their parts are so few and simple that they are kept.
     """
 
     numbers: np.ndarray
@@ -117,17 +116,14 @@ def _parts(
     And the places, where they are kept.
     """
     known: dict[AtPlace, int] = {}
-    places = [known.setdefault(AtPlace(scene), len(known)) for scene in scenes]
+    places = [known.setdefault(scene.at, len(known)) for scene in scenes]
     nodes = sum(grid.positions[0].size for grid in grids)
     ask = _profile_kept if nodes <= MOST_KEPT else _profile_on
     found = []
     at = tuple(known)
     for each in at:
-        scene, moving = each.scene, ask(each, tuple(grid.in_space for grid in grids))
-        found.append([_with_rest(scene, *its) for its in zip(grids, moving, strict=True)])
-    # Scenes that share no places are prepared faster all at once.
-    shared = len(at) == 1 or len(at) < len(scenes)
-    kept = shared and ask is _profile_kept and all(each.scene.plain for each in at)
+        found.append(ask(each, tuple(grid.in_space for grid in grids)))
+    kept = ask is _profile_kept
     parts = [np.array(on_grid) for on_grid in zip(*found, strict=True)]
     return parts, np.array(places), at if kept else ()
 
@@ -138,7 +134,8 @@ def _profile_on(at: AtPlace, grids: tuple[Grid, ...]) -> list[np.ndarray]:
     values = at.scene.parts(x, y)
     ends = np.cumsum([grid.positions[0].size for grid in grids])[:-1]
     each = zip(np.split(values, ends, axis=1), grids, strict=True)
-    return [part.reshape(len(part), *_whole(grid)) for part, grid in each]
+    moving = (part.reshape(len(part), *_whole(grid)) for part, grid in each)
+    return [_with_rest(at.scene, *its) for its in zip(grids, moving, strict=True)]
 
 
 _profile_kept = lru_cache(maxsize=256)(_profile_on)
@@ -191,16 +188,22 @@ def mean_parts(problems: Problems, grid: Grid) -> np.ndarray:
     return np.asarray(along_x @ inner @ along_y)
 
 
-def mean_motion(problems: Problems, grid: Grid) -> np.ndarray:
-    """How the gap averaged over the finger moves, over what it is at rest, shape (scenes, 2).
+def mean_motion(problems: Problems, means: Sequence[Sequence[float]]) -> list[tuple[float, float]]:
+    """How each scene's gap averaged over the finger moves, over what it is at rest.
 
-    The factors of sin T and of cos T.
+    The factors of sin T and of cos T, by the means of the gap's parts at each place.
     """
-    means = mean_parts(problems, grid)[problems.places]
-    if means.shape[1] == 1:
-        return np.append(means, 0 * means, axis=1) * problems.epsilon[:, None]
-    rest = 1 + problems.numbers["per_rise"] * means[:, 2]
-    return np.asarray(means[:, :2] * (problems.epsilon / rest)[:, None])
+    films = zip(problems.places.tolist(), problems.epsilon.tolist(), strict=True)
+    if problems.parts.shape[1] == 1:
+        return [(means[place][0] * epsilon, 0.0) for place, epsilon in films]
+    motions = []
+    for (place, epsilon), per_rise in zip(
+        films, problems.numbers["per_rise"].tolist(), strict=True
+    ):
+        first, second, rise = means[place]
+        size = epsilon / (1 + per_rise * rise)
+        motions.append((first * size, second * size))
+    return motions
 
 
 @lru_cache(maxsize=256)

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene
+from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.vibration.shapes import Sinc, StandingWave, TwoPhases
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.atomic import write_text
@@ -63,15 +64,16 @@ def films() -> dict[str, tuple[Scene, Grid]]:
             quarter,
         ),
         "any gap": (_of_any_gap(_film(x_m=2e-3)), half),
+        "any gap, wide and narrow": (_of_any_gap(_film(hv_m=1.2e-6), tilt_x_m=6.4e-6), half),
         "any gap, inertia": (_of_any_gap(_film(x_m=2e-3, inertia="included")), half),
     }
 
 
-def _of_any_gap(scene: Scene) -> Scene:
+def _of_any_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     """Tilted and bulging, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
     modes = TwoPhases(SINC, crests, shares=(0.8, 0.6))
-    gap = GapShape(tilt_x_m=1e-6, bulge_m=5e-7)
+    gap = GapShape(tilt_x_m=tilt_x_m, bulge_m=5e-7)
     return replace(
         scene,
         actuator=replace(scene.actuator, profile=modes),
@@ -80,12 +82,17 @@ def _of_any_gap(scene: Scene) -> Scene:
 
 
 def _film(
-    *, x_m: float = 0.0, y_m: float = 0.0, speed_x_m_per_s: float = 0.0, **gas: str | float
+    *,
+    hv_m: float = 2.4e-6,
+    x_m: float = 0.0,
+    y_m: float = 0.0,
+    speed_x_m_per_s: float = 0.0,
+    **gas: str | float,
 ) -> Scene:
     return Scene(
         point_id="self-test",
         h0_m=6e-6,
-        hv_m=2.4e-6,
+        hv_m=hv_m,
         x_m=x_m,
         y_m=y_m,
         gas=Gas(**{**vars(AIR), **gas}),

@@ -55,12 +55,14 @@ class UnderFinger:
     """A profile at one place of a finger, looked at as closely as is asked.
 
     Attributes:
+        finger: the finger.
         even_x, even_y: whether all of it is even about the finger's middle along x, y.
         uniform: the whole finger sees the full amplitude.
     """
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
+        self.finger = scene.finger
         self._landmarks = _landmarks_under(scene)
         parts, between, first = _probed(scene, PROBES[0], self._landmarks)
         self._probes = [first]
@@ -114,7 +116,7 @@ class UnderFinger:
 
 def under_finger(scene: Scene) -> UnderFinger:
     """The profile under a scene's finger; one for all scenes at one place."""
-    return _at_place(AtPlace(scene))
+    return _at_place(scene.at)
 
 
 @lru_cache(maxsize=4096)

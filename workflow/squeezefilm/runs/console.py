@@ -67,7 +67,7 @@ class OneLine(logging.Formatter):
             return "; no earlier run tells how long that takes here"
         seconds = self.total * self.pace_s
         said = f"{seconds / 60:.0f} min" if seconds > 100 else f"{max(seconds, 1):.0f} s"
-        return f"; about {said}, as fast as earlier runs here"
+        return f"; about {said} if each takes {self.pace_s:.1g} s, as in earlier runs here"
 
 
 def quieten(logger: logging.Logger, *, about: str, pace_s: float | None) -> None:

@@ -13,7 +13,7 @@ import yaml
 
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import CARTESIAN, POLAR
-from squeezefilm.studies.derived import ENDS, with_derived
+from squeezefilm.studies.derived import ENDS, whole_gas, with_derived
 from squeezefilm.studies.mistakes import mistakes
 from squeezefilm.studies.schema import Part, filled, in_si, schema
 
@@ -105,7 +105,11 @@ def load_config(path: Path | str) -> Config:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such configuration file") from None
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: the configuration cannot be read: byte {error.start + 1} is no text in UTF-8"
+        ) from None
+    except OSError as error:
         raise InputError(f"{path}: the configuration cannot be read: {error}") from None
     return parse_config(text, path=path)
 
@@ -147,7 +151,11 @@ def parse_sections(values: dict[str, Any], *, place: Path) -> dict[str, Any]:
         "properties": {name: whole["properties"][name] for name in values},
         "required": list(values),
     }
-    return dict(filled(_checked(values, part, path=place), part))
+    found = dict(filled(_checked(values, part, path=place), part))
+    if "gas" in found:
+        with naming(place):
+            found["gas"] = whole_gas(found["gas"])
+    return found
 
 
 def _checked(values: dict[str, Any], part: Part, *, path: Path) -> dict[str, Any]:

@@ -11,6 +11,17 @@ from typing import Any
 
 from squeezefilm.io.errors import InputError
 
+AIR_PA_S, AIR_PA = 1.81e-5, 101325.0
+AIR = {
+    "density_kg_per_m3": 1.204,
+    "mean_free_path_m": 67e-9,
+    "prandtl": 0.71,
+    "heat_capacity_ratio": 1.4,
+    "viscosity_exponent": 0.7,
+}
+"""At 20 °C, of that viscosity and under that pressure."""
+LIKE_AIR = 0.05
+"""By how much the viscosity of air may differ, relative, that is not quite so warm."""
 FACTORS = ("h0_m", "hv_m")
 ENDS = ("start", "stop")
 FINER, MOST_LEVELS = 2, 1000
@@ -35,6 +46,7 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
 
     Raises InputError naming the key that nothing reasonable follows for.
     """
+    values["gas"] = whole_gas(values["gas"])
     screen, control, wanted = values["screen"], values["error_map"], values["extrapolation"]
     for factor in FACTORS:
         levels = {name: screen[factor][name] for name in ENDS}
@@ -54,6 +66,32 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
         best = (PHYSICS if known else FORMULAS)["refine"][place]
         values["refine"].setdefault(space, list(best))
     return values
+
+
+def whole_gas(gas: dict[str, Any]) -> dict[str, Any]:
+    """A gas with what is not written of it: that of air, whose density goes with the pressure.
+
+    Raises InputError for a viscosity that is not air's where something of it is not written, and
+    for a coefficient of slip where there is none.
+    """
+    density = gas["ambient_pressure_pa"] / AIR_PA
+    air = AIR | {
+        "density_kg_per_m3": AIR["density_kg_per_m3"] * density,
+        "mean_free_path_m": AIR["mean_free_path_m"] / density,
+    }
+    lacking = [name for name in air if name not in gas]
+    viscosity_pa_s = gas["viscosity_pa_s"]
+    if lacking and abs(viscosity_pa_s / AIR_PA_S - 1) > LIKE_AIR:
+        raise InputError(
+            f"gas: viscosity_pa_s {viscosity_pa_s:g} is not that of air at 20 °C, {AIR_PA_S:g}; of "
+            f"another gas give {', '.join(lacking)} too, which are air's where they are not written"
+        )
+    if gas["slip_coefficient"] != 1 and gas["rarefaction"] != "slip":
+        raise InputError(
+            f"gas: slip_coefficient {gas['slip_coefficient']:g} is read with rarefaction: slip, "
+            f"and not with {gas['rarefaction']}"
+        )
+    return gas | {name: air[name] for name in lacking}
 
 
 def _other_points(screen: dict[str, Any], control: dict[str, Any]) -> None:

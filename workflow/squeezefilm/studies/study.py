@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from squeezefilm.film.contour import read_contour
 from squeezefilm.film.directions import Directions, Symmetry
 from squeezefilm.film.existence import check_scene
-from squeezefilm.film.scene import Actuator, Finger, GapShape, Gas, Scene
+from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Sinc, StandingWave, Vibration
 from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface

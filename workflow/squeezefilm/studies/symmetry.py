@@ -7,7 +7,7 @@ from math import atan2, cos, degrees, radians, sin
 import numpy as np
 
 from squeezefilm.film.directions import Directions, Mirrors, Symmetry
-from squeezefilm.film.scene import Finger
+from squeezefilm.film.finger import Finger
 from squeezefilm.film.vibration.shapes import Vibration, phasor_of
 from squeezefilm.film.vibration.surfaces import Rectangle, Surface
 

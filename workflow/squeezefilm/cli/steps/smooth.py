@@ -28,5 +28,5 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(f"{options.config}: actuator.profile: {kind} is not measured")
     smoothed = smoothed_anew(config)
     write_smoothed(smoothed, Path(options.output), settings=smoothing_settings(config))
-    for note in smoothed.scan.notes:
-        print(f"note: {note}")
+    for warning in smoothed.warnings:
+        print(warning)

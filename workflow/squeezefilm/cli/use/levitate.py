@@ -22,7 +22,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from squeezefilm.api.forces import ScanPart, scan_parts
+from squeezefilm.api.forces import scan_parts
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
@@ -67,7 +67,6 @@ def run(options: argparse.Namespace) -> None:
     with node_cache.one_build_at_a_time():
         device = device_of(config, option=options.device)
     smoothed = smoothed_scan_of(config)
-    scan: ScanPart | None = None
     rows, failures = [], []
     with progress_bar(len(loads_n) * len(points), unit="load", name="levitate") as bar:
         for point in points:
@@ -83,8 +82,8 @@ def run(options: argparse.Namespace) -> None:
                         device=device,
                     )
                     if smoothed is not None:
-                        (scan,) = scan_parts([found.scene], smoothed, device=device)
-                        more_m = scan.total_n / abs(found.stiffness_n_per_m)
+                        (part,) = scan_parts([found.scene], smoothed, device=device)
+                        more_m = part.total_n / abs(found.stiffness_n_per_m)
                         found = replace(found, h0_error_m=found.h0_error_m + more_m)
                     (budget,) = budgets([found.scene], device=device)
                     row |= _row(found, budget, mass_kg)
@@ -95,9 +94,8 @@ def run(options: argparse.Namespace) -> None:
                 bar.update(1)
     table = pd.DataFrame(rows)
     if smoothed is not None:
-        print("note: errors of stiffness and resonance are without the scan's", file=sys.stderr)
-        if scan is not None:
-            print(*scan.warnings, sep="\n", end="\n" * bool(scan.warnings), file=sys.stderr)
+        without = "note: errors of stiffness and resonance are without the scan's"
+        print(without, *smoothed.warnings, sep="\n", file=sys.stderr)
     if options.output is not None:
         write_table(table, options.output)
         return
@@ -126,6 +124,8 @@ def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
         if options.load is None or options.hv is None:
             raise InputError("give --load and --hv, or --like FORCES.csv")
         loads_n = quantities(options.load, option="--load", unit="N")
+        if min(loads_n) <= 0:
+            raise InputError(f"--load {options.load!r} must be positive")
     points = points_in(options)
     wrong = points.loc[~points["hv_m"].between(*AMPLITUDES_M), "hv_m"]
     if len(wrong):

@@ -21,7 +21,6 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict, replace
 from math import isfinite
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,12 +29,10 @@ from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError, naming
+from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
-from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.answers.stiffness import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import (
     METHODS,
@@ -46,14 +43,13 @@ from squeezefilm.reynolds.dynamics.response import (
     steps_of,
 )
 from squeezefilm.reynolds.dynamics.scenes import refused
+from squeezefilm.reynolds.dynamics.slow_gain import slow_gain
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.runs import node_cache
-from squeezefilm.studies.solver_settings import solver_settings
+from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
-# Of the forces that a quotient is made of: their errors count fifty times in it.
-GAIN_TOLERANCE = 1e-4
 FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
@@ -100,7 +96,7 @@ def run(options: argparse.Namespace) -> None:
         if lacking := [each for each in ("inertia", "heat") if _included(chosen, each)]:
             print(
                 f"note: {' and '.join(lacking)} would be in this force (gas: auto): "
-                + _slow_gains(chosen, settings.how(device))
+                + _slow_gains(chosen, settings, device)
                 + "; how much they change the rest of the response is not known"
             )
         return
@@ -120,32 +116,17 @@ def run(options: argparse.Namespace) -> None:
         write_table(_all_steps(table, scenes), options.steps)
 
 
-def _slow_gains(included: Scene, how: dict[str, Any]) -> str:
-    """What terms do to the gain of slow modulation, of forces with and without them, in words.
-
-    The gain of the slowest modulation is that of periodic states, hv/F ∂F/∂hv: a difference
-    quotient of forces.
-    """
-    found = []
-    how["tolerance"] = min(how["tolerance"], GAIN_TOLERANCE)
+def _slow_gains(included: Scene, settings: SolverSettings, device: Device) -> str:
+    """What terms do to the gain of slow modulation, in words."""
     without = replace(included, gas=replace(included.gas, inertia="none", heat="none"))
-    for scene in (included, without):
-        shares = 1 + STEP * np.array([0, *AROUND])
-        there = [replace(scene, hv_m=scene.hv_m * float(share)) for share in shares]
-        solutions = solve(there, **how)
-        if bad := next((each.status for each in solutions if each.status != "ok"), None):
-            return f"their part in the gain for slow modulation is not known ({bad})"
-        forces, errors = np.array([(each.force_n, each.force_error_n) for each in solutions]).T
-        slope, error = quotient(forces[1:], errors[1:], scene.hv_m)
-        gain = -slope * scene.hv_m / forces[0]
-        found.append(
-            (gain, abs(gain) * errors[0] / abs(forces[0]) + error * scene.hv_m / forces[0])
+    try:
+        gain, other = (
+            slow_gain(scene, tolerance=settings.tolerance, method=settings.method, device=device)
+            for scene in (included, without)
         )
-    (gain, error), (other, other_error) = found
-    return (
-        f"with them the gain for slow modulation is {gain:.4g} ± {error:.1g} instead of "
-        f"{other:.4g} ± {other_error:.1g}"
-    )
+    except RunError as error:
+        return f"their part in the gain for slow modulation is not known ({error})"
+    return f"with them the gain for slow modulation is {gain} instead of {other}"
 
 
 def _included(scene: Scene, term: str) -> bool:

@@ -34,7 +34,6 @@ from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.folds import FOLDED
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
@@ -136,7 +135,7 @@ def _simulate_points(
             derivatives=options.derivatives,
         )
         write_points(forces_table(points, forces), options.output)
-        _print_scan_notes(smoothed)
+        _print_warnings(smoothed)
     failures = [
         f"row {row}: {reason}" if len(forces) > 1 else reason
         for row, force in enumerate(forces, start=1)
@@ -194,10 +193,10 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
     if smoothed is not None:
         print(
             "force_error_n is the solver's error alone: what the scan's noise adds, "
-            "`squeezefilm profile` says" + f"; warning: {FOLDED}" * smoothed.folded,
+            "`squeezefilm profile` says",
             file=sys.stderr,
         )
-        _print_scan_notes(smoothed)
+    _print_warnings(smoothed)
     print(
         f"{solved} of {len(table)} scenes solved in {seconds:.3f} s"
         + f", their derivatives in {derivative_seconds:.3f} s" * options.derivatives,
@@ -211,9 +210,9 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
         raise RunError(f"{what} for " + "; ".join(failures))
 
 
-def _print_scan_notes(smoothed: SmoothedScan | None) -> None:
-    for note in smoothed.scan.notes if smoothed else ():
-        print(f"note: {note}", file=sys.stderr)
+def _print_warnings(smoothed: SmoothedScan | None) -> None:
+    for warning in smoothed.warnings if smoothed else ():
+        print(warning, file=sys.stderr)
 
 
 def _missing(solution: Solution) -> str:

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.film.vibration.binning import averaging_loss, binned
-from squeezefilm.film.vibration.folds import looks_folded
+from squeezefilm.film.vibration.folds import FOLDED, looks_folded
 from squeezefilm.film.vibration.least_squares import Fit, best_fit, wants_angles
 from squeezefilm.film.vibration.maxima import bias_of_largest, largest_on_net
 from squeezefilm.film.vibration.shapes import (
@@ -122,6 +122,12 @@ class SmoothedScan:
         ]
         return math.hypot(*losses)
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is to be said beside its numbers, a line each."""
+        folded = [f"warning: {FOLDED}"] * self.folded
+        return (*folded, *(f"note: {note}" for note in self.scan.notes))
+
     def residual_bootstrap(self, *, count: int, seed: int) -> list[Vibration]:
         """Profiles that scans with other noise would have given: residuals drawn anew.
 
@@ -173,8 +179,7 @@ def smoothed_scan(
 ) -> SmoothedScan:
     """The smooth profile of a scan's file on a surface; read and fitted once a process.
 
-    Raises InputError naming the file and the row or column that is wrong, or what the points do not
-    determine.
+    Raises InputError naming the file, and what is wrong where or what its points leave open.
     """
     return smoothed(
         read_scan(path, frequency_hz=frequency_hz),

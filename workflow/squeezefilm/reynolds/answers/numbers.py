@@ -154,7 +154,7 @@ def _add_sliding(
 ) -> None:
     """The shear that a sliding surface makes by itself, which the whole thrust has too."""
     coarse, fine = _couette(before), _couette(film)
-    slip = 2 * film.scene.knudsen if film.scene.gas.rarefaction == "slip" else 0.0
+    slip = 2 * film.scene.slip_knudsen
     change = max(abs(fine - coarse), least * slip * abs(fine))  # slip knows the gas's density
     doubt = factor * change + ROUND_OFF * abs(fine)
     value["sliding_friction"], error["sliding_friction"] = fine, doubt
@@ -165,13 +165,13 @@ def _add_sliding(
 
 
 def _couette(film: Sample) -> float:
-    """μ U ⟨1/(h + 2λ)⟩ times the area: of a wall that drags the gas, with slip at both walls."""
+    """μ U ⟨1/(h + 2 σ λ)⟩ times the area: of a wall that drags the gas, with slip at both walls."""
     scene = film.scene
     if scene.bearing_number == 0:
         return 0.0
     gap = scene.gap(film.x, film.y, film.phases)
     if scene.gas.rarefaction == "slip":
         density = (1 + film.overpressure) ** (1 / scene.gas.polytropic_exponent)
-        gap = gap + 2 * scene.knudsen / density
+        gap = gap + 2 * scene.slip_knudsen / density
     shear = scene.gas.viscosity_pa_s * scene.finger.speed_x_m_per_s / scene.h0_m
     return float(shear * scene.finger.area_m2 * (film.weights @ (1 / gap)).mean())

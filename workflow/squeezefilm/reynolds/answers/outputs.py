@@ -28,9 +28,10 @@ from squeezefilm.reynolds.modes.galerkin import solved_in_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.changes import margin_of
 from squeezefilm.reynolds.periodic.first_grids import grid_for
-from squeezefilm.reynolds.periodic.launch import STATUS, Batch, States, launch
+from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, profile_fall
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
+from squeezefilm.reynolds.periodic.states import STATUS, States
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.solver import each_on_its_own, unexpected, ways_of

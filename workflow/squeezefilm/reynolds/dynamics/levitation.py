@@ -7,7 +7,7 @@ amplitude of the surface kept.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, pi, sqrt
 
@@ -101,7 +101,7 @@ def levitate(
             raise RunError(f"load: no force near h0 = {gaps[0]:.4g} m: {reasons}")
         return np.array([(each.force_n, each.force_error_n) for each in found]).T
 
-    h0_m = _root(lambda gap: float(force(gap)[0, 0]) - load_n, *brackets[-1], load_n * tolerance)
+    h0_m = _root(lambda gap: float(force(gap)[0, 0]) - load_n, *brackets[-1])
     forces, errors = force(*(h0_m * (1 + STEP * np.array([0, *AROUND]))))
     stiffness, stiffness_error = quotient(forces[1:], errors[1:], h0_m)
     return Levitation(
@@ -148,8 +148,8 @@ def _brackets(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float) -> list[t
     return [(float(gaps[k]), float(gaps[k + 1])) for k in crossed]
 
 
-def _root(excess, low: float, high: float, enough: float) -> float:  # type: ignore[no-untyped-def]
-    """A gap at which the excess is small enough, between two gaps; wider where terms moved it."""
+def _root(excess: Callable[[float], float], low: float, high: float) -> float:
+    """The gap without an excess, between two gaps; outside them where terms moved it."""
     from scipy.optimize import brentq
 
     for _ in range(8):

@@ -50,13 +50,7 @@ def slow_film_of(scene: Scene) -> tuple[SlowFilm, float]:
             aspect=scene.aspect,
             slip=slip,
         )
-        limit = boundary_layer_limit(
-            epsilon=film.films.epsilon,
-            sigma=film.films.sigma,
-            amplitude=film.films.s,
-            aspect=film.films.aspect,
-            slip=film.films.slip,
-        )
+        limit = boundary_layer_limit(film.films)
         with np.errstate(divide="ignore", invalid="ignore"):
             error = float(np.abs(limit.error / limit.mean)[0])
         if best is not None and not error < GAIN * best[1]:

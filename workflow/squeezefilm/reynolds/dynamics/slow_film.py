@@ -200,7 +200,7 @@ def slow_film(
     slip: float = 0.0,
     layer: bool = True,
 ) -> SlowFilm:
-    """The film of a profile on the nodes of ``limits.limit_axis``, shape (nx + 2, ny + 2).
+    """The film of a profile on the nodes of ``films.limit_axis``, shape (nx + 2, ny + 2).
 
     That is s₁ + i s₂ of a vibration in two phases.
     """

@@ -12,10 +12,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from math import isfinite, nan
+from typing import NamedTuple
 
 import numpy as np
 
-from squeezefilm.film.scene import GapShape, Scene
+from squeezefilm.film.finger import GapShape
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects import heat, inertia, rim, sliding, slip
 from squeezefilm.reynolds.effects.fields import Fields
@@ -24,10 +26,11 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.first_grids import grid_for
-from squeezefilm.reynolds.periodic.launch import STATUS, Batch, launch
+from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.periodic.resolution import unseen_profile
-from squeezefilm.reynolds.problems import problems_of
-from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.periodic.states import STATUS
+from squeezefilm.reynolds.problems import problems_on
+from squeezefilm.reynolds.terms import Terms, terms_of
 from squeezefilm.reynolds.terms.heat import temperature_jump
 from squeezefilm.reynolds.terms.rarefaction import fukui_kaneko
 
@@ -35,10 +38,13 @@ from squeezefilm.reynolds.terms.rarefaction import fukui_kaneko
 GRID_TOLERANCE = 1e-3
 STATE_TOLERANCE = 1e-4
 ADJOINT_TOLERANCE = 3e-5
+# An effect is of second order in ε, a sum of parts of first order: below this, and where two
+# states' differences count, fields are in double precision, else in single.
+SMALL = 0.01
 # A derivative by two states' difference asks for more.
 SLIDING_TOLERANCE = 1e-8
 # Numbers of a field, all scenes together: more fall out of the caches. And of a launch's states.
-MOST_NUMBERS, MOST_LAUNCHED = 2**15, 2**22
+MOST_NUMBERS, MOST_LAUNCHED = 2**16, 2**22
 # What the first order misses, as a share of it for each unit of the modified Reynolds number:
 # inertia by one mode at Re 0.45–7.2, heat by a resolved temperature at 0.2–1.8 (T10, T11).
 INERTIA_MISSED = 1 / 8
@@ -49,8 +55,7 @@ SLIP_MISSED = 1.2
 PASSING_MISSED = 4.0
 
 
-@dataclass(frozen=True)
-class Effect:
+class Effect(NamedTuple):
     """One effect on the mean force.
 
     Attributes:
@@ -70,7 +75,7 @@ class Effect:
         return not abs(self.missed_percent) > abs(self.percent) / 2
 
 
-UNKNOWN = Effect(nan)
+UNKNOWN, NONE = Effect(nan), Effect(0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -128,7 +133,7 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
     so.
     """
     found: dict[int, Budget] = {}
-    groups: dict[Terms, dict[tuple[Grid, float], list[int]]] = defaultdict(
+    groups: dict[Terms, dict[tuple[Grid, float, bool], list[int]]] = defaultdict(
         lambda: defaultdict(list)
     )
     like = [_on_a_grid(scene) for scene in scenes]
@@ -138,11 +143,11 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
         needs = needs_of(scene)
         if scene.epsilon == 0:
             found[index] = Budget(status="no vibration, no force")
-        elif reason := unseen_profile(needs, scene.finger, tolerance=GRID_TOLERANCE):
+        elif reason := unseen_profile(needs, tolerance=GRID_TOLERANCE):
             found[index] = Budget(status=reason)
         else:
             grid = grid_for(scene, needs, tolerance=GRID_TOLERANCE)
-            groups[needs.terms][grid, scene.aspect].append(index)
+            groups[needs.terms][grid, scene.aspect, scene.epsilon < SMALL].append(index)
     for alike in groups.values():
         for parts in _launches(alike):
             chosen = device or choose_device()
@@ -178,8 +183,8 @@ def _told(budget: Budget, scene: Scene, *, basis: str) -> Budget:
         return budget
     return replace(
         budget,
-        inertia=replace(budget.inertia, in_force=with_inertia),
-        heat=replace(budget.heat, in_force=with_heat),
+        inertia=budget.inertia._replace(in_force=with_inertia),
+        heat=budget.heat._replace(in_force=with_heat),
         basis=basis,
     )
 
@@ -203,11 +208,11 @@ def _on_a_grid(scene: Scene) -> Scene:
 Parts = list[tuple[list[int], Grid]]
 
 
-def _launches(groups: Mapping[tuple[Grid, float], list[int]]) -> Iterator[Parts]:
+def _launches(groups: Mapping[tuple[Grid, float, bool], list[int]]) -> Iterator[Parts]:
     """Scenes of like terms in parts that stay in the caches, some parts for each launch."""
     parts: Parts = []
     launched = 0
-    for (grid, _), group in groups.items():
+    for (grid, *_), group in groups.items():
         step = max(1, MOST_NUMBERS // grid.count)
         for start in range(0, len(group), step):
             part = group[start : start + step]
@@ -226,18 +231,19 @@ def _budgets(
     """Budgets of scenes of like terms, by their films on one grid and how iterations ended."""
     slides = any(scene.bearing_number != 0 for scene in scenes)
     with np.errstate(all="ignore"):
-        sensitive = sensitivity(films, tolerance=ADJOINT_TOLERANCE, kind=np.float32)
+        sensitive = sensitivity(films, tolerance=ADJOINT_TOLERANCE)
         found = np.isfinite(sensitive).all(axis=(1, 2, 3))
         shares = _shares(scenes, films, sensitive)
         if slides:
             shares |= _shares_of_sliding(scenes, films, device=device)
+    percents = zip(*((100 * share).tolist() for share in shares.values()), strict=True)
     return [
         _budget(
             scene,
-            {name: float(100 * share[k]) for name, share in shares.items()},
-            reason if reason != "ok" or found[k] else NOT_FOUND,
+            dict(zip(shares, percent, strict=True)),
+            reason if reason != "ok" or known else NOT_FOUND,
         )
-        for k, (scene, reason) in enumerate(zip(scenes, status, strict=True))
+        for scene, reason, known, percent in zip(scenes, status, found, percents, strict=True)
     ]
 
 
@@ -248,34 +254,42 @@ def _solved(
     groups: Sequence[tuple[Sequence[Scene], Grid]], *, tolerance: float, device: Device
 ) -> list[Solved]:
     """The films of groups of scenes, all of like terms, and how each iteration ended."""
-    problems = [problems_of(scenes, grid, tolerance=tolerance) for scenes, grid in groups]
+    terms = terms_of(groups[0][0][0])
+    problems = [problems_on(scenes, {grid: tolerance}, terms=terms)[0] for scenes, grid in groups]
     grids = [grid for _, grid in groups]
     batches = [Batch([grid], [each]) for grid, each in zip(grids, problems, strict=True)]
-    found = launch(batches, device=device).states()
-    return [
-        (Fields(each, grid, states.overpressure), [STATUS[k] for k in states.status])
-        for each, grid, (states,) in zip(problems, grids, found, strict=True)
-    ]
+    launched = launch(batches, device=device)
+    found = []
+    for each, grid, (states,) in zip(problems, grids, launched.states(), strict=True):
+        single = tolerance >= STATE_TOLERANCE and each.epsilon.min() >= SMALL
+        with np.errstate(over="ignore"):  # of a film that was not found
+            overpressure = states.overpressure.astype(np.float32 if single else np.float64)
+        found.append((Fields(each, grid, overpressure), [STATUS[k] for k in states.status]))
+    launched.end()
+    return found
 
 
 def _shares(scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray) -> dict[str, np.ndarray]:
-    """Change of the mean force by each effect that needs no more than the films, relative to it."""
+    """Change of the mean force by each effect that needs no more than the films, relative to it.
+
+    All of the scenes have slip, of one kind, or none.
+    """
     gases = [scene.gas for scene in scenes]
     reynolds = np.array([scene.modified_reynolds for scene in scenes])
-    slips = np.array([gas.rarefaction != "none" for gas in gases])
-    knudsen = np.array([scene.knudsen for scene in scenes])
+    knudsen = np.zeros(len(scenes))
     heating = reynolds * [(1 - 1 / gas.heat_capacity_ratio) * gas.prandtl for gas in gases]
     kinetic = np.array([fukui_kaneko(scene) for scene in scenes])
-    having = films.problems.numbers["flow"]
-    having = np.pad(having, [(0, 0), (0, kinetic.shape[1] - having.shape[1])])
-    # Of a scene without slip the flow factor's effect is slip's, and nothing is lacking.
-    slipping = np.where(slips[:, None], having, kinetic)
+    # Of scenes without slip the flow factor's effect is slip's, and nothing is lacking.
+    slipping = kinetic.copy()
+    if gases[0].rarefaction != "none":
+        knudsen += [scene.slip_knudsen or scene.knudsen for scene in scenes]
+        flow = films.problems.numbers["flow"]
+        slipping[:] = 0
+        slipping[:, : flow.shape[1]] = flow
     answers = Answers(films, sensitive)
     by_flow = slip.changes(films, answers, terms=kinetic.shape[1] - 1)
     change = {
-        "inertia": inertia.change(
-            films, answers, reynolds=reynolds, knudsen=np.where(slips, knudsen, 0.0)
-        ),
+        "inertia": inertia.change(films, answers, reynolds=reynolds, knudsen=knudsen),
         "heat": heat.change(
             films,
             answers,
@@ -287,7 +301,7 @@ def _shares(scenes: Sequence[Scene], films: Fields, sensitive: np.ndarray) -> di
         "kinetic": np.sum(by_flow * (kinetic - slipping)[:, 1:], axis=1),
         "rim": rim.change(films, answers, reynolds=reynolds),
     }
-    force = films.mean(films.pressure - 1)
+    force = films.mean(films.overpressure)
     return {name: each / force for name, each in change.items()}
 
 
@@ -295,13 +309,13 @@ def _shares_of_sliding(
     scenes: Sequence[Scene], films: Fields, *, device: Device
 ) -> dict[str, np.ndarray]:
     """Change of the mean force by sliding, relative to it; by the bearing term at every order."""
-    force = films.mean(films.pressure - 1)
+    force = films.mean(films.overpressure)
 
     def solved(groups: Iterable[Sequence[Scene]]) -> list[Fields]:
         on_grid = [(group, films.grid) for group in groups]
         states = _solved(on_grid, tolerance=SLIDING_TOLERANCE, device=device)
         for found, status in states:
-            found.pressure[np.array([each != "ok" for each in status])] = nan
+            found.overpressure[np.array([each != "ok" for each in status])] = nan
         return [found for found, _ in states]
 
     (rest,) = solved([[sliding.at_rest(scene) for scene in scenes]])
@@ -311,7 +325,7 @@ def _shares_of_sliding(
         bearing=np.array([scene.bearing_number for scene in scenes]),
     )
     return {
-        "bearing": (force - rest.mean(rest.pressure - 1)) / force,
+        "bearing": (force - rest.mean(rest.overpressure)) / force,
         "passing": (first + second) / force,
     }
 
@@ -336,14 +350,14 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
         ),
         kinetic=_effect(percent["kinetic"], missed=SLIP_MISSED * 6 * scene.knudsen),
         rim=Effect(percent["rim"]),
-        bearing=Effect(percent["bearing"] if slides else 0.0, 0.0, in_force=slides),
+        bearing=Effect(percent["bearing"], 0.0, in_force=True) if slides else NONE,
         passing=_passing(scene, percent),
     )
 
 
 def _passing(scene: Scene, percent: dict[str, float]) -> Effect:
     if scene.bearing_number == 0:
-        return Effect(0.0, 0.0)
+        return NONE
     if scene.gas.polytropic_exponent != 1:
         return UNKNOWN  # its second order is that of an isothermal gas
     return _effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)

@@ -25,8 +25,9 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.first_grids import grid_for
-from squeezefilm.reynolds.periodic.launch import STATUS, Batch, launch
+from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, unseen_profile
+from squeezefilm.reynolds.periodic.states import STATUS
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of
 from squeezefilm.reynolds.terms.bearing import Bearing
@@ -96,7 +97,7 @@ def _grids(scene: Scene, needs: Needs, *, tolerance: float) -> tuple[Grid, Grid]
         return "derivatives are known of rectangular pads alone"
     if unknown := [term.label for term in needs.terms if not isinstance(term, KNOWN)]:
         return f"derivatives are not known with {unknown[0]}: its adjoint is not"
-    if reason := unseen_profile(needs, scene.finger, tolerance=tolerance):
+    if reason := unseen_profile(needs, tolerance=tolerance):
         return reason
     coarse = grid_for(scene, needs, tolerance=tolerance)
     fine = finer_grid(coarse)
@@ -138,7 +139,7 @@ def _growths(
     """
     left = np.maximum(ADJOINT_SHARE * tolerance * films.problems.epsilon, LEAST_LEFT)
     sensitive = sensitivity(films, tolerance=left)
-    overpressure = films.mean(films.pressure - 1)
+    overpressure = films.mean(films.overpressure)
     scale = np.array([scene.force_scale_n for scene in scenes])
     growth, missed = np.zeros((2, len(DERIVATIVES), len(scenes)))
     folded = {"x_m": films.grid.fold_x, "y_m": films.grid.fold_y}
@@ -168,7 +169,7 @@ def _equation(scene: Scene) -> object:
 def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:
     """The residual of other scenes at the pressure of these."""
     problems = problems_of(scenes, films.grid, tolerance=films.problems.tolerance)
-    return residual(Fields(problems, films.grid, films.pressure[films.inner] - 1))
+    return residual(Fields(problems, films.grid, films.overpressure[films.inner]))
 
 
 def _failed(ending: str) -> bool:
@@ -196,9 +197,7 @@ def residual(films: Fields) -> np.ndarray:
 
     At the unknowns, shape (scenes, nx, ny, nt).
     """
-    flux = films.gradient(films.pressure - 1).times(
-        films.flux_factor(films.problems.numbers["flow"])
-    )
+    flux = films.slope.times(films.ease * films.mass)
     left = films.divergence(flux) - films.sigma * films.t_derivative(films.mass)
     speed = films.numbers("bearing", absent=0.0)
     if np.any(speed):

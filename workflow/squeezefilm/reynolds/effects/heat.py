@@ -31,13 +31,16 @@ def change(
         viscosity_exponent: κ of viscosity μ ~ temperature^κ.
         jump: of temperature at a wall over its slope there, times Hρ; 0 without slip.
     """
-    velocity, exponent = films.velocity, films.number(viscosity_exponent)
-    compression = films.pressure_rate * (1 + JUMP_WARMS * films.number(jump) / films.mass)
-    friction = films.sigma * velocity.dot(velocity) / films.gap**2
-    lighter = 6 * (compression / 60 - 3 * friction / 280)
-    thicker = 3 * exponent * (compression / 60 - friction / 140)
-    # Mass per area times H²: both the flow that is lost and the gas that is missing go with it.
-    weight = films.mass * films.gap**2
-    slower = total(answers.along(velocity), weight * (lighter + thicker))
-    missing = answers.to_stored(weight * (compression / 12 - friction / 20))
-    return films.problems.sigma * heating * (missing - slower)
+    sigma = films.problems.sigma
+    # Times mass per area and H², with which go the flow that is lost and the gas that is missing.
+    compression = films.mass * films.gap**2 * films.pressure_rate
+    if np.any(jump):
+        compression *= 1 + JUMP_WARMS * films.number(jump) / films.mass
+    friction = films.mass * films.velocity.dot(films.velocity)  # over σ
+    # Lighter gas, and more viscous.
+    by_compression = 6 / 60 + viscosity_exponent * 3 / 60
+    by_friction = 18 / 280 + viscosity_exponent * 3 / 140
+    lost = answers.along * films.ease  # of a flow −σū
+    slower = by_friction * sigma * total(lost, friction) - by_compression * total(lost, compression)
+    missing = total(answers.rate, compression) / 12 - sigma * total(answers.rate, friction) / 20
+    return sigma * heating * missing - heating * slower

@@ -25,20 +25,14 @@ def change(
         reynolds: modified Reynolds number of each scene, at ambient density.
         knudsen: Knudsen number of each scene with slip, 0 without.
     """
-    # Re ρ H²/10 with what slip makes of it, times the mass.
-    factor = films.mass * (films.mass + 4 * films.number(knudsen)) * films.gap
-    strength = -films.problems.sigma * reynolds / 10
-    return strength * total(answers.along(shortfall(films)), factor)
-
-
-def shortfall(films: Fields) -> Vector:
-    """∂V/∂T + (9/7)(V·∇)V − (1/7) V ∂/∂T ln(Hρ)."""
     v = films.velocity
-    thinning = films.gap_rate / films.gap
-    thinning += films.density_slope * films.pressure_rate / films.density
-    carried_x = v.x * films.x_derivative(v.x, odd=True) + v.y * films.y_derivative(v.x)
-    carried_y = v.x * films.x_derivative(v.y) + v.y * films.y_derivative(v.y, odd=True)
-    return Vector(
-        films.t_derivative(v.x) + 9 / 7 * carried_x - thinning * v.x / 7,
-        films.t_derivative(v.y) + 9 / 7 * carried_y - thinning * v.y / 7,
+    # Re ρ H²/10 with what slip makes of it, over Re/10.
+    lag = films.gap * (films.mass + 4 * films.number(knudsen))
+    rate = Vector(films.t_derivative(v.x), films.t_derivative(v.y))
+    carried = Vector(
+        v.dot(Vector(films.x_derivative(v.x, odd=True), films.y_derivative(v.x))),
+        v.dot(Vector(films.x_derivative(v.y), films.y_derivative(v.y, odd=True))),
     )
+    shortfall = total(answers.slope.dot(rate.plus(carried.times(9 / 7))), lag * films.mass)
+    shortfall -= total(answers.slope.dot(v), lag * films.mass_rate) / 7
+    return -films.problems.sigma * reynolds / 10 * shortfall

@@ -6,9 +6,11 @@ plug, 1.54 for a parabola, and more with losses: a bound of what can be known wi
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 
-from squeezefilm.reynolds.effects.fields import Fields
+from squeezefilm.reynolds.effects.fields import Fields, along_x, along_y
 from squeezefilm.reynolds.effects.sensitivity import Answers, total
 
 # Of C: kinetic energy of a plug and of a parabola, over that of the mean velocity.
@@ -16,30 +18,19 @@ LEAST, MOST = 1.0, 1.54
 
 
 def change(films: Fields, answers: Answers, *, reynolds: np.ndarray) -> np.ndarray:
-    """Change of the mean pressure for C = 1, shape (scenes,): on the rim and by its flow."""
-    rise = pressure_rise(films, reynolds=reynolds)
-    # On the rim, and elsewhere nothing rises, ρ is 1.
-    flow = films.problems.numbers["flow"]
-    factor = sum(
-        films.number(coefficient) * films.gap ** (3 - k) for k, coefficient in enumerate(flow.T)
-    )
-    return films.mean(rise) - total(answers.along(films.gradient(rise)), np.asarray(factor))
+    """Change of the mean pressure for C = 1, shape (scenes,): on the rim and by its flow.
 
-
-def pressure_rise(films: Fields, *, reynolds: np.ndarray) -> np.ndarray:
-    """Change of the rim's pressure for C = 1, zero inside and at the corners, on all nodes."""
-    rise = np.zeros_like(films.pressure)
-    strength = films.sigma * films.number(reynolds) / 24
-    velocity, grid = films.velocity, films.grid
-    along_x, along_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
-
-    def enter(rim: tuple[slice, ...], inwards: np.ndarray) -> None:
-        rise[rim] = -strength * np.maximum(inwards[rim], 0.0) ** 2
-
-    enter(np.s_[:, :1, along_y], velocity.x)
-    enter(np.s_[:, along_x, :1], velocity.y)
-    if not grid.x.folded:
-        enter(np.s_[:, -1:, along_y], -velocity.x)
-    if not grid.y.folded:
-        enter(np.s_[:, along_x, -1:], -velocity.y)
-    return rise
+    On the rim ρ is 1, and λ is 0: of the flow only that across it counts. Elsewhere nothing rises.
+    """
+    flow = reduce(np.add, films.flows)
+    weights = films.weights.reshape(films.gap.shape[1:])
+    to_x, to_y = films.along_x.of_even.T, films.along_y.of_even.T / films.problems.aspect
+    fallen = np.zeros(len(reynolds))
+    for end, inwards in ((slice(1), 1.0), (slice(-1, None), -1.0)):
+        if inwards > 0 or not films.grid.x.folded:
+            mean = weights[end] - along_x(to_x[end], answers.slope.x * flow)
+            fallen += total(np.maximum(inwards * films.velocity.x[:, end], 0.0) ** 2, mean)
+        if inwards > 0 or not films.grid.y.folded:
+            mean = weights[:, end] - along_y(to_y[end], answers.slope.y * flow)
+            fallen += total(np.maximum(inwards * films.velocity.y[:, :, end], 0.0) ** 2, mean)
+    return -films.problems.sigma * reynolds / 24 * fallen

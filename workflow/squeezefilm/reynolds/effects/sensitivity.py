@@ -9,7 +9,7 @@ inverse of D Δ − σ ∂/∂T.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
@@ -21,18 +21,14 @@ Operator = Callable[[np.ndarray], np.ndarray]
 MOST_ITERATIONS = 200
 
 
-def sensitivity(
-    films: Fields, *, tolerance: float | np.ndarray, kind: type[np.floating] = np.float64
-) -> np.ndarray:
+def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
     """λ at the unknowns, shape (scenes, nx, ny, nt): the mean pressure's answer is ``answer``.
 
     Args:
         tolerance: preconditioned residual over its size at the start, one or one for each scene.
-        kind: of numbers that λ is found in.
     """
-    precondition = _preconditioner(films, adjoint=True, kind=kind)
-    adjoint = _adjoint_jacobian(films, kind=kind)
-    right = (1 / (films.gap * films.density_slope)[films.inner]).astype(kind)
+    precondition, adjoint = _preconditioner(films, adjoint=True), _adjoint_jacobian(films)
+    right = 1 / (films.gap * films.density_slope)[films.inner]
     return gmres(
         lambda values: precondition(adjoint(values)), precondition(right), tolerance=tolerance
     )
@@ -46,43 +42,35 @@ def answer(films: Fields, sensitive: np.ndarray, source: np.ndarray) -> np.ndarr
 
 
 class Answers:
-    """What sources do to the mean pressure, by λ.
+    """What sources do to the mean pressure, by λ; none is formed.
 
-    None is formed: slopes of λ, by the adjoint of the grid's own divergence, times its flux.
+    Attributes:
+        slope: of λ, by the adjoint of the grid's own divergence: the ``total`` of that times a flux
+            is the answer to a source that is its divergence.
+        rate: the answer to a source −∂stored/∂T is the ``total`` of that and what is stored.
+        along: ``slope`` times ∇P.
     """
 
     def __init__(self, films: Fields, sensitive: np.ndarray) -> None:
         """Args: sensitive: λ at the unknowns."""
         weighted = films.with_rim(sensitive) * films.weights.reshape(films.gap.shape[1:])
         x, y = films.along_x.of_odd, films.along_y.of_odd / films.problems.aspect
-        self._slope = Vector(along_x(x.T, weighted), along_y(y.T, weighted))
-        self._rate = films.t_derivative(weighted)
-
-    def along(self, flux: Vector) -> np.ndarray:
-        """The slopes of λ times a flux, on all nodes: of a source ∇·(factor · flux) the answer is
-        ``total`` of that and the factor.
-        """
-        return self._slope.dot(flux)
-
-    def to_stored(self, stored: np.ndarray) -> np.ndarray:
-        """Change of the mean pressure by a source −∂stored/∂T, shape (scenes,)."""
-        return total(self._rate, stored)
+        self.slope = Vector(along_x(x.T, weighted), along_y(y.T, weighted))
+        self.rate = films.t_derivative(weighted)
+        self.along = self.slope.dot(films.slope)
 
 
 def total(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Sum of the product of two fields over all nodes, shape (scenes,)."""
     scenes = len(first)
-    product = np.einsum("si,si->s", first.reshape(scenes, -1), second.reshape(scenes, -1))
-    return np.asarray(product)
+    return np.asarray(first.reshape(scenes, 1, -1) @ second.reshape(scenes, -1, 1))[:, 0, 0]
 
 
 def flow_of(films: Fields, rise: np.ndarray) -> np.ndarray:
     """∇·Σ c_k H^(3−k) ∇(ρ^(1−k) δP): the flow that a change of pressure makes, on all nodes."""
-    flow = films.problems.numbers["flow"]
     flux = Vector(np.zeros_like(rise), np.zeros_like(rise))
-    for k in range(flow.shape[1]):
-        slope = films.gradient(films.density ** (1 - k) * rise)
-        flux = flux.plus(slope.times(films.number(flow[:, k]) * films.gap ** (3 - k)))
+    for k, factor in enumerate(films.flows):
+        flux = flux.plus(films.gradient(films.density ** (1 - k) * rise).times(factor))
     return films.divergence(flux)
 
 
@@ -91,11 +79,10 @@ def curvature_of_flow(films: Fields, rise: np.ndarray) -> np.ndarray:
 
     ½ ∇·Σ c_k (1 − k) H^(3−k) ∇(ρ^(−k) δP²), as ρ = P.
     """
-    flow = films.problems.numbers["flow"]
     flux = Vector(np.zeros_like(rise), np.zeros_like(rise))
-    for k in range(flow.shape[1]):
+    for k, factor in enumerate(films.flows):
         slope = films.gradient(films.density ** (-k) * rise**2)
-        flux = flux.plus(slope.times((1 - k) / 2 * films.number(flow[:, k]) * films.gap ** (3 - k)))
+        flux = flux.plus(slope.times((1 - k) / 2 * factor))
     return films.divergence(flux)
 
 
@@ -122,36 +109,31 @@ def _jacobian(films: Fields) -> Operator:
     return apply
 
 
-def _adjoint_jacobian(films: Fields, *, kind: type[np.floating]) -> Operator:
+def _adjoint_jacobian(films: Fields) -> Operator:
     """J* of J w = ∇·Σ c_k H^(3−k) ∇(ρ^(1−k) w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X."""
-    inner, grid = films.inner, films.grid
+    grid, aspect = films.grid, films.problems.aspect
     x, y = films.along_x, films.along_y
-    cast = partial(np.asarray, dtype=kind)
-    aspect = films.problems.aspect
     rows_x, rows_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
     # Adjoints of gradient and divergence, each between unknowns and all nodes.
-    to_x = cast(_adjoint(x.of_odd[rows_x], x.weights[rows_x], x.weights))
-    to_y = cast(_adjoint(y.of_odd[rows_y], y.weights[rows_y], y.weights) / aspect)
-    from_x = cast(_adjoint(x.of_even[:, rows_x], x.weights, x.weights[rows_x]))
-    from_y = cast(_adjoint(y.of_even[:, rows_y], y.weights, y.weights[rows_y]) / aspect)
-    slide = cast(_adjoint(x.of_even[rows_x, rows_x], x.weights[rows_x], x.weights[rows_x]))
-    rate = cast(grid.t.derivative)
-    flow = films.problems.numbers["flow"]
-    sigma, speed = cast(films.sigma), cast(films.numbers("bearing", absent=0.0))
-    factors = [cast(films.number(c) * films.gap ** (3 - k)) for k, c in enumerate(flow.T)]
-    factors_x, factors_y = (
-        [factor[:, :, rows_y] for factor in factors],
-        [factor[:, rows_x] for factor in factors],
-    )
-    responses = [
-        cast((films.density ** (1 - k) / (films.gap * films.density_slope))[inner])
-        for k in range(flow.shape[1])
+    to_x = _adjoint(x.of_odd[rows_x], x.weights[rows_x], x.weights)
+    to_y = _adjoint(y.of_odd[rows_y], y.weights[rows_y], y.weights) / aspect
+    from_x = _adjoint(x.of_even[:, rows_x], x.weights, x.weights[rows_x])
+    from_y = _adjoint(y.of_even[:, rows_y], y.weights, y.weights[rows_y]) / aspect
+    slide = _adjoint(x.of_even[rows_x, rows_x], x.weights[rows_x], x.weights[rows_x])
+    speed = films.numbers("bearing", absent=0.0)
+    terms = [
+        (
+            factor[:, :, rows_y],
+            factor[:, rows_x],
+            (films.density ** (1 - k) / (films.gap * films.density_slope))[films.inner],
+        )
+        for k, factor in enumerate(films.flows)
     ]
 
     def apply(values: np.ndarray) -> np.ndarray:
         slope_x, slope_y = along_x(to_x, values), along_y(to_y, values)
-        result = sigma * along_t(rate, values)
-        for factor_x, factor_y, response in zip(factors_x, factors_y, responses, strict=True):
+        result = films.sigma * films.t_derivative(values)
+        for factor_x, factor_y, response in terms:
             result += response * (
                 along_x(from_x, factor_x * slope_x) + along_y(from_y, factor_y * slope_y)
             )
@@ -162,23 +144,18 @@ def _adjoint_jacobian(films: Fields, *, kind: type[np.floating]) -> Operator:
     return apply
 
 
-def _preconditioner(
-    films: Fields, *, adjoint: bool, kind: type[np.floating] = np.float64
-) -> Operator:
+def _preconditioner(films: Fields, *, adjoint: bool) -> Operator:
     """Inverse of D Δ − σ ∂/∂T by diagonalisation, or its adjoint; D is the mean diffusivity."""
-    grid, aspect = films.grid, films.problems.aspect
-    diffusivity = films.flux_factor(films.problems.numbers["flow"]) / (
-        films.gap * films.density_slope
-    )
+    grid, aspect, kind = films.grid, films.problems.aspect, films.kind
+    diffusivity = films.ease * films.density / films.density_slope
     strength = diffusivity[films.inner].mean(axis=(1, 2, 3), keepdims=True)
-    values_x, to_x, from_x = _modes(grid.x, adjoint=adjoint, kind=kind)
-    values_y, to_y, from_y = _modes(grid.y, adjoint=adjoint, kind=kind)
+    values_x, to_x, from_x = (each.astype(kind) for each in _modes(grid.x, adjoint=adjoint))
+    values_y, to_y, from_y = (each.astype(kind) for each in _modes(grid.y, adjoint=adjoint))
     to_t, from_t = (each.astype(kind) for each in _harmonics(grid.nt))
     symbol = strength * np.add.outer(values_x, values_y / aspect**2)[..., None]
-    rate = films.sigma * np.arange(grid.nt // 2 + 1)
+    rate = films.sigma * np.arange(grid.nt // 2 + 1, dtype=kind)
     rate[..., -1] = 0  # as the sawtooth has no derivative on the nodes
     inverse = 1 / (symbol + (1j if adjoint else -1j) * rate)
-    inverse = inverse.astype(np.result_type(kind, np.complex64))
 
     def apply(values: np.ndarray) -> np.ndarray:
         modal = along_y(to_y, along_x(to_x, along_t(to_t, values)))
@@ -198,9 +175,8 @@ def _harmonics(instants: int) -> tuple[np.ndarray, np.ndarray]:
     return to_t, np.fft.irfft(units, n=instants).T
 
 
-def _modes(
-    axis: Axis | Around, *, adjoint: bool, kind: type[np.floating]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+@lru_cache(maxsize=64)
+def _modes(axis: Axis | Around, *, adjoint: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Eigenvalues, analysis and synthesis of the second derivative, or of its adjoint."""
     values, vectors, inverse = axis.modes
     if adjoint:
@@ -209,7 +185,7 @@ def _modes(
             _adjoint(inverse, ones, axis.weights),
             _adjoint(vectors, axis.weights, ones),
         )
-    return values, inverse.astype(kind), vectors.astype(kind)
+    return values, inverse, vectors
 
 
 def _adjoint(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
@@ -236,9 +212,9 @@ def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) 
         column = np.zeros((step + 1, scenes))
         for k, known in enumerate(basis):  # modified Gram–Schmidt (Paige et al. 2006)
             share = total(known, new)
-            new = new - share[:, None] * known
+            new -= share[:, None] * known
             column[k] = share
-        left = np.linalg.norm(new, axis=1)
+        left = np.sqrt(total(new, new))
         column[step] = left
         for k, (cosine, sine) in enumerate(rotations):
             upper, lower = column[k].copy(), column[k + 1].copy()
@@ -274,7 +250,8 @@ def _combined(
         pivot = columns[k][k]
         wanted = (steps > k) & (pivot != 0)
         shares[k] = np.where(wanted, left / np.where(wanted, pivot, 1.0), 0.0)
-    found = sum(share[:, None] * basis[k] for k, share in shares.items())
+    kind = basis[0].dtype
+    found = sum(share[:, None].astype(kind) * basis[k] for k, share in shares.items())
     return np.where(steps[:, None] > 0, found, np.nan)
 
 
@@ -283,5 +260,7 @@ def _finite(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     The size of such a scene is NaN, so that nothing is ever good enough for it.
     """
-    size = np.linalg.norm(values, axis=1)
+    size = np.sqrt(total(values, values))
+    if np.isfinite(size).all():
+        return values, size
     return np.where(np.isfinite(size)[:, None], values, 0.0), size

@@ -16,9 +16,8 @@ def changes(films: Fields, answers: Answers, *, terms: int) -> np.ndarray:
     Returns:
         Changes of shape (scenes, terms).
     """
-    along = answers.along(films.slope)
     power, found = films.gap**2, []
     for _ in range(terms):
-        found.append(-total(along, power))
+        found.append(-total(answers.along, power))
         power = power / films.mass
     return np.stack(found, axis=1)

@@ -289,12 +289,24 @@ def films_of(
     sigma: np.ndarray,
     amplitude: np.ndarray,
     *,
-    aspect: Numbers,
+    aspect: Numbers = 1.0,
     slip: Numbers = 0.0,
     reynolds: Numbers = 0.0,
     rest: np.ndarray | None = None,
 ) -> Films:
-    """Films of profiles over h0, and of gaps at rest likewise if they are not even."""
+    """Films of profiles over h0, and of gaps at rest likewise if they are not even.
+
+    Args:
+        epsilon, sigma: excursion ratio and squeeze number, shape (B,).
+        amplitude: profile s, or s₁ + i s₂ of a vibration in two phases, on the nodes
+            ``limit_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2); nx
+            and ny odd, at least 5 (``forces.limit_points``). With inertia in one phase alone.
+        aspect: finger's length along y over that along x, a number or shape (B,).
+        slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
+        reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
+        rest: gap at rest over h0 on the same nodes where it is not even, without slip and inertia;
+            for the fast and the boundary-layer limit with a profile alone.
+    """
     for points in amplitude.shape[1:]:
         limit_axis(points - 2)
     given = (epsilon, sigma, aspect, slip, reynolds)

@@ -1,24 +1,13 @@
 """Mean forces without a single time step: limits of the film equation, with their errors.
 
-Every function takes a batch of B films and returns mean overpressures, each with an estimate of its
-absolute error:
+Every function takes a batch of B films (films.py) and returns mean overpressures, each with an
+estimate of its absolute error:
 
     closed_form            piston, σ → ∞ (paper eq. 6)
     fast_limit             any profile, σ → ∞: one Poisson solve
     boundary_layer_limit   with the correction of order 1/√σ: one more
     small_amplitude        second order in ε, any σ: one complex Helmholtz solve
     matched_limit          the last two together: exact in σ to ε², exact in ε to 1/√σ
-
-Arguments they share:
-    epsilon, sigma: excursion ratio and squeeze number, shape (B,).
-    amplitude: profile s, or s₁ + i s₂ of a vibration in two phases, on the nodes
-        ``limit_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2); nx and
-        ny odd, at least 5. See ``limit_points``. With inertia in one phase alone.
-    aspect: finger's length along y over that along x, a number or shape (B,).
-    rest: gap at rest over h0 on the same nodes where it is not even, without slip and inertia; for
-        the first two with a profile alone.
-    slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
-    reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
 
 An error has two parts: what the limit leaves out, estimated from the profile's slopes, its values
 on the rim and at the corners, ε and σ; and what the grid leaves out, the change against every other
@@ -45,7 +34,6 @@ from squeezefilm.reynolds.limits.films import (
     Numbers,
     films_of,
     grid_error,
-    limit_axis,
     wide,
 )
 
@@ -54,7 +42,6 @@ __all__ = [
     "boundary_layer_limit",
     "closed_form",
     "fast_limit",
-    "limit_axis",
     "limit_points",
     "matched_limit",
     "small_amplitude",
@@ -101,38 +88,17 @@ def closed_form(*, epsilon: np.ndarray, sigma: np.ndarray, aspect: Numbers = 1.0
     return _forces(films, mean=mean, error=1.05 * layer + films.layer_remainder)
 
 
-def fast_limit(
-    *,
-    epsilon: np.ndarray,
-    sigma: np.ndarray,
-    amplitude: np.ndarray,
-    aspect: Numbers,
-    slip: Numbers = 0.0,
-    reynolds: Numbers = 0.0,
-    rest: np.ndarray | None = None,
-) -> LimitForces:
+def fast_limit(films: Films) -> LimitForces:
     """The film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the rim.
 
     Under a gap G that is shaped at rest ∇·(G³ ∇(ψ²/G²)) = 0, and all else by the local ε s/G.
     With inertia core and rim are others (inertial.py). The error is the boundary-layer correction
     and that one's error.
     """
-    films = films_of(
-        epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds, rest=rest
-    )
     return _together(films, _fast)
 
 
-def boundary_layer_limit(
-    *,
-    epsilon: np.ndarray,
-    sigma: np.ndarray,
-    amplitude: np.ndarray,
-    aspect: Numbers,
-    slip: Numbers = 0.0,
-    reynolds: Numbers = 0.0,
-    rest: np.ndarray | None = None,
-) -> LimitForces:
+def boundary_layer_limit(films: Films) -> LimitForces:
     """The fast limit with the rim's boundary layer, correct to 1/√σ (see boundary_layer.py).
 
     In two phases the next order is ε²/σ: the film then drives gas along itself.
@@ -140,46 +106,32 @@ def boundary_layer_limit(
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
     inertia the next order is ε²/σ (inertial_layer.py), without it ε²/σ^(3/2).
     """
-    films = films_of(
-        epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds, rest=rest
-    )
     return _together(films, _with_layer)
 
 
-def small_amplitude(
-    *,
-    epsilon: np.ndarray,
-    sigma: np.ndarray,
-    amplitude: np.ndarray,
-    aspect: Numbers,
-    slip: Numbers = 0.0,
-    reynolds: Numbers = 0.0,
-) -> LimitForces:
+def small_amplitude(films: Films) -> LimitForces:
     """Second order in ε at any σ: linear pressure p̂, then the mean flow that it drives.
 
     (1 + slip)∇²p̂ − iσp̂ = iσs and ∇²v = −(3/2)(1 + 2 slip/3)/(1 + slip) ∇·(s ∇Re p̂), zero on the
     rim; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)). With inertia, see inertial.py.
     """
-    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    _even(films)
     return _together(films, _small)
 
 
-def matched_limit(
-    *,
-    epsilon: np.ndarray,
-    sigma: np.ndarray,
-    amplitude: np.ndarray,
-    aspect: Numbers,
-    slip: Numbers = 0.0,
-    reynolds: Numbers = 0.0,
-) -> LimitForces:
+def matched_limit(films: Films) -> LimitForces:
     """The boundary-layer limit with its part of order ε² replaced by the exact one.
 
     The additive composite of two expansions (Van Dyke, Perturbation Methods in Fluid Mechanics,
     1975): what is left is of order ε⁴/σ.
     """
-    films = films_of(epsilon, sigma, amplitude, aspect=aspect, slip=slip, reynolds=reynolds)
+    _even(films)
     return _together(films, _matched)
+
+
+def _even(films: Films) -> None:
+    if films.rest is not None:
+        raise ValueError("the second order in ε is derived for gaps that are even at rest")
 
 
 def _fast(films: Films) -> LimitForces:

@@ -139,7 +139,7 @@ def march(
     rows = rows_of(
         [
             Columns(("nx", "ny"), np.array([grid.nx, grid.ny])),
-            Columns(("steps",), steps.astype(int)[:, None]),
+            Columns(("steps",), steps.astype(int)[:, None, None]),
             pile.add(instant_matrices(grid, aspect=problems.aspect, terms=problems.terms)),
             pile.add_each(profile_fields(problems, grid), problems.places),
         ],
@@ -216,19 +216,3 @@ def _stage_tolerance(problems: Problems, steps: np.ndarray) -> np.ndarray:
     force = 0.45 * problems.epsilon**2 * narrow**2 / (narrow**2 + 22.0**2)
     share = np.minimum(1.0, 2 * pi / steps * pi**2 / narrow)
     return np.maximum(problems.tolerance * force * share, 1e-15 * problems.epsilon)
-
-
-def extrapolate(mean_by_period: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Settled value of period means that decay towards it, and its uncertainty, both (scenes,).
-
-    Aitken's formula, exact for one exponential. The faster ones that are still left die at least as
-    fast as the slowest, which bounds the error by the last change of the extrapolated value.
-    """
-    if mean_by_period.shape[1] < 4:
-        return mean_by_period[:, -1], np.full(len(mean_by_period), np.inf)
-    change = np.diff(mean_by_period[:, -4:], axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.clip(np.nan_to_num(change[:, 1:] / change[:, :-1]), 0.0, 0.9999)
-    tail = ratio / (1 - ratio)
-    settled = mean_by_period[:, -2:] + tail * change[:, 1:]
-    return settled[:, 1], np.abs(settled[:, 1] - settled[:, 0]) * np.maximum(tail[:, 1], 1.0)

@@ -33,10 +33,10 @@ from squeezefilm.reynolds.grid import MOMENTS
 from squeezefilm.reynolds.modes.film_in_modes import FilmInModes
 from squeezefilm.reynolds.modes.pad_modes import PadGrid, PadModes, pad_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
+from squeezefilm.reynolds.periodic.gap_numbers import gap_numbers
 from squeezefilm.reynolds.periodic.resolution import (
     MOST_TIME,
     first_grid,
-    gap_numbers,
     profile_fall,
 )
 from squeezefilm.reynolds.solution import solution_of
@@ -194,7 +194,7 @@ def too_many(resolution: Resolution) -> str:
 def first_resolution(scene: Scene, needs: Needs, *, tolerance: float) -> Resolution:
     """As fine as the rectangle's first grid: a degree for each node across."""
     numbers = gap_numbers(scene)
-    grid = first_grid(**numbers, aspect=scene.aspect, needs=needs, tolerance=tolerance)  # type: ignore[arg-type]
+    grid = first_grid(**numbers, aspect=scene.aspect, needs=needs, tolerance=tolerance)
     degree = max(8, 2 * round(max(grid.x.full_points, grid.y.full_points) / 2))
     pad = PadGrid(scene.finger.shape, degree, scene.aspect, needs.fold_x, needs.fold_y)
     return Resolution(pad, grid.nt)

@@ -19,7 +19,6 @@ from squeezefilm.reynolds.error_estimate import (
     left_after,
 )
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.terms import Terms
 
 # Least tolerance at which a grid is judged from coarser ones: below, those that tell enough of it
@@ -50,9 +49,10 @@ def how_many_tell(grids: Sequence[Grid]) -> int:
 
 
 def changes_of(
-    grids: Sequence[Grid],
-    stages: Sequence[States],
+    stages: Sequence[np.ndarray],
     *,
+    telling: int,
+    steps: np.ndarray,
     known: Sequence[Change | None],
     in_time: np.ndarray,
     sizes: np.ndarray,
@@ -61,10 +61,12 @@ def changes_of(
     terms: Terms,
     tolerance: float,
 ) -> tuple[Change | None, np.ndarray, np.ndarray]:
-    """Change to the last of a launch's grids, the factor by which changes fall, error in time.
+    """Change to the last of films' grids, the factor by which changes fall, error in time.
 
     Args:
-        stages: the states of some films on each of the grids.
+        stages: what is said of the films on each of their grids (``launch.SAID``).
+        telling: how many of these tell the error.
+        steps: from each film's grid before the last one to that (``step_between``).
         known: each film's change to the first of two grids, if there is one.
         in_time: their errors in time that the change from the first of two grids does not show.
         sizes: shares of the changes' sizes that count of each at least.
@@ -72,7 +74,6 @@ def changes_of(
         per_residual: by how much their pressure may be off for the residual that is left.
         terms: those of the films.
     """
-    telling = how_many_tell(grids)
     fall = np.full(len(known), UNKNOWN_FALL)
     if telling < 2:
         return None, fall, in_time
@@ -81,8 +82,8 @@ def changes_of(
     shares = np.maximum(share, sizes)
     # The first guess on a grid is the state on the one before.
     changes = [
-        Change(np.maximum(states.moment, shares * states.size), states.size)
-        for states in stages[1 - telling :]
+        Change(np.maximum(said["moment"], shares * said["size"]), said["size"])
+        for said in stages[1 - telling :]
     ]
     if telling > 2:
         in_time = left_after(UNKNOWN_FALL) * (
@@ -92,18 +93,18 @@ def changes_of(
     which = [at for at, change in enumerate(known) if telling > 3 or change]
     if which and margin_of(terms) == 1:
         before = changes[-2][which] if telling > 3 else _stacked([known[at] for at in which])
-        seen = fall_of(before, last[which], coarse=grids[-2], fine=grids[-1])
+        seen = fall_of(before, last[which], step=steps[which])
         # One that falls suddenly, on a later launch's grid, is not believed.
         fall[which] = seen if judged and telling > 3 else np.maximum(seen, UNKNOWN_FALL)
         last.largest[which] = last[which].steady(before).largest
-    taken_over = stages[-1].newton_steps == 0
+    taken_over = stages[-1]["newton_steps"] == 0
     fall = np.where(taken_over, np.maximum(fall, UNKNOWN_FALL), fall)
     return last + per_residual * _unseen(stages[-1]), np.maximum(fall, least_falls), in_time
 
 
-def _unseen(states: States) -> np.ndarray:
+def _unseen(said: np.ndarray) -> np.ndarray:
     """Residual by which states would have changed that their grid took over as they are."""
-    return np.where(states.newton_steps == 0, states.residual, 0.0)
+    return np.where(said["newton_steps"] == 0, said["residual"], 0.0)
 
 
 def _stacked(changes: Sequence[Change | None]) -> Change:

@@ -56,17 +56,24 @@ static void set_gap(const Grid *whole_grid, const Film *whole_film)
             const double4 gap = gap_at(g, film, row, t), over_gap = 1.0 / gap;
             const double4 along_x = beyond_even(g, film, film->slope_x, row, t) * over_gap;
             const double4 along_y = beyond_even(g, film, film->slope_y, row, t) * over_gap;
-            const double4 power = half_power(gap, k);
             const double4 potential =
                 half_exponent *
                 (beyond_even(g, film, film->laplacian, row, t) * over_gap +
                  (half_exponent - 1.0) * (along_x * along_x + along_y * along_y));
-            film->gap_power[k][i] = power;
             film->potential[k][i] = potential;
-            store4(power, i, film->power[k]);
             store4(potential, i, film->bend[k]);
         }
+        /* Roots by themselves: they are calls, before which registers are stored. */
+        FOR_EACH_POINT(g, row, t, i)
+        {
+            const double4 power = half_power(gap_at(g, film, row, t), k);
+            film->gap_power[k][i] = power;
+            store4(power, i, film->power[k]);
+        }
     }
+#if ROW_PARTS
+    set_parts(g, film);
+#endif
     SYNC;
 }
 
@@ -75,22 +82,28 @@ static void set_gap(const Grid *whole_grid, const Film *whole_film)
  * pair's decay g and speed k; without inertia g = 0, and with the mean gap at rest k counts
  * harmonics. */
 #ifndef PRECONDITIONER
-/* What solves (D Δ − σ A d/dT) u = (c, s) at this state: two unknowns by two, for each pair. */
+/* What solves (D Δ − σ A d/dT) u = (c, s) at this state by each of the diffusivities: two unknowns by
+ * two, for each pair. */
 static void set_preconditioner(const Grid *whole_grid, const Film *whole_film)
 {
     AS_COPIES(whole_grid, whole_film)
+    const real sigma = film->sigma;
     FOR_EACH_POINT(g, row, t, i)
     {
-        const double2 decay = film->sigma * (double2)(g->decays[2 * t], g->decays[2 * t + 1]);
-        const double2 speed = film->sigma * (double2)(g->speeds[2 * t], g->speeds[2 * t + 1]);
-        const double diffusion = film->diffusivity * g->eigenvalues[row];
-        const double2 own = diffusion - decay;
-        const double2 scale = 1.0 / (own * own + speed * speed);
-        const double2 share = scale * own, other = scale * speed;
-        store4((double4)(diffusion), i, film->diffusion);
+        const real decay = g->decays[2 * t], next_decay = g->decays[2 * t + 1];
+        const real speed = g->speeds[2 * t], next_speed = g->speeds[2 * t + 1];
+        const double eigenvalue = g->eigenvalues[row];
         /* Numbers one by one: Oclgrind does not follow vectors put together of shorter ones. */
-        store4((double4)(share.x, share.x, share.y, share.y), i, film->own_share);
-        store4((double4)(other.x, -other.x, other.y, -other.y), i, film->other_share);
+        const JOIN(real, 4) turn = sigma * (JOIN(real, 4))(speed, -speed, next_speed, -next_speed);
+        const JOIN(real, 4) damping = sigma * (JOIN(real, 4))(decay, decay, next_decay, next_decay);
+        for (int which = 0; which < PRECONDITIONERS; which++) {
+            const real diffusion = diffusivity_of(film, which) * eigenvalue;
+            const JOIN(real, 4) own = diffusion - damping;
+            const JOIN(real, 4) scale = 1 / (own * own + turn * turn);
+            ((__global JOIN(real, 4) *)film->own_share[which])[i] = scale * own;
+            ((__global JOIN(real, 4) *)film->other_share[which])[i] = scale * turn;
+            ((__global JOIN(real, 4) *)film->diffusion)[i] = (JOIN(real, 4))(diffusion);
+        }
     }
 }
 
@@ -98,12 +111,18 @@ static void set_preconditioner(const Grid *whole_grid, const Film *whole_film)
 static void precondition(const Grid *g, const Film *film, vector modal)
 {
     __global lanes *m = (__global lanes *)modal;
-    __global const lanes *own = (__global const lanes *)film->own_share;
-    __global const lanes *other = (__global const lanes *)film->other_share;
+    __global const lanes *own = (__global const lanes *)film->own_share[0];
+    __global const lanes *other = (__global const lanes *)film->other_share[0];
     FOR_EACH(i, g->count / LANES)
     {
         const lanes values = m[i];
-        m[i] = own[i] * values + other[i] * pairs_swapped(values);
+        lanes answer = own[i] * values + other[i] * pairs_swapped(values);
+#if ROW_PARTS > 1
+        const lanes more = ((__global const lanes *)film->second)[i];
+        answer += ((__global const lanes *)film->own_share[1])[i] * more +
+                  ((__global const lanes *)film->other_share[1])[i] * pairs_swapped(more);
+#endif
+        m[i] = answer;
     }
     SYNC;
 }
@@ -115,8 +134,8 @@ static void precondition_with_time_term(const Grid *g, const Film *film, constan
     __global lanes *m = (__global lanes *)modal;
     __global const lanes *known = (__global const lanes *)w;
     __global const lanes *diffusion = (__global const lanes *)film->diffusion;
-    __global const lanes *own = (__global const lanes *)film->own_share;
-    __global const lanes *other = (__global const lanes *)film->other_share;
+    __global const lanes *own = (__global const lanes *)film->own_share[0];
+    __global const lanes *other = (__global const lanes *)film->other_share[0];
     FOR_EACH(i, g->count / LANES)
     {
         const lanes values = m[i] - diffusion[i] * known[i];
@@ -126,18 +145,15 @@ static void precondition_with_time_term(const Grid *g, const Film *film, constan
 }
 #endif
 
-/* r = Σ_k H^(a/2) (Δv − q v), one term: v is given, `work` is overwritten. */
-static void add_flow(const Grid *g, const Film *film, int k, field v, field work, field r)
+/* What answers to rows on nodes and in modes in time, modal and in their place; the second part of them
+ * lies in film->second, if there is one. `work` is overwritten. */
+static void solve_rows(const Grid *g, const Film *film, vector work, vector modal)
 {
-    laplacian(g, g->laplace_x, g->laplace_y, v, work);
-    matrix4 power = film->gap_power[k], q = film->potential[k];
-    matrix4 v4 = (matrix4)v, curvature = (matrix4)work;
-    field4 r4 = (field4)r;
-    if (k == 0)
-        FOR_EACH(i, g->count4) r4[i] = power[i] * (curvature[i] - q[i] * v4[i]);
-    else
-        FOR_EACH(i, g->count4) r4[i] += power[i] * (curvature[i] - q[i] * v4[i]);
-    SYNC;
+    to_modes_in_space(g, work, modal);
+#if ROW_PARTS > 1
+    to_modes_in_space(g, work, film->second);
+#endif
+    precondition(g, film, modal);
 }
 
 /* v of one flow term, and its response to a mass perturbation; what it adds to the diffusivity. */
@@ -154,20 +170,28 @@ static double4 flow_from(const Grid *whole_grid, const Film *whole_film, int k, 
         const double4 response = power * flow_slope(film, p, k) / (gap * density_slope(film, p));
         v[i] = power * flow_potential(film, p, k);
         store4(response, i, film->response[k]);
-        diffusivity += response * gap_power[i] * mean_resistance[t];
+        diffusivity +=
+            response * gap_power[i] * mean_resistance[t] * over_rest_squared(film, i);
     }
     SYNC;
     return diffusivity;
 }
 
-/* r −= σ ∂H/∂T, and the mass that the overpressure adds. */
-static void add_squeeze(const Grid *whole_grid, const Film *whole_film, field4 mass, field4 r)
+/* r = Σ_k H^(a/2) (Δv − q v) − σ ∂H/∂T, one term: v is given, `work` is overwritten. The last leaves
+ * in v's place the mass that the overpressure adds. */
+static void add_flow(const Grid *whole_grid, const Film *whole_film, int k, field v, field work, field r)
 {
     AS_COPIES(whole_grid, whole_film)
+    laplacian(g, g->laplace_x, g->laplace_y, v, work);
+    matrix4 power = film->gap_power[k], q = film->potential[k], curvature = (matrix4)work;
+    field4 v4 = (field4)v, r4 = (field4)r;
     FOR_EACH_POINT(g, row, t, i)
     {
-        mass[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
-        r[i] -= film->sigma * rate_by(g, film, film->amplitude, row, t);
+        const double4 before =
+            k == 0 ? -film->sigma * rate_by(g, film, film->amplitude, row, t) : r4[i];
+        r4[i] = before + power[i] * (curvature[i] - q[i] * v4[i]);
+        if (k == FLOW_TERMS - 1)
+            v4[i] = gap_at(g, film, row, t) * density_rise(film, film->p[i]);
     }
     SYNC;
 }
@@ -175,42 +199,48 @@ static void add_squeeze(const Grid *whole_grid, const Film *whole_film, field4 m
 /* Relative change of the diffusivity up to which a preconditioner stays as it is. */
 #define NEAR 0.02
 
-/* Residual of the equation at the state p, in modal coefficients; behind it, preconditioned, those of
- * the terms' own unknowns. Also sets the response of each flow term to a mass perturbation and the
+/* Preconditioned residual of the equation at the state p, in modal coefficients; behind it those of the
+ * terms' own unknowns. Also sets the response of each flow term to a mass perturbation and the
  * mean diffusivity for the Jacobian at this state. */
 static void residual(const Grid *g, Film *film, vector modal, __local double *scratch)
 {
     field v = film->work_a, work = film->work_b, r = film->work_c;
-    field4 v4 = (field4)v, work4 = (field4)work, r4 = (field4)r;
     double4 diffusivity = (double4)(0.0);
     for (int k = 0; k < FLOW_TERMS; k++) {
-        diffusivity += flow_from(g, film, k, v4);
+        diffusivity += flow_from(g, film, k, (field4)v);
         add_flow(g, film, k, v, work, r);
     }
     const double mean_diffusivity = sum_over_group(sum_of(diffusivity), scratch) / g->count;
-    add_squeeze(g, film, work4, r4);
-    along_t(g, g->time_derivative, work, v, 0);
-    subtract(r, film->sigma, v, g->count4);
     film->own_out = modal + g->count;
-    TERMS_RESIDUAL(g, film, work, v, r)
+    TERMS_RESIDUAL(g, film, v, work, r)
+    along_t(g, g->time_derivative, v, work, 0);
     vector nodal = (vector)v;
-    FOR_EACH(i, g->count4) store4(r4[i], i, nodal);
+    const double sigma = film->sigma;
+    FOR_EACH(i, g->count4) store4(((matrix4)r)[i] - sigma * ((matrix4)work)[i], i, nodal);
     SYNC;
-    to_modal(g, nodal, modal);
+    to_modes_in_time(g, nodal, modal);
     if (!(fabs(mean_diffusivity - film->diffusivity) <= NEAR * film->diffusivity)) {
         film->diffusivity = mean_diffusivity;
         set_preconditioner(g, film);
     }
     SYNC;
+#if ROW_PARTS
+    part_rows(g, film, modal, 0);
+#endif
+    solve_rows(g, film, nodal, modal);
 }
 
 /* out = preconditioned Jacobian times w, both modal, and both with the terms' own unknowns behind. */
 static void apply_jacobian(const Grid *g, Film *film, vector w, vector out)
 {
     vector v = (vector)film->work_a, work = (vector)film->work_b, r = (vector)film->work_c;
-    /* `out` keeps the nodal values of w until the terms are added up. */
-    from_modal(g, w, work, out);
-    __global const lanes *nodal = (__global const lanes *)out;
+#ifdef SINGLE
+    vector on_nodes = film->nodal + (w - film->basis) / UNKNOWN_FIELDS;
+#else
+    vector on_nodes = out; /* until the terms are added up */
+#endif
+    from_modal(g, w, film->in_time, on_nodes);
+    __global const lanes *nodal = (__global const lanes *)on_nodes;
     __global lanes *values = (__global lanes *)v, *sum = (__global lanes *)r;
     __global const lanes *curvature = (__global const lanes *)work;
     for (int k = 0; k < FLOW_TERMS; k++) {
@@ -230,7 +260,13 @@ static void apply_jacobian(const Grid *g, Film *film, vector w, vector out)
     }
     film->own_in = w + g->count;
     film->own_out = out + g->count;
-    TERMS_RESPONSE(g, film, out, v, r)
-    to_modal(g, r, out);
+    TERMS_RESPONSE(g, film, on_nodes, v, r)
+    to_modes_in_time(g, r, out);
+#if ROW_PARTS
+    part_rows(g, film, out, film->in_time);
+    solve_rows(g, film, r, out);
+#else
+    to_modes_in_space(g, r, out);
     precondition_with_time_term(g, film, w, out);
+#endif
 }

@@ -8,6 +8,10 @@ typedef struct {
     constant_vector to_time_modes, time_modes, time_derivative;
 } Operators;
 
+/* Preconditioners: one for the rows of the linear system as they are, or those that each take a part of
+ * them (terms/gap_over_period.cl). */
+#define PRECONDITIONERS (ROW_PARTS > 1 ? ROW_PARTS : 1)
+
 /* Sizes and matrices. */
 typedef struct {
     int nx, ny, nt, rows, count, nt4, count4, length, length4;
@@ -34,7 +38,12 @@ typedef struct {
     /* The linear system at the state: per flow term H^(a/2), q and the response to a mass, and what
      * its preconditioner takes each coefficient and its pair's other one by. */
     vector power[FLOW_TERMS], bend[FLOW_TERMS], response[FLOW_TERMS];
-    vector diffusion, own_share, other_share;
+    vector diffusion, own_share[PRECONDITIONERS], other_share[PRECONDITIONERS];
+    /* A change of the mass on the nodes in modes in time; 1/G² of a gap that is shaped at rest, σ times
+     * the rate by a coefficient and its pair's other one, and the second preconditioner's part. */
+    vector in_time, over_rest_squared, decay, speed, second;
+    /* The Krylov basis, and what its vectors are on the nodes, where that is kept. */
+    vector basis, nodal;
     /* Unknowns that terms have of their own, at the state, in a change of it and in what answers to
      * the change; and room for the terms' fields. */
     field own;
@@ -150,20 +159,25 @@ ALONG_AXES(double)
 ALONG_AXES(float)
 #endif
 
-/* modal = (to_modes_x ⊗ to_modes_y ⊗ to_time_modes) values; `values` is overwritten. */
-static void to_modal(const Grid *g, vector values, vector modal)
+/* modal = to_time_modes values. */
+static void to_modes_in_time(const Grid *g, vector values, vector modal)
 {
     along_t(g, g->linear.to_time_modes, values, modal, 0);
+}
+
+/* modal = (to_modes_x ⊗ to_modes_y) modal; `values` is overwritten. */
+static void to_modes_in_space(const Grid *g, vector values, vector modal)
+{
     mirrored_x(g, g->whole_modes_x, g->linear.to_modes_x, modal, values, NODES_TO_MODES, 0);
     mirrored_y(g, g->linear.to_modes_y, values, modal, NODES_TO_MODES, 0);
 }
 
-/* values = (modes_x ⊗ modes_y ⊗ time_modes) modal, by way of `work`. */
-static void from_modal(const Grid *g, constant_vector modal, vector work, vector values)
+/* values = (modes_x ⊗ modes_y ⊗ time_modes) modal, by way of `in_time`, which is in modes in time. */
+static void from_modal(const Grid *g, constant_vector modal, vector in_time, vector values)
 {
     mirrored_x(g, g->whole_modes_x, g->linear.modes_x, modal, values, MODES_TO_NODES, 0);
-    mirrored_y(g, g->linear.modes_y, values, work, MODES_TO_NODES, 0);
-    along_t(g, g->linear.time_modes, work, values, 0);
+    mirrored_y(g, g->linear.modes_y, values, in_time, MODES_TO_NODES, 0);
+    along_t(g, g->linear.time_modes, in_time, values, 0);
 }
 
 /* What the gap is more than 1 at some place and four instants, by its parts there: s or, behind each
@@ -191,6 +205,26 @@ static double4 rate_by(const Grid *g, const Film *film, matrix parts, int row, i
 static double4 gap_at(const Grid *g, const Film *film, int row, int t)
 {
     return 1.0 + beyond_even(g, film, film->amplitude, row, t);
+}
+
+/* 1/G² at four instants, for a gap that is shaped at rest. */
+static double4 over_rest_squared(const Film *film, int i)
+{
+#if ROW_PARTS
+    return in_double(((__global const JOIN(real, 4) *)film->over_rest_squared)[i]);
+#else
+    return (double4)(1.0);
+#endif
+}
+
+/* The diffusivity by which one of the preconditioners works. */
+static double diffusivity_of(const Film *film, int which)
+{
+#if ROW_PARTS
+    return film->row->diffusivities[which] * film->diffusivity;
+#else
+    return film->diffusivity;
+#endif
 }
 
 /* A field of the coarser grid of another row on g, by the matrices from axis to axis. */

@@ -3,41 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import accumulate
-from typing import Any
+from itertools import accumulate, pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
-from squeezefilm.reynolds.device import ALIGNMENT_BYTES, SPARE, Device, kernel
+from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING, Device, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import (
+    NOTHING,
     Columns,
+    Joined,
     Pile,
+    by_stages,
     c_enum,
     c_struct,
     c_terms,
     joined_rows,
+    joined_stages,
+    nothing,
     rows_of,
 )
-from squeezefilm.reynolds.periodic.profiles import put_profiles, put_time_modes
+from squeezefilm.reynolds.periodic.profiles import put_films
 from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
 from squeezefilm.reynolds.periodic.sources import in_single, sources_of
+from squeezefilm.reynolds.periodic.states import ENDINGS, SAID, States
 from squeezefilm.reynolds.problems import Problems, problems_of
-from squeezefilm.reynolds.terms import Terms, own_fields, unknown_fields
+from squeezefilm.reynolds.terms import Terms, own_fields, parts_of, unknown_fields
 
-# What stands for no offset.
-NOTHING = -1
-# How an iteration ends: the kernel's names, and what is said of it.
-ENDINGS = {
-    "CONVERGED": "ok",
-    "STALLED": "Newton's method did not converge",
-    "NOT_FINITE": "the pressure became infinite",
-}
-STATUS = tuple(ENDINGS.values())
 MOST_NEWTON = 40
 
 
@@ -89,66 +86,14 @@ class Batch:
         for grid in self.grids:
             most = most_krylov(grid, self.terms)
             fields = 2 * flow_terms + 3 + own_fields(self.terms)
-            linear = 3 * flow_terms + 3 + (most + 1) * self.fields
+            linear = 3 * flow_terms + 10 + (most + 1) * self.fields
             matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
             small = (most + 4) * (most + 1) + grid.nx * grid.ny
             sizes.append(grid.count * (fields + linear) + matrices + small)
         return max(sizes) + 2 * self.largest_state
 
 
-@dataclass(frozen=True)
-class States:
-    """What the device returns, one entry per scene.
-
-    Attributes:
-        kept: the unknowns, or none where the batch does not ask for them.
-        mean_in_time: overpressure averaged over the period, shape (scenes, nx, ny).
-        mean: mean of p over film and period, the force in units of p0 × area.
-        residual: preconditioned residual, an estimate of the mass error left by the iteration.
-        largest: largest |p|.
-        lowest: smallest pressure P, on the last grid of a launch; NaN on others.
-        thinnest: smallest product ρ H, by which the local Knudsen number grows, likewise.
-        moment, size: of the change of mean_in_time from the first guess (error_estimate.py): its
-            largest moment, and the mean of its magnitude.
-        status: index into STATUS.
-        newton_steps, krylov_iterations: work done.
-    """
-
-    kept: np.ndarray | None
-    mean_in_time: np.ndarray
-    mean: np.ndarray
-    residual: np.ndarray
-    largest: np.ndarray
-    lowest: np.ndarray
-    thinnest: np.ndarray
-    moment: np.ndarray
-    size: np.ndarray
-    status: np.ndarray
-    newton_steps: np.ndarray
-    krylov_iterations: np.ndarray
-
-    @property
-    def unknowns(self) -> np.ndarray:
-        """p = P − 1 on the grid and the terms' own unknowns, shape (scenes, fields, nx, ny, nt)."""
-        if self.kept is None:
-            raise ValueError("the batch did not ask for the states on this grid")
-        return self.kept
-
-    @property
-    def overpressure(self) -> np.ndarray:
-        """p, shape (scenes, nx, ny, nt)."""
-        return self.unknowns[:, 0]
-
-
-# What the device says of a scene on a grid beside its overpressure: a row of its results.
-COUNTS = {"status", "newton_steps", "krylov_iterations"}
-SAID = np.dtype(
-    [(each.name, np.int64 if each.name in COUNTS else np.float64) for each in fields(States)[2:]]
-)
-
-
-@dataclass(frozen=True)
-class _Place:
+class _Place(NamedTuple):
     """Where a launch's results have what is said of a batch on a grid: slices of them.
 
     Attributes:
@@ -158,16 +103,6 @@ class _Place:
 
     means: slice
     states: slice | None
-
-    def columns(self, batch: Batch, first: bool) -> Columns:
-        """Where each scene has its own, and what a kernel is to know beside that."""
-        begins = [self.means.start, NOTHING, first and batch.guess is not None, batch.largest_state]
-        steps = [(self.means.stop - self.means.start) // batch.scenes, 0, 0, 0]
-        if self.states:
-            begins[1] = self.states.start
-            steps[1] = (self.states.stop - self.states.start) // batch.scenes
-        names = ("means", "state", "guessed", "largest_state")
-        return Columns(names, begins + np.multiply.outer(np.arange(batch.scenes), steps))
 
 
 @dataclass(frozen=True)
@@ -219,13 +154,14 @@ class Launch:
 
     def end(self) -> None:
         """Let other launches have the arrays, as no one looks at the states any more."""
-        self.device.give_back(*self.inputs.rooms)
+        self.device.arrays.release(*self.inputs.arrays)
 
     def states(self) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
         results = self.inputs.results
         self.device.fetch(results, self.buffer, after=self.done)
-        said = results[: self.places.rows * SAID.itemsize // 8].view(SAID)
+        numbers = SAID.itemsize // 8
+        said = results[: self.places.rows * numbers].reshape(-1, numbers)
         states: list[list[States]] = []
         first = 0
         for batch, of_batch in zip(self.batches, self.places.of, strict=True):
@@ -236,9 +172,8 @@ class Launch:
                 shape = batch.scenes, batch.fields, *grid.shape
                 unknowns = results[place.states].reshape(shape) if place.states else None
                 means = results[place.means].reshape(batch.scenes, grid.nx, grid.ny)
-                own = said[first + stage : last : stages]
-                rest = (own[name] for name in SAID.names or ())
-                states[-1].append(States(unknowns, means, *rest))
+                own = said[first + stage : last : stages].view(SAID)[:, 0]
+                states[-1].append(States(unknowns, means, own))
             first = last
         return states
 
@@ -299,22 +234,22 @@ class _Inputs:
     """A launch's arrays, as periodic.cl describes them.
 
     results: room for what the device says of the scenes, and their first guesses.
-    rooms: what the last two are the beginnings of, to be given back.
+    arrays: what the last two are the beginnings of, of the device's pool.
     """
 
     begins: np.ndarray
     rows: np.ndarray
     values: np.ndarray
     results: np.ndarray
-    rooms: Sequence[np.ndarray]
+    arrays: Sequence[np.ndarray]
 
 
 def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = [len(batch.grids) for batch in batches for _ in range(batch.scenes)]
     begins = np.array([*accumulate(stages, initial=0)], dtype=np.int32)
-    results_room = device.lent(places.size + SPARE)
-    results = results_room[: places.size + SPARE]
+    results_array = device.arrays.acquire(places.size + PADDING)
+    results = results_array[: places.size + PADDING]
     pile = Pile()
     rows = []
     for batch, of_batch in zip(batches, places.of, strict=True):
@@ -323,54 +258,67 @@ def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Input
         tolerances = [problems.tolerance for problems in batch.problems]
         rows.append(
             rows_of(
-                *_offsets(pile, batch, of_batch),
+                _columns(pile, batch, of_batch),
+                stages=len(batch.grids),
                 numbers=batch.problems[0].numbers,
                 # A mass error w moves the pressure by w/H.
                 tolerance=np.multiply.outer(batch.problems[0].narrowest, tolerances),
             )
         )
-    values_room = device.lent(pile.end + SPARE)
-    values = pile.put_into(values_room[: pile.end + SPARE])
-    return _Inputs(begins, joined_rows(rows), values, results, (results_room, values_room))
+    values_array = device.arrays.acquire(pile.end + PADDING)
+    values = pile.put_into(values_array[: pile.end + PADDING])
+    return _Inputs(begins, joined_rows(rows), values, results, (results_array, values_array))
 
 
-def _offsets(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[list[Columns]]:
-    """On each grid its sizes, and where what the batch needs lies in the pile and the results."""
-    terms, aspect = batch.terms, batch.problems[0].aspect
-    coarser = None
-    stages = []
-    each_stage = zip(
-        batch.grids,
-        batch.problems,
-        places,
-        put_time_modes(pile, batch.problems[-1], batch.grids),
-        put_profiles(pile, batch.problems, batch.grids),
-        strict=True,
-    )
-    for grid, problems, place, modes, profile in each_stage:
-        stages.append(
-            [
-                sizes_of(grid, terms),
-                place.columns(batch, coarser is None),
-                pile.add(carrying_matrices(coarser, grid, terms=terms))
-                if coarser
-                else _nothing_to_carry(terms),
-                pile.add(grid_matrices(grid, aspect=aspect, terms=terms)),
-                profile,
-                modes,
-            ]
-        )
-        for term in terms:
-            if operators := term.operators(problems.numbers, grid, aspect=aspect):
-                stages[-1].append(pile.add_each(operators))
-        coarser = grid
-    return stages
+def _columns(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[Columns]:
+    """A batch's sizes, and where what it needs lies in the pile and the results, on each grid."""
+    aspect = batch.problems[0].aspect
+    sizes, matrices = _of_grids(tuple(batch.grids), batch.terms, aspect)
+    columns = [
+        sizes,
+        pile.add(matrices),
+        _in_results(batch, places),
+        *put_films(pile, batch.problems, batch.grids),
+    ]
+    for term in batch.terms:
+        each_grid = zip(batch.problems, batch.grids, strict=True)
+        operators = [term.operators(its.numbers, grid, aspect=aspect) for its, grid in each_grid]
+        if operators[0]:
+            columns.append(by_stages([pile.add_each(of_grid) for of_grid in operators]))
+    return columns
 
 
 @lru_cache(maxsize=64)
-def _nothing_to_carry(terms: Terms) -> Columns:
-    names = (*CARRYING, *(name for term in terms for name in term.CARRYING))
-    return Columns(names, np.full(len(names), NOTHING))
+def _of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> tuple[Columns, Joined]:
+    """The sizes of some grids, and their matrices with those that carry a state to the next."""
+    sizes = [sizes_of(grid, terms) for grid in grids]
+    carrying = [
+        nothing([*CARRYING, *(name for term in terms for name in term.CARRYING)]),
+        *(carrying_matrices(*pair, terms=terms) for pair in pairwise(grids)),
+    ]
+    matrices = [grid_matrices(grid, aspect=aspect, terms=terms) for grid in grids]
+    return (
+        Columns(sizes[0].names, np.stack([each.values for each in sizes])),
+        joined_stages(list(zip(carrying, matrices, strict=True))),
+    )
+
+
+def _in_results(batch: Batch, places: Sequence[_Place]) -> Columns:
+    """Where each scene has its own, on each grid, and what a kernel is to know beside that."""
+    begins, steps = [], []
+    for stage, (means, states) in enumerate(places):
+        guessed = stage == 0 and batch.guess is not None
+        begins.append([means.start, states.start if states else NOTHING, guessed])
+        steps.append([_step(means, batch), _step(states, batch) if states else 0, 0])
+    names = ("means", "state", "guessed", "largest_state")
+    values = np.empty((batch.scenes, len(places), len(names)), dtype=np.int64)
+    values[..., :-1] = begins + np.multiply.outer(np.arange(batch.scenes), steps)
+    values[..., -1] = batch.largest_state
+    return Columns(names, values)
+
+
+def _step(some: slice, batch: Batch) -> int:
+    return int((some.stop - some.start) // batch.scenes)
 
 
 @lru_cache(maxsize=64)
@@ -381,6 +329,7 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
         [
             f"#define FLOW_TERMS {flow_terms}",
             f"#define UNKNOWN_FIELDS {unknown_fields(terms)}",
+            f"#define ROW_PARTS {parts_of(terms)}",
             f"#define OWN_FIELDS {own_fields(terms)}",
             "#define SINGLE" if single else "",
             *(f"#define HAS_{term.NAME}" for term in terms),

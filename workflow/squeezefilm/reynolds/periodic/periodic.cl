@@ -1,6 +1,6 @@
 /* The periodic state of the film by Newton–GMRES, one scene per work-group at a time. Compiled after
  * film_over_period.cl, which has the equation, and krylov.cl. Row, Said and how an iteration ends
- * are defined in periodic.py. */
+ * are defined by launch.py. */
 
 /* Mean overpressure over film and period, in units of ambient pressure, and the largest |p|; the means
  * over the period are kept. Before that p takes a share of a step, if there is one. */
@@ -109,7 +109,6 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
     int patience = PATIENCE;
     for (; s.newton_steps <= most_newton; s.newton_steps++) {
         residual(g, film, basis, scratch);
-        precondition(g, film, basis);
         s.residual = norm(basis, g->length4, g->nt, scratch);
         if (!isfinite(s.residual)) {
             s.status = NOT_FINITE;
@@ -127,15 +126,22 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
             break;
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
         const double bend = s.residual * s.residual;
-        const double last = bend < 0.01 * goal ? 0.7 : 0.3;
+        const double last = bend < 0.1 * goal ? 0.7 : 0.3;
         const double target = fmax(fmax(last * goal, LINEAR_ROUNDING / 10 * s.residual),
-                                   fmin(0.1 * s.residual, bend));
+                                   fmin(0.1 * s.residual, 3.0 * bend));
         double left;
-        s.krylov_iterations +=
+        const int steps =
             gmres(g, film, basis, small, s.residual, target, most_krylov, g->nt, &left, scratch);
+        matrix factors = small + (most_krylov + 1) * most_krylov;
+        s.krylov_iterations += steps;
         field4 step = (field4)film->work_b;
+#ifdef SINGLE
+        vector nodal = film->nodal;
+        combine(nodal, g->count, factors, steps, g->count4);
+#else
         vector nodal = (vector)film->work_a;
         from_modal(g, basis, (vector)film->work_c, nodal);
+#endif
         /* No more than 9/10 of the pressure anywhere. */
         const double2 change = step_of(g, film, nodal, step, scratch);
         const double share = change.x > 0.9 ? 0.9 / change.x : 1.0;
@@ -144,8 +150,12 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         const double2 size = size_after(g, film, (matrix4)step, share, scratch);
         s.mean = size.x;
         s.largest = size.y;
-        /* A short step needs no residual behind it to be known as the last one. */
-        const double bent = fmax(change.x, change.y) * norm(basis, g->length4, g->nt, scratch);
+        /* A short step needs no residual behind it to be known as the last one. The basis is
+         * orthonormal: the step is as long as its factors are. */
+        double square = 0.0;
+        for (int k = 0; k < steps; k++)
+            square += factors[k] * factors[k];
+        const double bent = fmax(change.x, change.y) * sqrt(square);
         left += LINEAR_ROUNDING * s.residual + NONLINEARITY * bent;
         if (share == 1.0 && left <= tolerance * fabs(s.mean)) {
             s.residual = left;
@@ -216,10 +226,29 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
                 basis += 3 * g.count;
             }
             film.diffusion = basis;
-            film.own_share = basis + g.count;
-            film.other_share = basis + 2 * g.count;
-            basis += 3 * g.count;
-            field small = (field)(basis + (most_krylov + 1) * g.length);
+            basis += g.count;
+            for (int which = 0; which < PRECONDITIONERS; which++) {
+                film.own_share[which] = basis;
+                film.other_share[which] = basis + g.count;
+                basis += 2 * g.count;
+            }
+#if ROW_PARTS
+            film.in_time = basis;
+            film.over_rest_squared = basis + g.count;
+            film.decay = basis + 2 * g.count;
+            film.speed = basis + 3 * g.count;
+            film.second = basis + 4 * g.count;
+            basis += 5 * g.count;
+#else
+            film.in_time = (vector)film.work_b;
+#endif
+            film.basis = basis;
+            film.nodal = basis + (most_krylov + 1) * g.length;
+#ifdef SINGLE
+            field small = (field)(film.nodal + most_krylov * g.count);
+#else
+            field small = (field)film.nodal;
+#endif
             film.diffusivity = 0.0;
             film.epsilon = row->epsilon;
             film.sigma = row->sigma;
@@ -249,15 +278,18 @@ __kernel void periodic_state(const int scenes, const int most_newton, __global c
             said.size = change.y;
             said.lowest = said.thinnest = NAN;
             if (k + 1 == begins[scene + 1]) {
-                double4 deficit = (double4)(-INFINITY), thinness = deficit;
+                double4 deficit = (double4)(-INFINITY);
+                FOR_EACH(i, g.count4) deficit = larger(deficit, -(1.0 + film.p[i]));
+                said.lowest = -max_over_group(max_of(deficit), scratch);
+#if FLOW_TERMS > 1 /* asked for of rarefied gas alone */
+                double4 thinness = (double4)(-INFINITY);
                 FOR_EACH_POINT(&g, place, t, i)
                 {
-                    const double4 p = film.p[i], density = 1.0 + density_rise(&film, p);
-                    deficit = larger(deficit, -(1.0 + p));
+                    const double4 density = 1.0 + density_rise(&film, film.p[i]);
                     thinness = larger(thinness, -density * gap_at(&g, &film, place, t));
                 }
-                said.lowest = -max_over_group(max_of(deficit), scratch);
                 said.thinnest = -max_over_group(max_of(thinness), scratch);
+#endif
             }
             if (get_local_id(0) == 0)
                 ((__global Said *)results)[k] = said;

@@ -10,12 +10,8 @@ from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 
 from squeezefilm.film.outlines import Outline
-from squeezefilm.film.scene import Finger, Scene
-from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.outlines.around import Around
-from squeezefilm.reynolds.spectral import Axis
 from squeezefilm.reynolds.under_finger import Probe, UnderFinger
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
@@ -29,6 +25,9 @@ FIRST_SHARE = 1 / 3
 # The start grid's points per direction, as a share of the first grid's.
 START_SHARE = 0.6
 TIME_SHARE = 0.15
+# What the instants may leave of a force that is of second order in the amplitude, over its square:
+# a change of 1.3 ρ^nt/ε² was seen from 8 instants to 12 (ε 0.2–0.25, σ 700–2300).
+TIME_FORCE = 0.3
 # The same for the last of three grids, of whose error the other two tell more.
 JUDGED_SHARE = 1.0
 # Of which unknowns along an axis are multiples: kernels are fastest at four, two are the least.
@@ -45,10 +44,6 @@ SLIDING_LAYER = 24.0
 # Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,
 # with stronger harmonics than the gas spring's 1/H.
 INCOMPRESSIBLE = 10.0
-# Above this errors may go up and down from grid to grid; below 1e4 none of 996 films was beyond its
-# estimate, but one at 9963 came to 0.9 of it.
-UNEVEN_SIGMA = 5e3
-
 
 # A profile is seen by a grid that misses no more of it than this or the root of the tolerance: a
 # force is a mean, good to about the square of what the interpolant misses.
@@ -74,7 +69,8 @@ def _share(tolerance: float) -> float:
     return min(LARGEST_MISSED, sqrt(tolerance))
 
 
-def unseen_profile(needs: Needs, finger: Finger, *, tolerance: float) -> str | None:
+@lru_cache(maxsize=4096)
+def unseen_profile(needs: Needs, *, tolerance: float) -> str | None:
     """Why no grid sees the profile under the finger, if so."""
     probe, share = probe_for(needs, tolerance=tolerance), _share(tolerance)
     if not probe.missed < inf:
@@ -82,6 +78,7 @@ def unseen_profile(needs: Needs, finger: Finger, *, tolerance: float) -> str | N
     most = MOST_JUDGED_FOLDED * 2 if needs.fold_x and needs.fold_y else MOST_JUDGED
     if probe.missed <= share and max(probe.nodes(share)) <= most:
         return None
+    finger = needs.profile.finger
     side_m = max(finger.length_x_m, finger.length_y_m)
     apart_m = pi / 2 * side_m / (MOST_SPACE + 1)
     return (
@@ -90,29 +87,6 @@ def unseen_profile(needs: Needs, finger: Finger, *, tolerance: float) -> str | N
         f"{1e6 * apart_m:.2g} µm apart, does not show it to {share:.1g} of the profile's largest "
         "value, as this tolerance asks"
     )
-
-
-def gap_numbers(scene: Scene) -> dict[str, float]:
-    """A scene's gap in numbers that a first grid goes by, arguments of ``first_grid``.
-
-    A gap that is shaped at rest is as hard as its narrowest place, and as closed, is everywhere.
-    """
-    if scene.finger.gap.flat:
-        return {"epsilon": scene.epsilon, "sigma": scene.sigma, "bend": 0.0}
-    least = float(scene.rest_inside.min())
-    bulge = 8 * abs(scene.finger.gap.bulge_m) / scene.h0_m
-    return {
-        "epsilon": scene.closure(),
-        "sigma": scene.sigma / min(1.0, least) ** 2,
-        "bend": bulge / scene.epsilon if scene.epsilon else 0.0,
-    }
-
-
-def least_fall(scene: Scene) -> float:
-    """Factor by which changes from grid to grid are believed to fall at most."""
-    sigma = scene.sigma if scene.finger.gap.flat else gap_numbers(scene)["sigma"]
-    sigma *= max(1.0, scene.aspect) ** 2
-    return THIN_LAYER_FALL if sigma > UNEVEN_SIGMA else 0.0
 
 
 def first_grid(
@@ -144,7 +118,10 @@ def first_grid(
     wanted = share * tolerance
     digits = log10(1 / wanted)
     ratio = epsilon / (1 + sqrt(1 - epsilon**2))
-    instants = log(TIME_SHARE * tolerance / 3) / log(ratio) if ratio > 0 else LEAST_TIME
+    instants = float(LEAST_TIME)
+    if ratio > 0:
+        left = min(log(TIME_SHARE / 3), log(TIME_FORCE) + 2 * log(epsilon))
+        instants = (log(tolerance) + left) / log(ratio)
     if sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE:
         instants += 4
     seen = _seen(needs, tolerance)
@@ -161,19 +138,17 @@ def first_grid(
         nodes_y = max(
             seen.nodes_y, _nodes(digits, epsilon=epsilon, sigma=layer_y, curvature=bent_y)
         )
-    plain = seen.plain
-    grid = _like(
-        plain,
-        _unknowns(nodes_x, plain.x, step),
-        _unknowns(nodes_y, plain.y, step),
+    return _with_room(
+        seen,
+        _unknowns(nodes_x, seen.share_x, step),
+        _unknowns(nodes_y, seen.share_y, step),
         min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_JUDGED_TIME),
+        room,
+        step,
     )
-    while finer_grid(grid, room=room, step=step) is None and grid.sees(seen.nodes_x, seen.nodes_y):
-        grid = _coarser(grid, step)
-    return grid
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Seen:
     """What the profile asks of a grid, whatever the film.
 
@@ -181,6 +156,7 @@ class _Seen:
         nodes_x, nodes_y: without which a grid would not see it.
         curvature_x, curvature_y: its largest.
         plain: a grid of the scene's kind.
+        share_x, share_y: nodes across the finger for each of its unknowns.
     """
 
     nodes_x: int
@@ -188,6 +164,8 @@ class _Seen:
     curvature_x: float
     curvature_y: float
     plain: Grid
+    share_x: int
+    share_y: int
 
 
 @lru_cache(maxsize=4096)
@@ -195,12 +173,17 @@ def _seen(needs: Needs, tolerance: float) -> _Seen:
     probe = probe_for(needs, tolerance=tolerance)
     plain = Grid(4, 4, LEAST_TIME, needs.fold_x, needs.fold_y, needs.outline)
     nodes = nodes_for_profile(needs, tolerance=tolerance)
-    return _Seen(*nodes, probe.curvature_x, probe.curvature_y, plain)
+    shares = (along.full_points // along.points for along in (plain.x, plain.y))
+    return _Seen(*nodes, probe.curvature_x, probe.curvature_y, plain, *shares)
 
 
 @lru_cache(maxsize=4096)
-def _like(plain: Grid, nx: int, ny: int, nt: int) -> Grid:
-    return replace(plain, nx=nx, ny=ny, nt=nt)
+def _with_room(seen: _Seen, nx: int, ny: int, nt: int, room: float, step: int) -> Grid:
+    """The grid, or one that is as much coarser as it takes for a finer one to have room."""
+    grid = replace(seen.plain, nx=nx, ny=ny, nt=nt)
+    while finer_grid(grid, room=room, step=step) is None and grid.sees(seen.nodes_x, seen.nodes_y):
+        grid = _coarser(grid, step)
+    return grid
 
 
 def _nodes(digits: float, *, epsilon: float, sigma: float, curvature: float) -> float:
@@ -233,9 +216,8 @@ def _nodes_around(digits: float, epsilon: float, curvature: float, outline: Outl
     return 8 + digits * log(10) / (0.8 * strip)
 
 
-def _unknowns(nodes: float, axis: Axis | Around, step: int) -> int:
-    """Unknowns along an axis like another, a multiple of a step."""
-    share = axis.full_points // axis.points
+def _unknowns(nodes: float, share: int, step: int) -> int:
+    """Unknowns along an axis, one for so many nodes: a multiple of a step."""
     most = MOST_JUDGED_FOLDED if share > 1 else MOST_JUDGED
     return min(step * ceil(nodes / share / step), most)
 
@@ -284,8 +266,11 @@ def judged_grids(grid: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
 
 
 @lru_cache(maxsize=4096)
-def with_finer(first: Grid, seen: tuple[int, int], room: float, step: int) -> tuple[Grid, ...]:
+def with_finer(
+    first: Grid, needs: Needs, tolerance: float, room: float, step: int
+) -> tuple[Grid, ...]:
     """The grid, one that starts it, if that pays, and the finer one that tells its error."""
+    seen = nodes_for_profile(needs, tolerance=tolerance)
     wanted = _start(first, seen, step), first, finer_grid(first, room=room, step=step)
     return tuple(grid for grid in wanted if grid is not None)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Columns
-from squeezefilm.reynolds.terms import Terms, unknown_fields
+from squeezefilm.reynolds.terms import Terms, parts_of, unknown_fields
 
 LEAST_KRYLOV, MOST_KRYLOV = 20, 80
 LARGEST_WORKSPACE_BYTES = 256 * 2**20
@@ -40,6 +40,6 @@ def sizes_of(grid: Grid, terms: Terms) -> Columns:
 @lru_cache(maxsize=4096)
 def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
-    in_space = 3 + sum(term.SPACE_PRODUCTS for term in terms)
+    in_space = 2 + max(parts_of(terms), 1) + sum(term.SPACE_PRODUCTS for term in terms)
     in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
     return 2.0 * grid.count * (in_space * sum(grid.space_products) + in_time * grid.nt)

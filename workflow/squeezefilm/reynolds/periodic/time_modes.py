@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import log10
+from math import hypot, log10
 
 import numpy as np
 
@@ -109,10 +109,11 @@ def steps_of(
     return [*zip(*near.tolist(), lags.tolist(), np.rint(slow / SLOW_STEP).tolist(), strict=True)]
 
 
-def plain_steps(variation: float) -> Steps:
-    """The same of a film whose gap moves in one phase and whose flow does not lag."""
-    near = max(-MOST_VARIATION, min(MOST_VARIATION, round(variation / VARIATION_STEP)))
-    return float(near), 0.0, LAGS_PER_DECADE * log10(LEAST_LAG), 1 / SLOW_STEP
+def plain_steps(variation: float, lagging: float) -> Steps:
+    """The same of a film whose flow does not lag."""
+    first, second = round(variation / VARIATION_STEP), round(lagging / VARIATION_STEP)
+    share = MOST_VARIATION / max(hypot(first, second), MOST_VARIATION)
+    return first * share, second * share, LAGS_PER_DECADE * log10(LEAST_LAG), 1 / SLOW_STEP
 
 
 @lru_cache(maxsize=4096)

@@ -91,6 +91,11 @@ def unknown_fields(terms: Terms) -> int:
     return 1 + sum(term.UNKNOWN_FIELDS for term in terms)
 
 
+def parts_of(terms: Terms) -> int:
+    """Preconditioners that share the rows of the linear system; 0 if there is one for all."""
+    return max((term.parts for term in terms if isinstance(term, AnyGap)), default=0)
+
+
 def own_fields(terms: Terms) -> int:
     """Fields that terms need room for beside the unknowns."""
     return sum(term.OWN_FIELDS for term in terms)
@@ -108,4 +113,7 @@ def notes_of(scene: Scene) -> list[str]:
 
 def first_reason(reasons: Iterable[str]) -> str:
     """The first that is not empty; empty if all are."""
-    return next(filter(None, reasons), "")
+    for reason in reasons:
+        if reason:
+            return reason
+    return ""

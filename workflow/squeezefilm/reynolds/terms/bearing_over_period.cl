@@ -42,10 +42,11 @@ static void set_preconditioner(const Grid *g, const Film *film) {}
 static void precondition(const Grid *g, const Film *film, field modal)
 {
     const int nx = g->nx, stride = g->ny * g->nt;
+    const double diffusivity = diffusivity_of(film, 0);
     matrix triangle = ARRAY(film, triangle);
     FOR_EACH(column, g->ny)
     {
-        const double shift = film->diffusivity * g->eigenvalues_y[column];
+        const double shift = diffusivity * g->eigenvalues_y[column];
         field m = modal + column * g->nt;
         int top;
         for (int bottom = nx - 1; bottom >= 0; bottom = top - 1) {
@@ -53,16 +54,16 @@ static void precondition(const Grid *g, const Film *film, field modal)
             top = bottom - coupled;
             for (int i = top; i <= bottom; i++)
                 for (int j = bottom + 1; j < nx; j++) {
-                    const double entry = film->diffusivity * triangle[i * nx + j];
+                    const double entry = diffusivity * triangle[i * nx + j];
                     field4 to = (field4)(m + i * stride);
                     matrix4 from = (matrix4)(m + j * stride);
                     for (int t = 0; t < g->nt4; t++)
                         to[t] -= entry * from[t];
                 }
-            const double a = film->diffusivity * triangle[top * nx + top] + shift;
-            const double b = film->diffusivity * triangle[top * nx + bottom];
-            const double c = film->diffusivity * triangle[bottom * nx + top];
-            const double d = film->diffusivity * triangle[bottom * nx + bottom] + shift;
+            const double a = diffusivity * triangle[top * nx + top] + shift;
+            const double b = diffusivity * triangle[top * nx + bottom];
+            const double c = diffusivity * triangle[bottom * nx + top];
+            const double d = diffusivity * triangle[bottom * nx + bottom] + shift;
             field4 u = (field4)(m + top * stride), v = (field4)(m + bottom * stride);
             for (int j = 0; j < g->nt4; j++) {
                 const double2 speed = film->sigma * (double2)(g->speeds[2 * j], g->speeds[2 * j + 1]);

@@ -23,10 +23,10 @@ SLIP_MOST_KNUDSEN = 0.1
 def flow_coefficients(scene: Scene) -> tuple[float, ...]:
     """Coefficients c_k of the mass flux Σ c_k H^(3−k) ρ^(1−k) ∇P, the first being 1.
 
-    Slip of first order adds 6 Kn H² (Burgdorfer 1959).
+    Slip of first order adds 6 Kn H² (Burgdorfer 1959), times the gas' ``slip_coefficient``.
     """
     if scene.gas.rarefaction == "slip":
-        return (1.0, 6 * scene.knudsen)
+        return (1.0, 6 * scene.slip_knudsen)
     if scene.gas.rarefaction == "fukui-kaneko":
         return fukui_kaneko(scene)
     return (1.0,)
@@ -34,7 +34,8 @@ def flow_coefficients(scene: Scene) -> tuple[float, ...]:
 
 def fukui_kaneko(scene: Scene) -> tuple[float, ...]:
     """The coefficients of Fukui and Kaneko's flow factor, whatever the scene's gas has."""
-    return tuple(c / scene.inverse_knudsen**k for k, c in enumerate(FUKUI_KANEKO))
+    inverse = scene.inverse_knudsen
+    return tuple(c / inverse**k for k, c in enumerate(FUKUI_KANEKO))
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # for types alone: both ask the terms
     from squeezefilm.reynolds.modes.pad_modes import PadModes
 
 # Where kernels add what terms have to say: to the residual of film_over_period.cl and its response
-# to a change of the mass, to the rate and its response of film_at_instant.cl; and, for unknowns of
+# to a change of the mass, to the rate and its response of film_at_instant.cl, and, for unknowns of
 # their own, to a step of Newton's method and to the way from grid to grid (periodic.cl).
 HOOKS = {
     "residual": "(g, film, mass, work, out)",

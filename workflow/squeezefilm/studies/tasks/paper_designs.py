@@ -20,6 +20,7 @@ from squeezefilm.designs.paper_design import (
     d_efficiency,
     exchange_design,
     search_design,
+    spread_on_lines,
 )
 from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_regions
 from squeezefilm.io.parallel import parallel_map
@@ -91,7 +92,10 @@ def four_factor_designs(fit: FittedModel, config: Config, *, processes: int) -> 
     for form, criterion in forms.items():
         points = len(model.parameter_names)
         best = exchange_design(criterion, points, levels=FOUR_FACTOR_LEVELS)
-        designs = _searches(criterion, points, settings, processes=processes)
+        designs = [
+            spread_on_lines(criterion, design, ratio=("h0_m", "hv_m"))
+            for design in _searches(criterion, points, settings, processes=processes)
+        ]
         patterns = find_patterns(designs, box)
         rows += _search_rows(form, designs, patterns, box)
         summary[form] = _pattern_summaries(patterns, criterion, best, box)

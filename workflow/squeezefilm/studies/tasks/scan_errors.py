@@ -14,7 +14,8 @@ from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.limits.forces import fast_limit, limit_axis
+from squeezefilm.reynolds.limits.films import films_of, limit_axis
+from squeezefilm.reynolds.limits.forces import fast_limit
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
@@ -118,12 +119,13 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     epsilon = min(scene.epsilon, 0.999 / float(both.max())) if both.any() else 0.0
     if epsilon == 0:
         return 0.0
-    mean = fast_limit(
-        epsilon=np.full(2, epsilon),
-        sigma=np.full(2, LARGE_SIGMA),
-        amplitude=np.stack([first, both]),
+    films = films_of(
+        np.full(2, epsilon),
+        np.full(2, LARGE_SIGMA),
+        np.stack([first, both]),
         aspect=scene.aspect,
-    ).mean
+    )
+    mean = fast_limit(films).mean
     return max(float(mean[1] / mean[0] - 1), 0.0) if mean[0] > 0 else math.inf
 
 

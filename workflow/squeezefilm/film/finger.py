@@ -1,0 +1,139 @@
+"""The finger over the surface: its pad's outline and how its gap at rest is shaped."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from math import cos, hypot, pi, radians, sin, sqrt
+from typing import TypeVar
+
+import numpy as np
+
+from squeezefilm.film.contour import DENSE, Contour
+from squeezefilm.film.outlines import Outline, ellipse
+
+OUTLINE_POINTS = 144
+
+Number = TypeVar("Number", float, np.ndarray)
+
+
+@dataclass(frozen=True)
+class GapShape:
+    """How the gap at rest differs from place to place under the finger; zero at its centre.
+
+    ``tilt_x_m`` is the gap at the middle of the side at +x less that at −x, ``tilt_y_m`` likewise;
+    ``bulge_m`` the gap at the middle of a side less that at the centre: positive for a pad that
+    bulges towards the surface.
+    """
+
+    tilt_x_m: float = 0.0
+    tilt_y_m: float = 0.0
+    bulge_m: float = 0.0
+
+    @cached_property
+    def flat(self) -> bool:
+        return not (self.tilt_x_m or self.tilt_y_m or self.bulge_m)
+
+    def rise_m(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Gap at rest less h0 at positions in [0, 1] across the finger."""
+        x, y = x - 0.5, y - 0.5
+        tilt: np.ndarray = self.tilt_x_m * x + self.tilt_y_m * y
+        return tilt + 4 * self.bulge_m * (x**2 + y**2)
+
+
+@dataclass(frozen=True)
+class Finger:
+    """A pad, sliding along its own x axis at constant speed.
+
+    ``length_x_m`` and ``length_y_m`` are the sides of the rectangle, the axes of the ellipse, or
+    the extents of a ``curve``, the closed ``contour``, whose middle is the pad's centre; the
+    finger's x axis is turned by ``rotation_deg`` from the actuator's, against the clock.
+    """
+
+    length_x_m: float
+    length_y_m: float
+    speed_x_m_per_s: float
+    shape: str = "rectangle"
+    rotation_deg: float = 0.0
+    gap: GapShape = GapShape()
+    contour: Contour | None = None
+
+    @property
+    def area_m2(self) -> float:
+        if self.contour:
+            return self.contour.outline.area * self.length_x_m**2
+        share = pi / 4 if self.shape == "ellipse" else 1.0
+        return share * self.length_x_m * self.length_y_m
+
+    @property
+    def reach_m(self) -> float:
+        """Distance of the outline's farthest point from the finger's centre."""
+        if self.contour:
+            return float(np.abs(self.contour.rim).max()) * self.length_x_m
+        if self.shape == "ellipse":
+            return max(self.length_x_m, self.length_y_m) / 2
+        return hypot(self.length_x_m, self.length_y_m) / 2
+
+    @property
+    def rectangle_within(self) -> float:
+        """Sides of the largest rectangle of its proportions about its centre, over its own."""
+        if self.contour:
+            rim = self.contour.rim
+            across = np.maximum(2 * np.abs(rim.real), 2 * np.abs(rim.imag) / self.contour.aspect)
+            return float(across.min())
+        return sqrt(0.5) if self.shape == "ellipse" else 1.0
+
+    @property
+    def smooth_outline(self) -> Outline | None:
+        """The outline in conformal coordinates, unless it is a rectangle."""
+        if self.contour:
+            return self.contour.outline
+        return ellipse(self.length_y_m / self.length_x_m) if self.shape == "ellipse" else None
+
+    def outline(self) -> list[tuple[float, float]]:
+        """Points on the rim from the finger's centre, along the actuator's axes: (x_m, y_m).
+
+        A rectangle's four corners, or points all around another pad.
+        """
+        half_x, half_y = self.length_x_m / 2, self.length_y_m / 2
+        if self.contour:
+            rim = self.contour.rim[:: DENSE // (2 * OUTLINE_POINTS)] * self.length_x_m
+            points = list(zip(rim.real.tolist(), rim.imag.tolist(), strict=True))
+        elif self.shape == "ellipse":
+            angles = (2 * pi * step / OUTLINE_POINTS for step in range(OUTLINE_POINTS))
+            points = [(half_x * cos(angle), half_y * sin(angle)) for angle in angles]
+        else:
+            points = [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
+        return [self.turned(x, y) for x, y in points]
+
+    def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Whether places in [0, 1] across the sides lie under the pad."""
+        if self.contour:
+            z = (x - 0.5) + 1j * (y - 0.5) * self.contour.aspect
+            return self.contour.within(z.ravel()).reshape(z.shape)
+        if self.shape == "ellipse":
+            return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1 + 1e-12)
+        return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
+
+    def turned(self, x: Number, y: Number) -> tuple[Number, Number]:
+        """Finger's coordinates in those of the actuator's axes."""
+        if self.rotation_deg == 0:
+            return x, y
+        c, s = cos(radians(self.rotation_deg)), sin(radians(self.rotation_deg))
+        return c * x - s * y, s * x + c * y
+
+    def turned_back(self, x: Number, y: Number) -> tuple[Number, Number]:
+        """Coordinates along the actuator's axes in the finger's own."""
+        return replace(self, rotation_deg=-self.rotation_deg).turned(x, y)
+
+
+@lru_cache(maxsize=256)
+def net(finger: Finger) -> tuple[np.ndarray, np.ndarray]:
+    """A net of points x, y over the pad, rim included, in [0, 1]."""
+    if finger.contour:
+        across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
+        return finger.contour.outline.positions(across, nu)
+    if finger.shape == "ellipse":
+        r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
+        return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
+    side = np.linspace(0, 1, 25)
+    x, y = np.meshgrid(side, side, indexing="ij")
+    return x, y
