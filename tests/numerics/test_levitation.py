@@ -1,5 +1,9 @@
 """The gap under a load against the solver's own forces, and mistakes told."""
 
+from dataclasses import replace
+from math import pi
+
+import numpy as np
 import pandas as pd
 import pytest
 from films import film
@@ -9,6 +13,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.dynamics.levitation import levitate
+from squeezefilm.reynolds.dynamics.resonance import MOST_DAMPING, resonance
 
 DEVICE = choose_device()
 SETTINGS = {"tolerance": 1e-6, "model_tolerance": 1e-3, "device": DEVICE}
@@ -31,9 +36,38 @@ def test_stiffness_is_the_slope_of_the_force():
     (force,) = solve([scene], tolerance=1e-7, device=DEVICE)
     found = levitate(scene, load_n=force.force_n, **SETTINGS)
     assert found.stiffness_n_per_m == pytest.approx(2 * force.force_n / scene.h0_m, rel=0.02)
-    assert found.resonance_hz(0.05) == pytest.approx(
-        (found.stiffness_n_per_m / 0.05) ** 0.5 / 6.283185307, rel=1e-6
-    )
+
+
+def test_a_heavy_mass_swings_on_the_slow_spring_and_a_light_one_on_gas_that_stays():
+    """Between them gas that is pressed out damps the motion, and to fast a motion is no answer."""
+    scene = film(epsilon=0.2, sigma=1e4)
+    (force,) = solve([scene], tolerance=1e-6, device=DEVICE)
+    found = levitate(scene, load_n=force.force_n, **SETTINGS)
+    trapped = scene.force_scale_n / found.scene.h0_m
+    # Squeeze numbers of the motion: far below that of the film's corner, about 20, and far above.
+    vibration = scene.actuator.angular_frequency_rad_per_s
+    slow, fast = 1e-2 * vibration / 1e4, 1e3 * vibration / 1e4
+    heavy = resonance(found, mass_kg=found.stiffness_n_per_m / slow**2)
+    assert heavy.frequency_hz == pytest.approx(slow / (2 * pi), rel=1e-3)
+    light = resonance(found, mass_kg=trapped / fast**2)
+    assert light.frequency_hz == pytest.approx(fast / (2 * pi), rel=0.06)
+    assert 0 < light.damping_ratio < 0.1
+    assert "tenth" in resonance(found, mass_kg=trapped / vibration**2).reason
+    ratios = [
+        resonance(found, mass_kg=trapped / (rate * vibration / 1e4) ** 2)
+        for rate in np.geomspace(1, 1e3, 13)
+    ]
+    assert max(each.damping_ratio for each in ratios) > 0.4
+    damped = [each for each in ratios if np.isnan(each.frequency_hz)]
+    assert all(each.damping_ratio > MOST_DAMPING for each in damped)
+
+
+def test_a_resonance_that_is_not_known_says_why():
+    scene = film(epsilon=0.4, sigma=1000.0)
+    scene = replace(scene, finger=replace(scene.finger, shape="ellipse"))
+    (force,) = solve([scene], tolerance=1e-4, device=DEVICE)
+    found = levitate(scene, load_n=force.force_n, **SETTINGS | {"tolerance": 1e-4})
+    assert "rectangular" in resonance(found, mass_kg=0.1).reason
 
 
 def test_a_load_that_no_gap_carries_is_refused_with_the_range():

@@ -10,6 +10,7 @@ import pytest
 from films import film
 
 import squeezefilm as sf
+from numerics.analytic import blech_stiffness
 from squeezefilm.cli.main import main
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.surfaces import Disc
@@ -46,6 +47,34 @@ def of_the_middle(force_by_aspect: dict[float, np.ndarray]) -> np.ndarray:
     """Of two long fingers, what the longer one has more: that of a strip without ends."""
     short, long = sorted(force_by_aspect)
     return (force_by_aspect[long] * long - force_by_aspect[short] * short) / (long - short)
+
+
+def piston(*, epsilon: float, sigma: float) -> SlowFilm:
+    return slow_film(epsilon=epsilon, sigma=sigma, amplitude=np.ones((17, 17)))
+
+
+@pytest.mark.parametrize("squeeze", [0.1, 10.0, 30.0, 100.0, 1000.0])
+def test_under_a_piston_at_rest_a_moving_finger_has_the_films_linear_stiffness(squeeze):
+    """Blech's spring, in units of p0 and the area over h0; and what damps."""
+    film = piston(epsilon=1e-3, sigma=1e4)
+    (found,) = film.stiffness(np.array([squeeze / 1e4]))
+    assert found.real == pytest.approx(blech_stiffness(sigma=squeeze), abs=1e-4)
+    assert found.imag > 0
+    if squeeze == 0.1:  # 0.4217 μ l⁴/h0³ of a square, over 12 μ l⁴/h0³
+        assert found.imag == pytest.approx(0.1 * 0.4217 / 12, rel=1e-3)
+
+
+def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas():
+    film = piston(epsilon=0.4, sigma=2331.0)
+    step = 1e-3
+    forces = [
+        each.mean(each.density(each.settled(each.epsilon)), each.epsilon)
+        for each in (film.thicker(1 + step), film.thicker(1 - step))
+    ]
+    slow, fast = film.stiffness(np.array([0.0, np.inf]))
+    assert slow == pytest.approx((forces[1] - forces[0]) / (2 * step), rel=1e-4)
+    # ψ √(1 − ε²)⁻³ with ψ² = 1 + 3 ε²/2, but for the rim's layer
+    assert fast == pytest.approx(1.24**0.5 * 0.84**-1.5, rel=0.02)
 
 
 def from_rest(film: SlowFilm, periods: np.ndarray) -> np.ndarray:

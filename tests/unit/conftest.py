@@ -184,6 +184,7 @@ def _write_extras(root: Path, config: Path) -> None:
         "model": ["limit_1", "limit_2", "limit_2"],
         "control_points": 30,
         "control_error": 0.003,
+        "simulations": 60,
         "worst_error": 0.02,
         "h0_m": 5e-6,
         "x_m": [0.0, 0.0, 2e-3],

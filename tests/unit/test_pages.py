@@ -151,11 +151,11 @@ def test_pages_of_a_film_beyond_re_10_say_so_below_their_title(repository, tmp_p
 
 
 RECOMMENDED = """\
-space,model,parameters,control_points,control_error,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
+space,model,parameters,control_points,control_error,simulations,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
 hv_error_m,within_percent,note
-two_factor,limit_1,1,32,0.009,0.03,5e-6,0,0,0.3,1.334e-6,3.3e-8,6.3,
-four_factor,bump,3,30,0.16,0.25,5e-6,0,0,0.3,1.31e-6,,,may be off by 18 %
-four_factor,bump,3,30,0.16,0.25,5e-6,5e-3,0,0.3,,,,no amplitude gives it
+two_factor,limit_1,1,32,0.009,48,0.03,5e-6,0,0,0.3,1.334e-6,3.3e-8,6.3,
+four_factor,bump,3,30,0.16,100,0.25,5e-6,0,0,0.3,1.31e-6,,,may be off by 18 %
+four_factor,bump,3,30,0.16,100,0.25,5e-6,5e-3,0,0.3,,,,no amplitude gives it
 """
 
 
@@ -169,7 +169,10 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(reposit
     )
     config = load_config(repository / "config/plate.yaml")
     text = "\n".join(in_short(tmp_path, config))
-    assert "limit_1, 0.9 % off over 32 control points, at one of them 3 %\n" in text
+    assert (
+        "limit_1, 0.9 % off over 32 control points, at one of all 48 simulations there 3 %\n"
+        in text
+    )
     assert "25 %. No model compared holds the study's ±15 %" in text
     assert "| limit_1 | 0 | 0 | 1.33 | within 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no: no amplitude gives it |" in text

@@ -56,6 +56,9 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     summary = pd.read_csv(output, index_col="point_id").loc["a"]
     rows = pd.read_csv(steps, index_col="point_id")
     assert rows.loc["thick", "status"].startswith("the film is not slow")
+    thick = pd.read_csv(output, index_col="point_id").loc["thick"]
+    assert thick["status"] == rows.loc["thick", "status"]
+    assert pd.isna(thick["static_gain"])
     film = rows.loc["a"]
     settled = film["rising_n"].iloc[-1]
     assert film["rising_n"].iloc[0] / settled == pytest.approx(summary["prompt_share"], rel=1e-3)

@@ -5,9 +5,11 @@
 RESULTS is the study's folder, with the comparisons models/SPACE.csv and their fits. Recommended is
 the model with the least global error at the control points, that with fewer parameters where two
 are the same. FORCES.csv are simulations that it is judged by; the plan `four_factor` has the
-positions. A row for each space (the finger at the centre) and each position, with the amplitude
-that gives the study's wanted force at its gap (section `extrapolation`) and how far it is trusted;
-none where no model can be judged.
+positions. `worst_error` is the largest relative error at any of them, fitted or not: control points
+seldom lie where positions end. A row for each space (the finger at the centre) and each position,
+with the amplitude that gives the study's wanted force at its gap (section `extrapolation`), its
+error as `squeezefilm working-point` has it, and how far it is trusted; none where no model can be
+judged.
 """
 
 import argparse
@@ -15,22 +17,32 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import parse_sources, read_columns
 from squeezefilm.io.tables import read_ok_forces, write_table
 from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.library import SPACES
+from squeezefilm.models.validation import relative_errors
 from squeezefilm.models.working_point import working_point
 from squeezefilm.studies.config import Config, load_config
 
 SECTIONS = ("extrapolation",)
 LEAST = ("space", "model", "control_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""
-COLUMNS = ("space", "model", "parameters", "control_points", "control_error", "worst_error")
+COLUMNS = (
+    "space",
+    "model",
+    "parameters",
+    "control_points",
+    "control_error",
+    "simulations",
+    "worst_error",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -66,18 +78,26 @@ def _rows(
     fit = fit.judged_by(
         factors_of(every), force_n=every["force_n"], force_error_n=every["force_error_n"]
     )
+    known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
     about = {
         "space": space,
-        **{name: best[name] for name in COLUMNS[1:-1]},
-        "worst_error": abs(best["control_worst_relative"]),
+        **{name: best[name] for name in COLUMNS[1:-2]},
+        "simulations": len(known),
+        "worst_error": _worst(fit, known),
     }
     wanted = config["extrapolation"]
-    # Root mean square error at the control points, as a share of the force.
-    error_n = float(best["control_error"]) * wanted["force_n"]
     for place in _places(space, forces.get("four_factor", every)):
         at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
-        found = working_point(fit, at, force_n=wanted["force_n"], error_n=error_n)
+        found = working_point(fit, at, force_n=wanted["force_n"], error_n=fit.error_n)
         yield {**about, "h0_m": wanted["h0_m"], **place, **found}
+
+
+def _worst(fit: FittedModel, table: pd.DataFrame) -> float:
+    """The largest relative error at simulations; infinite where the model is undefined at one."""
+    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(table)))
+    if not np.isfinite(model_n).all():
+        return float("inf")
+    return float(np.abs(relative_errors(model_n=model_n, simulation_n=table["force_n"])).max())
 
 
 def _places(space: str, table: pd.DataFrame) -> list[dict[str, float]]:

@@ -13,7 +13,6 @@ import pandas as pd
 from squeezefilm.io.errors import InputError
 
 FILM = ["h0_m", "hv_m"]
-NOT_SLOW = "the film is not slow against its vibration"
 
 
 def modulation(response: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
@@ -45,8 +44,8 @@ def _film(row: Mapping[Hashable, Any], gains: pd.DataFrame) -> dict[str, Any]:
     """One film's numbers, or why it has none."""
     if row["status"] != "ok":
         return {"why": row["status"]}
-    if not row.get("corner_hz", 0.0) > 0 or gains["gain"].isna().all():
-        return {"why": NOT_SLOW}
+    if gains["gain"].isna().all():
+        return {"why": gains["status"].iloc[0]}
     return {
         "corner_hz": row["corner_hz"],
         "static_gain": row["static_gain"],

@@ -58,7 +58,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
             f"Wanted: {wanted_n:g} N. (b): h0 = {1e6 * first['h0_m']:g} µm, by the model "
             f"{first['model']}, {percent(float(first['control_error']))} off over "
             f"{first['control_points']:.0f} control points, at most "
-            f"{percent(float(first['worst_error']))}."
+            f"{percent(float(first['worst_error']))} at any of {first['simulations']:.0f} "
+            "simulations; hollow: not to be trusted."
         )
     map_ = plane_table(forces, layer="map")
     return pd.concat([map_, wanted], ignore_index=True).assign(wanted_n=wanted_n, note=note)

@@ -52,7 +52,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     note = (
         f"A gap was found for {len(known)} of {len(table)} loads. Numerical error {scan}up to "
         f"{100 * float(numerical):.1g} %; up to Re {MOST_REYNOLDS:g} the equation leaves out up "
-        f"to {float(left_out):.2g} % of a force, at first order."
+        f"to {float(left_out):.2g} % of a force, at first order. Dotted: contact; grey: the study's "
+        f"gaps{'; hollow: above that' * (len(within) < len(known))}."
     )
     return table.assign(
         hv_um=micrometres(table["hv_m"]),

@@ -55,7 +55,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     )
     force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
     captions = (
-        f"{force_n:.3f} N, good to {rounded_up(error_n / force_n + fit.scan_error)} of it",
+        f"{force_n:.3f} N, numerical error {rounded_up(error_n / force_n + fit.scan_error)} of it",
         f"{len(forces)} simulations, error {percent(fit.global_error)}",
         f"{len(design)} points instead of {len(forces)}",
         f"{points:.0f} more: at most {percent(abs(worst))} off",
@@ -81,7 +81,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         f"hv = {1e6 * simulated['hv_m']:g} µm, "
         f"{seen}; the model fitted to the screen; the "
         "D-optimal points beside the screen's; the error of the model fitted to them alone. "
-        f"Estimated error of the simulations ≤ {estimate} of the force{scan}."
+        f"Estimated error of the simulations ≤ {estimate} of the force{scan}, beside what the "
+        "equation leaves out."
     )
     return data.assign(note=note)
 

@@ -58,13 +58,11 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
     known = maps[maps["corner_hz"].notna()]
     note = "By the slow film equation with the rim's boundary layer, without inertia and heat. "
-    unknown = maps.loc[maps["corner_hz"].isna(), "status"]
+    unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.split(":").str[0]
     if len(known):
         note += f"Its settled forces are off by up to {100 * known['error'].max():.2g} %."
     if len(unknown):
-        off = f"there the slow film is more than {100 * MOST_ERROR:g} % off"
-        why = off if unknown.iloc[0] == "ok" else unknown.iloc[0]
-        note += f" Not known of {len(unknown)} of {len(maps)} films: {why}."
+        note += f" Not known of {len(unknown)} of {len(maps)} films: {unknown.iloc[0]}."
     return pd.concat(
         [
             maps.assign(layer="plane", prompt_percent=100 * maps["prompt_share"]),

@@ -51,8 +51,8 @@ def _recommended(row: pd.Series, *, band: float) -> str:
     """A space's best model, its error, and whether it holds the study's band."""
     said = (
         f"Best model {WORDS[row['space']]}: {row['model']}, {percent(row['control_error'])} off "
-        f"over {row['control_points']:.0f} control points, at one of them "
-        f"{percent(row['worst_error'])}"
+        f"over {row['control_points']:.0f} control points, at one of all {row['simulations']:.0f} "
+        f"simulations there {percent(row['worst_error'])}"
     )
     if row["worst_error"] <= band:
         return said
@@ -101,6 +101,6 @@ def _left_out(budget: Path) -> list[str]:
     of = f"; of {basis}" if basis != THIS_SCENE else ""
     least, most = (f"{end:+.2g}".replace("-", "−") for end in (ends.min(), ends.max()))
     return [
-        f"The film equation leaves out effects that change a force by {least} to {most} % in all "
-        f"(first order{caveat}{of}); no other error contains that"
+        "With the finger centred the film equation leaves out effects that change a force by "
+        f"{least} to {most} % in all (first order{caveat}{of}); no other error contains that"
     ]

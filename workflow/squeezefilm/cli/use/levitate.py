@@ -5,12 +5,15 @@
   squeezefilm levitate --like FORCES.csv --config CONFIG.yaml --output LEVITATION.csv
 
 Each gap is sought with simulations, at the finger's place. `stiffness_n_per_m` is that of slow
-motion, −∂F/∂h0 with the amplitude kept; with a mass, `resonance_hz` is the frequency of its slow
-vertical motion on that spring. With a measured profile the gap's error has what the scan's noise
-and its motion out of phase leave open; the stiffness's is without. What the film equation leaves
-out of the force is in neither; `left_out_least_percent` and `…_most_percent` of the force say what
-it is worth. `--like` takes eight loads and three amplitudes over the range of a table of forces. A
-load that no gap carries keeps its row, with the reason as its `status`.
+motion, −∂F/∂h0 with the amplitude kept, and `stable` is said of vertical motion alone. With a mass,
+`resonance_hz` and `damping_ratio` (1 is critical) are those of its free vertical motion, good to
+some per cent: a film that moves fast is stiffer, and gas that is pressed out damps. With a measured
+profile the gap's error has what the scan's noise and its motion out of phase leave open; the
+stiffness's is without. What the film equation leaves out of the force is in neither;
+`left_out_least_percent` and `…_most_percent` of the force say what it is worth. `note` says what
+stretches an included term, and why there is no resonance. `--like` takes eight loads and three
+amplitudes over the range of a table of forces. A load that no gap carries keeps its row, with the
+reason as its `status`.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import replace
+from math import isfinite
 
 import numpy as np
 import pandas as pd
@@ -32,6 +36,7 @@ from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import ScenePoint, read_forces, write_table
 from squeezefilm.io.typed_units import quantities, quantity
 from squeezefilm.reynolds.dynamics.levitation import Levitation, levitate
+from squeezefilm.reynolds.dynamics.resonance import Resonance, resonance
 from squeezefilm.reynolds.effects.budget import Budget, budgets
 from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.reynolds.terms import notes_of
@@ -86,7 +91,8 @@ def run(options: argparse.Namespace) -> None:
                         more_m = part.total_n / abs(found.stiffness_n_per_m)
                         found = replace(found, h0_error_m=found.h0_error_m + more_m)
                     (budget,) = budgets([found.scene], device=device)
-                    row |= _row(found, budget, mass_kg)
+                    moving = None if mass_kg is None else resonance(found, mass_kg=mass_kg)
+                    row |= _row(found, budget, moving)
                 except (InputError, RunError) as error:
                     row["status"] = str(error).removeprefix("load: ")
                     failures.append(str(error))
@@ -94,7 +100,7 @@ def run(options: argparse.Namespace) -> None:
                 bar.update(1)
     table = pd.DataFrame(rows)
     if smoothed is not None:
-        without = "note: errors of stiffness and resonance are without the scan's"
+        without = "note: errors of stiffness are without the scan's"
         print(without, *smoothed.warnings, sep="\n", file=sys.stderr)
     if options.output is not None:
         write_table(table, options.output)
@@ -104,7 +110,9 @@ def run(options: argparse.Namespace) -> None:
     if len(rows) > 1:
         print(table.to_string(index=False, float_format=lambda value: f"{value:.4g}"))
         return
-    _show(found, budget, mass_kg)
+    _show(found, budget)
+    if moving is not None:
+        print(f"vertical motion of {mass_kg:g} kg: {_words(moving)}")
 
 
 def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
@@ -134,9 +142,10 @@ def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
     return loads_n, scene_points_of(points.assign(h0_m=2 * points["hv_m"]))
 
 
-def _row(found: Levitation, budget: Budget, mass_kg: float | None) -> dict[str, object]:
+def _row(found: Levitation, budget: Budget, moving: Resonance | None) -> dict[str, object]:
     scene: Scene = found.scene
     least, most = budget.sums(left_out_only=True)
+    notes = notes_of(scene)
     row: dict[str, object] = {
         "h0_m": scene.h0_m,
         "h0_error_m": found.h0_error_m,
@@ -150,12 +159,24 @@ def _row(found: Levitation, budget: Budget, mass_kg: float | None) -> dict[str, 
         "left_out_most_percent": most,
         "status": "ok",
     }
-    if mass_kg is not None:
-        row["resonance_hz"] = found.resonance_hz(mass_kg)
-    return row
+    if moving is not None:
+        row |= {"resonance_hz": moving.frequency_hz, "damping_ratio": moving.damping_ratio}
+        notes += filter(None, [moving.reason])
+    return row | {"note": "; ".join(notes)}
 
 
-def _show(found: Levitation, budget: Budget, mass_kg: float | None) -> None:
+def _words(moving: Resonance) -> str:
+    """A resonance and its damping, or why there is none."""
+    if not moving.reason:
+        return (
+            f"resonance at about {float(f'{moving.frequency_hz:.2g}'):g} Hz, damping ratio about "
+            f"{moving.damping_ratio:.2g}"
+        )
+    about = f" (damping ratio about {moving.damping_ratio:.2g})"
+    return moving.reason + about * isfinite(moving.damping_ratio)
+
+
+def _show(found: Levitation, budget: Budget) -> None:
     scene = found.scene
     least, most = (
         1e6 * percent / 100 * found.force_n / found.stiffness_n_per_m
@@ -168,10 +189,8 @@ def _show(found: Levitation, budget: Budget, mass_kg: float | None) -> None:
     )
     print(
         f"stiffness {found.stiffness_n_per_m:.4g} N/m ± {found.stiffness_error_n_per_m:.2g} N/m "
-        f"of slow motion: {'stable' if found.stable else 'not stable'}"
+        f"of slow motion: {'stable' if found.stable else 'not stable'}, vertically"
     )
-    if mass_kg is not None:
-        print(f"resonance of {mass_kg:g} kg: {found.resonance_hz(mass_kg):.4g} Hz")
     if found.others_m:
         others = ", ".join(f"{1e6 * each:.3g} µm" for each in found.others_m)
         print(f"note: the same force at smaller gaps too, about {others}")

@@ -39,6 +39,7 @@ from squeezefilm.reynolds.dynamics.response import (
     MOST_MODULATION,
     Gains,
     gains,
+    not_slow,
     response,
     steps_of,
 )
@@ -162,8 +163,10 @@ def _summaries(table: pd.DataFrame, scenes: list[Scene]) -> pd.DataFrame:
     rows = []
     with progress_bar(len(scenes), unit="scene", name="response") as bar:
         for scene in scenes:
-            reason = refused(scene)
-            rows.append({**({} if reason else asdict(response(scene))), "status": reason or "ok"})
+            found = {} if (reason := refused(scene)) else asdict(response(scene))
+            if found and not isfinite(found["static_gain"]):
+                reason = not_slow(found["error"])
+            rows.append({**found, "status": reason or "ok"})
             bar.update(1)
     return pd.concat([table, pd.DataFrame(rows)], axis=1)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, pi, sqrt
+from math import isfinite, sqrt
 
 import numpy as np
 
@@ -53,12 +53,6 @@ class Levitation:
     def stable(self) -> bool:
         """Whether the force falls as the gap grows, beyond doubt."""
         return self.stiffness_n_per_m > self.stiffness_error_n_per_m
-
-    def resonance_hz(self, mass_kg: float) -> float:
-        """Frequency of a small slow vertical motion of a mass on this film; NaN where unstable."""
-        if not self.stable:
-            return float("nan")
-        return sqrt(self.stiffness_n_per_m / mass_kg) / (2 * pi)
 
 
 def levitate(

@@ -107,8 +107,8 @@ def gains(scene: Scene, frequency_hz: np.ndarray, *, device: Device, method: str
     if method == "march" or (method == "auto" and error > SLOW_ERROR):
         if scene.two_phases:
             raise InputError(
-                f"point {scene.point_id}: the march is of vibrations in one phase only, and the "
-                f"slow film's settled force is good to {error:.1%}; {SLOW_ERROR:.0%} is allowed"
+                f"point {scene.point_id}: the march is of vibrations in one phase only, and "
+                + not_slow(error)
             )
         found, errors = modulated_march.gains(scene, frequency_hz / vibration_hz, device=device)
         return _gains(frequency_hz, found, errors, "march")
@@ -142,6 +142,14 @@ def response(scene: Scene) -> Response:
     )
 
 
+def not_slow(error: float) -> str:
+    """Why the slow film's numbers are not given, of one whose settled force is good to an error."""
+    return (
+        "the film is not slow against its vibration: the slow film's settled force is good "
+        f"to {error:.2g} of it, and {SLOW_ERROR:g} is allowed"
+    )
+
+
 def steps_of(scene: Scene) -> Steps:
     """The mean force after start and stop of a scene's vibration, by the slow film.
 
@@ -149,10 +157,7 @@ def steps_of(scene: Scene) -> Steps:
     """
     film, error = _slow(scene, "slow")
     if error > SLOW_ERROR:
-        raise InputError(
-            f"point {scene.point_id}: the film is not slow against its vibration: the slow film's "
-            f"settled force is good to {error:.1%}, and {SLOW_ERROR:.0%} is allowed"
-        )
+        raise InputError(f"point {scene.point_id}: {not_slow(error)}")
     steps, scale = _steps(film), scene.force_scale_n
     time_s = steps.time / scene.actuator.angular_frequency_rad_per_s
     return Steps(time_s, steps.rising * scale, steps.falling * scale)

@@ -16,7 +16,7 @@ is linear across the layer.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -105,28 +105,68 @@ class SlowFilm:
         return np.ones(self.films.s.shape[1:])
 
     def response(self, modulation: np.ndarray) -> np.ndarray:
-        """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,).
+        """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
+        epsilon, psi = self.epsilon, self.density(self.settled(self.epsilon))
+        up, down = epsilon * (1 + STEP), epsilon * (1 - STEP)
+        change = self._change(
+            modulation,
+            psi,
+            on_rim=(self.rim(up) - self.rim(down)) / (2 * STEP),
+            at_once=(self.mean(psi, up) - self.mean(psi, down)) / (2 * STEP),
+        )
+        return change / self.mean(psi, epsilon)
+
+    def stiffness(self, modulation: np.ndarray) -> np.ndarray:
+        """Fall of the mean force per small rise of ln h0, hv kept, in units of p0 and the area.
+
+        Complex, at motions of the finger of frequencies in units of ω, (n,): the imaginary part
+        damps. A film (1 + δ) h0 thick is one of ε/(1 + δ), σ/(1 + δ)² and Kn/(1 + δ), in whose
+        units ψ is less by 1 + δ and w by its square.
+        """
+        psi = self.density(self.settled(self.epsilon))
+        thick, thin = (1 + STEP, self.thicker(1 + STEP)), (1 - STEP, self.thicker(1 - STEP))
+        rims = [ratio**2 * film.rim(film.epsilon) for ratio, film in (thick, thin)]
+        means = [film.mean(psi / ratio, film.epsilon) for ratio, film in (thick, thin)]
+        return -self._change(
+            modulation,
+            psi,
+            on_rim=(rims[0] - rims[1]) / (2 * STEP),
+            at_once=(means[0] - means[1]) / (2 * STEP),
+        )
+
+    def thicker(self, ratio: float) -> SlowFilm:
+        """The same amplitude over a gap that many times as wide."""
+        films = self.films
+        return replace(
+            self,
+            films=replace(
+                films,
+                epsilon=films.epsilon / ratio,
+                sigma=films.sigma / ratio**2,
+                slip=films.slip / ratio,
+            ),
+        )
+
+    def _change(
+        self, modulation: np.ndarray, psi: np.ndarray, *, on_rim: np.ndarray, at_once: float
+    ) -> np.ndarray:
+        """Mean overpressure per small change of what drives the film, complex, (n,).
 
         δψ exp(iΩT): iΩσ δψ = ∇²((ψ + 6 Kn) δψ), with δw known on the rim.
         """
-        epsilon = self.epsilon
-        up, down = epsilon * (1 + STEP), epsilon * (1 - STEP)
-        psi = self.density(self.settled(epsilon))
-        on_rim = (self.rim(up) - self.rim(down)) / (2 * STEP)
         inside = self.laplacian[:, self.inner]
         driven = -self.laplacian[:, ~self.inner] @ on_rim
         mobility = psi + self.slip
-        at_once = (self.mean(psi, up) - self.mean(psi, down)) / (2 * STEP)
-        weight = 1 / (mobility * self._root(epsilon))
-        gains = []
+        weight = 1 / (mobility * self._root(self.epsilon))
+        found = []
         for omega in np.atleast_1d(modulation):
             if np.isinf(omega):  # the gas does not move
-                gains.append(complex(at_once))
+                found.append(complex(at_once))
                 continue
             shift = np.diag(1j * omega * self.sigma / mobility.ravel()[self.inner])
             change = self.field(np.linalg.solve(inside - shift, driven), on_rim)
-            gains.append(at_once + complex(self.films.mean((change * weight)[None])[0]))
-        return np.array(gains) / self.mean(psi, epsilon)
+            found.append(at_once + complex(self.films.mean((change * weight)[None])[0]))
+        return np.array(found)
 
     def after_step(self, psi: np.ndarray, epsilon: float, times: np.ndarray) -> np.ndarray:
         """Mean overpressure at times T after the amplitude has jumped to ε from a state ψ.
