@@ -39,21 +39,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     """A row for each load and amplitude; without a gap where none carries the load."""
     table = read_columns(inputs["levitation"], columns=("load_n", "hv_m", "h0_m", "status"))
     gaps = micrometres(read_columns(inputs["screen"], columns=("h0_m",))["h0_m"])
-    known = table[table["h0_m"].notna()]
-    within = known[known["modified_reynolds"] <= MOST_REYNOLDS]
-    numerical = max(
-        (known["h0_error_m"] / known["h0_m"]).max(),
-        (known["stiffness_error_n_per_m"] / known["stiffness_n_per_m"].abs()).max(),
-    )
     scan = "with the scan's noise in the gap, " * (
         config["actuator"]["profile"]["kind"] == "measured"
-    )
-    left_out = within[["left_out_least_percent", "left_out_most_percent"]].abs().to_numpy().max()
-    note = (
-        f"A gap was found for {len(known)} of {len(table)} loads. Numerical error {scan}up to "
-        f"{100 * float(numerical):.1g} %; up to Re {MOST_REYNOLDS:g} the equation leaves out up "
-        f"to {float(left_out):.2g} % of a force, at first order. Dotted: contact; grey: the study's "
-        f"gaps{'; hollow: above that' * (len(within) < len(known))}."
     )
     return table.assign(
         hv_um=micrometres(table["hv_m"]),
@@ -61,8 +48,31 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6,
         h0_min_um=gaps.min(),
         h0_max_um=gaps.max(),
-        note=note,
+        note=_note(table, scan=scan),
     )[list(COLUMNS)]
+
+
+def _note(table: pd.DataFrame, *, scan: str) -> str:
+    known = table[table["h0_m"].notna()]
+    if known.empty:
+        return f"No gap carries any of the {len(table)} loads."
+    within = known[known["modified_reynolds"] <= MOST_REYNOLDS]
+    numerical = max(
+        (known["h0_error_m"] / known["h0_m"]).max(),
+        (known["stiffness_error_n_per_m"] / known["stiffness_n_per_m"].abs()).max(),
+    )
+    note = (
+        f"A gap was found for {len(known)} of {len(table)} loads. Numerical error {scan}up to "
+        f"{100 * float(numerical):.1g} %"
+    )
+    if len(within):
+        ends = within[["left_out_least_percent", "left_out_most_percent"]]
+        note += (
+            f"; up to Re {MOST_REYNOLDS:g} the equation leaves out up to "
+            f"{float(ends.abs().to_numpy().max()):.2g} % of a force, at first order"
+        )
+    note += ". Dotted: contact; grey: the study's gaps"
+    return note + (f"; hollow: beyond Re {MOST_REYNOLDS:g}." if len(within) < len(known) else ".")
 
 
 def draw(data: pd.DataFrame) -> Figure:
