@@ -12,6 +12,7 @@ import pytest
 from effects_yardstick import Numbers, effects
 from films import PISTON, SINC, film
 from numpy.linalg import solve as solve_linear
+from rim_at_every_order import mean_overpressure
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.scene import Scene
@@ -22,7 +23,7 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects import budget as budget_module
 from squeezefilm.reynolds.effects import sensitivity as sensitivity_module
 from squeezefilm.reynolds.effects import sliding
-from squeezefilm.reynolds.effects.budget import BASIS, NAMES, Budget, budgets
+from squeezefilm.reynolds.effects.budget import BASIS, NAMES, RIM_MISSED, Budget, budgets
 from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import answer, response, sensitivity
 from squeezefilm.reynolds.effects.words import budget_row, budget_text, notes_of_budget
@@ -76,6 +77,52 @@ def test_effects_are_those_of_the_yardstick(
     (dilute,) = budgets([with_slip])
     share = 1.1466 * with_slip.knudsen / scene.knudsen
     assert dilute.slip.percent == pytest.approx(share * expected["slip"], rel=0.01)
+
+
+@pytest.mark.parametrize("uneven", [0.0, 1.098])
+@pytest.mark.parametrize(("epsilon", "sigma"), [(0.1, 20.0), (0.5, 200.0), (0.8, 2000.0)])
+def test_the_rim_misses_less_than_is_said(uneven: float, epsilon: float, sigma: float) -> None:
+    """On a strip whose rim has its loss at every order, up to 0.4 of the force."""
+    strip = {
+        "epsilon": epsilon,
+        "sigma": sigma,
+        "profile": lambda x: np.sinc(uneven * (x - 0.5)),
+        "points": 24,
+        "instants": 33 if epsilon > 0.6 else 21,
+    }
+    small = 1e-6
+    without, little = (mean_overpressure(**strip, loss=loss) for loss in (0.0, small))
+    per_loss = (1 - little / without) / small
+    for share in (0.02, 0.1, 0.4):
+        taken = 1 - mean_overpressure(**strip, loss=share / per_loss) / without
+        assert 0.15 * share**2 < share - taken < RIM_MISSED * share**2
+
+
+def test_the_rims_first_order_is_that_of_a_strip() -> None:
+    """Of two long fingers, what the longer one has more: that of a strip without ends."""
+    forces, changes = [], []
+    for aspect in (4.0, 8.0):
+        scene = film(epsilon=0.5, sigma=200.0, profile=PISTON, aspect=aspect)
+        ((force,), (found,)) = solve([scene], tolerance=1e-6), budgets([scene])
+        forces.append(force.force_n)
+        changes.append(force.force_n * found.rim.percent / 100)
+    small = 1e-2
+    loss = small * scene.modified_reynolds / (24 * scene.sigma)
+    strip = {"epsilon": 0.5, "sigma": 200.0, "profile": np.ones_like}
+    without, having = (mean_overpressure(**strip, loss=each) for each in (0.0, loss))
+    (share,) = np.diff(changes) / np.diff(forces)
+    assert share == pytest.approx((having / without - 1) / small, rel=0.02)
+
+
+def test_a_rim_that_takes_too_much_for_a_first_order_says_so() -> None:
+    others = dict.fromkeys(NAMES, budget_module.NONE)
+    thin, thick = (
+        Budget(**others | {"rim": budget_module._of_rim(percent)}) for percent in (-10.0, -25.0)
+    )
+    assert "above its range" not in budget_text(thin) + "".join(notes_of_budget(thin))
+    assert "above its range" in budget_text(thick)
+    assert "above its range" in notes_of_budget(thick)[0]
+    assert budget_row(thick)["above_range"] == "rim"
 
 
 def test_the_whole_finger_gives_what_a_quarter_gives() -> None:

@@ -51,6 +51,9 @@ INERTIA_MISSED = 1 / 8
 HEAT_MISSED = 1 / 3
 # Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
 SLIP_MISSED = 1.2
+# Of the rim, for each unit of the share of the force that it takes (a strip with the rim's loss at
+# every order: σ 20–2e4, ε 0.1–0.8, up to 0.4 of the force; 0.2 to 1.5).
+RIM_MISSED = 1.6
 # Of the profile that passes, for each unit of the squared bearing number (marched on a strip).
 PASSING_MISSED = 4.0
 
@@ -80,7 +83,8 @@ UNKNOWN, NONE = Effect(nan), Effect(0.0, 0.0)
 
 @dataclass(frozen=True)
 class Budget:
-    """The effects on one scene's force; ``rim`` is for the coefficient C = 1.
+    """The effects on one scene's force; ``rim`` is for the coefficient C = 1, what its first order
+    misses the share at rim.MOST.
 
     Attributes:
         inertia: of the gas.
@@ -349,7 +353,7 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
             in_force=scene.gas.rarefaction != "none",
         ),
         kinetic=_effect(percent["kinetic"], missed=SLIP_MISSED * 6 * scene.knudsen),
-        rim=Effect(percent["rim"]),
+        rim=_of_rim(percent["rim"]),
         bearing=Effect(percent["bearing"], 0.0, in_force=True) if slides else NONE,
         passing=_passing(scene, percent),
     )
@@ -361,6 +365,10 @@ def _passing(scene: Scene, percent: dict[str, float]) -> Effect:
     if scene.gas.polytropic_exponent != 1:
         return UNKNOWN  # its second order is that of an isothermal gas
     return _effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)
+
+
+def _of_rim(percent: float) -> Effect:
+    return _effect(percent, missed=RIM_MISSED * rim.MOST * abs(percent) / 100)
 
 
 def _effect(percent: float, *, missed: float, in_force: bool = False) -> Effect:

@@ -72,7 +72,7 @@ def budget_row(budget: Budget) -> dict[str, object]:
     row: dict[str, object] = {}
     for name, effect in budget.effects.items():
         row[f"{name}_percent"] = effect.percent
-        if name in ("inertia", "heat", "slip", "kinetic", "passing"):
+        if name in ("inertia", "heat", "slip", "kinetic", "rim", "passing"):
             row[f"{name}_missed_percent"] = effect.missed_percent
     for what, only in (("sum", False), ("left_out", True)):
         ends = budget.sums(left_out_only=only)
@@ -99,7 +99,8 @@ def _said(name: str, effect: Effect) -> str:
     change = "takes" if effect.percent < 0 else "adds"
     size = abs(effect.percent)
     if name == "rim":
-        return f"{change} {rim.LEAST * size:.2g} to {rim.MOST * size:.2g} % of the force"
+        band = f"{change} {rim.LEAST * size:.2g} to {rim.MOST * size:.2g} % of the force"
+        return band + ABOVE * (not effect.usable)
     if not effect.usable:
         return f"{change} part of the force: {size:.2g} % at first order, which is above its range"
     missed = effect.missed_percent
@@ -110,10 +111,10 @@ def _shown(name: str, effect: Effect) -> str:
     label = CALLED[name].removeprefix("the ")
     if isnan(effect.percent):
         return f"{label} not known"
+    above = "" if effect.usable else ABOVE
     if name == "rim":
         ends = sorted((rim.LEAST * effect.percent, rim.MOST * effect.percent), key=abs)
-        return f"{label} {_band(*ends)}"
-    above = "" if effect.usable else ABOVE
+        return f"{label} {_band(*ends)}{above}"
     return f"{label} {effect.percent:+.2g} %{', in it' if effect.in_force else ''}{above}"
 
 
