@@ -12,7 +12,7 @@ import pytest
 from effects_yardstick import Numbers, effects
 from films import PISTON, SINC, film
 from numpy.linalg import solve as solve_linear
-from rim_at_every_order import mean_overpressure
+from periodic_strip import PeriodicStrip
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.scene import Scene
@@ -83,18 +83,16 @@ def test_effects_are_those_of_the_yardstick(
 @pytest.mark.parametrize(("epsilon", "sigma"), [(0.1, 20.0), (0.5, 200.0), (0.8, 2000.0)])
 def test_the_rim_misses_less_than_is_said(uneven: float, epsilon: float, sigma: float) -> None:
     """On a strip whose rim has its loss at every order, up to 0.4 of the force."""
-    strip = {
-        "epsilon": epsilon,
-        "sigma": sigma,
-        "profile": lambda x: np.sinc(uneven * (x - 0.5)),
-        "points": 24,
-        "instants": 33 if epsilon > 0.6 else 21,
-    }
-    small = 1e-6
-    without, little = (mean_overpressure(**strip, loss=loss) for loss in (0.0, small))
-    per_loss = (1 - little / without) / small
+    strip = PeriodicStrip(
+        epsilon,
+        sigma,
+        lambda x: np.sinc(uneven * (x - 0.5)),
+        instants=33 if epsilon > 0.6 else 21,
+    )
+    without, small = strip.mean_overpressure(), 1e-6
+    per_loss = (1 - strip.mean_overpressure(small) / without) / small
     for share in (0.02, 0.1, 0.4):
-        taken = 1 - mean_overpressure(**strip, loss=share / per_loss) / without
+        taken = 1 - strip.mean_overpressure(share / per_loss) / without
         assert 0.15 * share**2 < share - taken < RIM_MISSED * share**2
 
 
@@ -108,8 +106,8 @@ def test_the_rims_first_order_is_that_of_a_strip() -> None:
         changes.append(force.force_n * found.rim.percent / 100)
     small = 1e-2
     loss = small * scene.modified_reynolds / (24 * scene.sigma)
-    strip = {"epsilon": 0.5, "sigma": 200.0, "profile": np.ones_like}
-    without, having = (mean_overpressure(**strip, loss=each) for each in (0.0, loss))
+    strip = PeriodicStrip(0.5, 200.0, np.ones_like)
+    without, having = strip.mean_overpressure(), strip.mean_overpressure(loss)
     (share,) = np.diff(changes) / np.diff(forces)
     assert share == pytest.approx((having / without - 1) / small, rel=0.02)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from films import film
+from periodic_strip import PeriodicStrip
 
 import squeezefilm as sf
 from numerics.analytic import blech_stiffness
@@ -49,8 +50,8 @@ def of_the_middle(force_by_aspect: dict[float, np.ndarray]) -> np.ndarray:
     return (force_by_aspect[long] * long - force_by_aspect[short] * short) / (long - short)
 
 
-def piston(*, epsilon: float, sigma: float) -> SlowFilm:
-    return slow_film(epsilon=epsilon, sigma=sigma, amplitude=np.ones((17, 17)))
+def piston(*, epsilon: float, sigma: float, slip: float = 0.0) -> SlowFilm:
+    return slow_film(epsilon=epsilon, sigma=sigma, amplitude=np.ones((17, 17)), slip=slip)
 
 
 @pytest.mark.parametrize("squeeze", [0.1, 10.0, 30.0, 100.0, 1000.0])
@@ -64,8 +65,31 @@ def test_under_a_piston_at_rest_a_moving_finger_has_the_films_linear_stiffness(s
         assert found.imag == pytest.approx(0.1 * 0.4217 / 12, rel=1e-3)
 
 
-def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas():
-    film = piston(epsilon=0.4, sigma=2331.0)
+@pytest.mark.parametrize("uneven", [0.0, STRIP])
+@pytest.mark.parametrize(("epsilon", "sigma"), [(0.4, 40.0), (0.4, 500.0), (0.8, 500.0)])
+def test_a_moving_finger_over_a_vibration_feels_what_the_full_equation_says(uneven, epsilon, sigma):
+    """On a strip, from slow motion through the corner to that of gas that stays."""
+
+    def profile(x):
+        return np.sinc(uneven * (x - 0.5))
+
+    rates = np.append(0.0, np.array([1.0, 4.0, 10.0, 30.0]) / sigma)
+    rates = rates[rates <= 0.1]
+    full = PeriodicStrip(epsilon, sigma, profile, instants=25).stiffness(rates)
+    nodes = limit_axis(15).all_nodes
+    s = np.repeat(profile(nodes)[:, None], len(nodes), axis=1)
+    films = {
+        aspect: slow_film(epsilon=epsilon, sigma=sigma, amplitude=s, aspect=aspect)
+        for aspect in (4.0, 8.0)
+    }
+    slow = of_the_middle({aspect: film.stiffness(rates) for aspect, film in films.items()})
+    added = full[0] + slow - slow[0]
+    assert np.abs(added / full - 1).max() < 0.01
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.08])
+def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(slip):
+    film = piston(epsilon=0.4, sigma=2331.0, slip=slip)
     step = 1e-3
     forces = [
         each.mean(each.density(each.settled(each.epsilon)), each.epsilon)
@@ -256,7 +280,7 @@ class Strip:
 
 def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
     """A wave that travels and stands: the rim's layer has a part a quarter of a period ahead."""
-    strip = Strip(epsilon=0.3, sigma=300.0)
+    strip = PeriodicStrip(epsilon=0.3, sigma=300.0)
     marched = strip.gain(24, cycles=3)
     change, mean = of_the_middle({aspect: strip.slow(aspect, 24) for aspect in (4.0, 8.0)})
     assert abs(change / mean / marched - 1) < HASTE / 24**2

@@ -6,14 +6,13 @@
 
 Each gap is sought with simulations, at the finger's place. `stiffness_n_per_m` is that of slow
 motion, −∂F/∂h0 with the amplitude kept, and `stable` is said of vertical motion alone. With a mass,
-`resonance_hz` and `damping_ratio` (1 is critical) are those of its free vertical motion, good to
-some per cent: a film that moves fast is stiffer, and gas that is pressed out damps. With a measured
-profile the gap's error has what the scan's noise and its motion out of phase leave open; the
-stiffness's is without. What the film equation leaves out of the force is in neither;
-`left_out_least_percent` and `…_most_percent` of the force say what it is worth. `note` says what
-stretches an included term, and why there is no resonance. `--like` takes eight loads and three
-amplitudes over the range of a table of forces. A load that no gap carries keeps its row, with the
-reason as its `status`.
+`resonance_hz` and `damping_ratio` (1 is critical) are those of its free vertical motion: a film
+that moves fast is stiffer, and gas that is pressed out damps. With a measured profile the gap's
+error has what the scan's noise and its motion out of phase leave open; the stiffness's is without.
+What the film equation leaves out of the force is in neither; `left_out_least_percent` and
+`…_most_percent` of the force say what it is worth. `note` says what stretches an included term, and
+why there is no resonance. `--like` takes eight loads and three amplitudes over the range of a table
+of forces. A load that no gap carries keeps its row, with the reason as its `status`.
 """
 
 from __future__ import annotations

@@ -1,0 +1,107 @@
+"""An infinite strip of film by Newton's method: with a loss at its rim, under a finger that moves.
+
+A yardstick that shares nothing with the solver but the equation σ ∂(HP)/∂T = ∂(H³ P ∂P/∂x)/∂x:
+Chebyshev nodes across the strip, of width 1, and an odd number of instants, all solved at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from numerics.peers.numpy_periodic import ChebyshevGrid, chebyshev_grid
+
+
+@dataclass(frozen=True)
+class PeriodicStrip:
+    """H = 1 + ε s(x) sin T."""
+
+    epsilon: float
+    sigma: float
+    profile: Callable[[np.ndarray], np.ndarray]
+    points: int = 24
+    instants: int = 21
+
+    @cached_property
+    def grid(self) -> ChebyshevGrid:
+        return chebyshev_grid(self.points)
+
+    @cached_property
+    def gap(self) -> np.ndarray:
+        """H, shape (nodes, instants)."""
+        phase = 2 * np.pi * np.arange(self.instants) / self.instants
+        return 1 + self.epsilon * self.profile(self.grid.x)[:, None] * np.sin(phase)
+
+    @cached_property
+    def in_time(self) -> np.ndarray:
+        """∂/∂T on the instants."""
+        apart = np.arange(self.instants)[:, None] - np.arange(self.instants)
+        with np.errstate(divide="ignore"):
+            matrix = 0.5 * (-1.0) ** apart / np.sin(np.pi * apart / self.instants)
+        np.fill_diagonal(matrix, 0.0)
+        return matrix
+
+    def mean_overpressure(self, loss: float = 0.0) -> float:
+        """Over p0, with P = 1 − loss (H² ∂P/∂x)² on the rim where gas streams in.
+
+        Args:
+            loss: C Re/(24 σ), as ū = −H² ∂P/∂x /σ.
+        """
+        return self._mean(self._pressure(loss) - 1).real
+
+    def stiffness(self, modulation: np.ndarray) -> np.ndarray:
+        """Fall of the mean pressure per rise of the gap, as exp(iΩT), Ω in units of ω, (n,)."""
+        across, pressure = self.grid.first, self._pressure(0.0)
+        found = []
+        for omega in modulation:
+            in_time = self.in_time + 1j * omega * np.eye(self.instants)
+            driven = self.sigma * pressure @ in_time.T
+            driven -= across @ (3 * self.gap**2 * pressure * (across @ pressure))
+            driven[[0, -1]] = 0.0
+            found.append(self._mean(self._step(pressure, driven, in_time=in_time)))
+        return -np.array(found)
+
+    def _mean(self, field: np.ndarray) -> complex:
+        return complex(self.grid.weights @ field.mean(axis=1))
+
+    def _pressure(self, loss: float) -> np.ndarray:
+        across, gap = self.grid.first, self.gap
+        pressure = np.ones_like(gap)
+        for _ in range(30):
+            slope = across @ pressure
+            residual = self.sigma * (pressure * gap) @ self.in_time.T
+            residual -= across @ (gap**3 * pressure * slope)
+            for end, inwards in ((0, -1.0), (-1, 1.0)):
+                streams = np.maximum(inwards * gap[end] ** 2 * slope[end], 0.0)
+                residual[end] = pressure[end] - 1 + loss * streams**2
+            step = self._step(pressure, residual, in_time=self.in_time, loss=loss)
+            pressure = pressure + step
+            if np.abs(step).max() < 1e-9:
+                return pressure
+        raise ArithmeticError("the strip was not found")
+
+    def _step(
+        self, pressure: np.ndarray, residual: np.ndarray, *, in_time: np.ndarray, loss: float = 0.0
+    ) -> np.ndarray:
+        """Less the inverse of the linearised film times a residual."""
+        across, gap = self.grid.first, self.gap
+        (nodes, instants), each = gap.shape, np.arange(self.instants)
+        slope = across @ pressure
+        jacobian = np.zeros((nodes, instants, nodes, instants), dtype=in_time.dtype)
+        jacobian[np.arange(nodes), :, np.arange(nodes)] = self.sigma * in_time * gap[:, None, :]
+        flow = np.einsum("ij,tjk->tik", across, (gap**3 * pressure).T[:, :, None] * across)
+        flow += across * (gap**3 * slope).T[:, None, :]
+        for instant in each:
+            jacobian[:, instant, :, instant] -= flow[instant]
+        for end, inwards in ((0, -1.0), (nodes - 1, 1.0)):
+            streams = np.maximum(inwards * gap[end] ** 2 * slope[end], 0.0)
+            by_slope = 2 * loss * streams * inwards * gap[end] ** 2
+            jacobian[end] = 0.0
+            jacobian[end, each, :, each] = by_slope[:, None] * across[end]
+            jacobian[end, each, end, each] += 1
+        size = nodes * instants
+        found = np.linalg.solve(jacobian.reshape(size, size), -residual.ravel())
+        return np.asarray(found.reshape(nodes, instants))
