@@ -51,9 +51,9 @@ INERTIA_MISSED = 1 / 8
 HEAT_MISSED = 1 / 3
 # Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
 SLIP_MISSED = 1.2
-# Of the rim, for each unit of the share of the force that it takes (a strip with the rim's loss at
-# every order: σ 20–2e4, ε 0.1–0.8, up to 0.4 of the force; 0.2 to 1.5).
-RIM_MISSED = 1.6
+# Of the rim, for each unit of C Re, and of that times ε: the lesser (strips with the rim's loss at
+# every order, σ 2–2e4, ε 0.05–0.95, up to 0.4 of the force).
+RIM_MISSED, RIM_MISSED_PER_EPSILON = 0.022, 0.04
 # Of the profile that passes, for each unit of the squared bearing number (marched on a strip).
 PASSING_MISSED = 4.0
 
@@ -353,7 +353,7 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
             in_force=scene.gas.rarefaction != "none",
         ),
         kinetic=_effect(percent["kinetic"], missed=SLIP_MISSED * 6 * scene.knudsen),
-        rim=_of_rim(percent["rim"]),
+        rim=_effect(percent["rim"], missed=_rim_missed(rim.MOST * reynolds, scene.epsilon)),
         bearing=Effect(percent["bearing"], 0.0, in_force=True) if slides else NONE,
         passing=_passing(scene, percent),
     )
@@ -367,8 +367,9 @@ def _passing(scene: Scene, percent: dict[str, float]) -> Effect:
     return _effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)
 
 
-def _of_rim(percent: float) -> Effect:
-    return _effect(percent, missed=RIM_MISSED * rim.MOST * abs(percent) / 100)
+def _rim_missed(coefficient_reynolds: float, epsilon: float) -> float:
+    """What the rim's first order misses, as a share of it, for C Re."""
+    return coefficient_reynolds * min(RIM_MISSED, RIM_MISSED_PER_EPSILON * epsilon)
 
 
 def _effect(percent: float, *, missed: float, in_force: bool = False) -> Effect:

@@ -100,7 +100,9 @@ def _said(name: str, effect: Effect) -> str:
     size = abs(effect.percent)
     if name == "rim":
         band = f"{change} {rim.LEAST * size:.2g} to {rim.MOST * size:.2g} % of the force"
-        return band + ABOVE * (not effect.usable)
+        missed = rim.MOST * effect.missed_percent
+        higher = f" at first order (higher ones: {missed:.1g} %)" if effect.usable else ABOVE
+        return band + higher
     if not effect.usable:
         return f"{change} part of the force: {size:.2g} % at first order, which is above its range"
     missed = effect.missed_percent
