@@ -280,7 +280,7 @@ class Strip:
 
 def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
     """A wave that travels and stands: the rim's layer has a part a quarter of a period ahead."""
-    strip = PeriodicStrip(epsilon=0.3, sigma=300.0)
+    strip = Strip(epsilon=0.3, sigma=300.0)
     marched = strip.gain(24, cycles=3)
     change, mean = of_the_middle({aspect: strip.slow(aspect, 24) for aspect in (4.0, 8.0)})
     assert abs(change / mean / marched - 1) < HASTE / 24**2
