@@ -14,6 +14,7 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.cli import main as cli
+from squeezefilm.cli.points import write_points
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.typed_units import quantities, with_error
 from squeezefilm.models.fitted import read_fit
@@ -437,3 +438,10 @@ def test_where_the_limit_does_not_hold_the_table_says_so(edited, tmp_path):
 )
 def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):
     assert with_error(force_n, error_n) == shown
+
+
+def test_a_force_is_printed_to_the_bound_of_its_error_where_that_is_the_less(capsys):
+    forces = {"force_n": [0.0774, 0.4811], "force_error_n": [0.114, 0.114]}
+    write_points(pd.DataFrame(forces | {"within_percent": [4.9, float("nan")]}), None)
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
+    assert [row[:2] for row in rows] == [["0.077", "0.1"], ["0.5", "0.1"]]

@@ -62,7 +62,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     note = (
         f"Maps: finger at the centre. (f): h0 = {first['h0_um']:.3g} µm, "
         f"hv = {first['hv_um']:.3g} µm, open circles the least {other} of the plan, squares the "
-        "largest. First order about the film without inertia, on coarse grids."
+        "largest. (e): the middle of C = 1 and 1.54. First order about the film without inertia, "
+        "on coarse grids."
     )
     if (screen["above_range"] != "").any():
         note += " Dashed: somewhere too large for a first order, which is then too much."

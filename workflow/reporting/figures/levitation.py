@@ -71,7 +71,7 @@ def _note(table: pd.DataFrame, *, scan: str) -> str:
             f"; up to Re {MOST_REYNOLDS:g} the equation leaves out up to "
             f"{float(ends.abs().to_numpy().max()):.2g} % of a force, at first order"
         )
-    note += ". Dotted: contact; grey: the study's gaps"
+    note += ". Dotted: h0 = hv, contact of an even gap; grey: the study's gaps"
     return note + (f"; hollow: beyond Re {MOST_REYNOLDS:g}." if len(within) < len(known) else ".")
 
 

@@ -58,7 +58,7 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         f"{force_n:.3f} N, numerical error {rounded_up(error_n / force_n + fit.scan_error)} of it",
         f"{len(forces)} simulations, error {percent(fit.global_error)}",
         f"{len(design)} points instead of {len(forces)}",
-        f"{points:.0f} more: at most {percent(abs(worst))} off",
+        f"{points:.0f} simulations: at most {percent(abs(worst))} off",
     )
     data = pd.concat(
         [

@@ -60,7 +60,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     note = "By the slow film equation with the rim's boundary layer, without inertia and heat. "
     unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.split(":").str[0]
     if len(known):
-        note += f"Its settled forces are off by up to {100 * known['error'].max():.2g} %."
+        error = 100 * known["error"].max()
+        note += f"Its settled forces are up to {error:.2g} % off those of a film without these."
     if len(unknown):
         note += f" Not known of {len(unknown)} of {len(maps)} films: {unknown.iloc[0]}."
     return pd.concat(

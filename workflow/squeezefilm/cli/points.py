@@ -55,7 +55,8 @@ def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
 def write_points(points: pd.DataFrame, path: str | None) -> None:
     """Write a table of points, or print it for people where no path is given.
 
-    What is printed has no more digits than its error leaves.
+    What is printed has no more digits than its error leaves, or the bound of a force's error where
+    that is less.
     """
     if path:
         write_table(points, path)
@@ -63,7 +64,12 @@ def write_points(points: pd.DataFrame, path: str | None) -> None:
     shown = points.copy()
     for name, error in ERRORS.items():
         if name in points and error in points:
-            pairs = zip(points[name], points[error], strict=True)
-            texts = [to_its_error(value, its_error) for value, its_error in pairs]
-            shown[name], shown[error] = ([text[k] for text in texts] for k in (0, 1))
+            least = points[error]
+            if name == "force_n" and "within_percent" in points:
+                bound = points["within_percent"] / 100 * points[name].abs()
+                least = least.where(~(bound < least), bound)
+            shown[name] = [to_its_error(*each)[0] for each in zip(points[name], least, strict=True)]
+            shown[error] = [
+                to_its_error(*each)[1] for each in zip(points[name], points[error], strict=True)
+            ]
     print(shown.to_string(index=False, float_format=lambda value: f"{value:.4g}"))

@@ -144,7 +144,12 @@ def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
 def _row(found: Levitation, budget: Budget, moving: Resonance | None) -> dict[str, object]:
     scene: Scene = found.scene
     least, most = budget.sums(left_out_only=True)
-    notes = notes_of(scene)
+    notes, effects = notes_of(scene), budget.effects.items()
+    far = [name for name, each in effects if not (each.usable or each.in_force)]
+    if far:
+        notes.append(f"left out: first order, above its range ({', '.join(far)})")
+    if budget.basis:
+        notes.append(f"left out: of {budget.basis}")
     row: dict[str, object] = {
         "h0_m": scene.h0_m,
         "h0_error_m": found.h0_error_m,

@@ -8,10 +8,10 @@ first:last:count; every combination is a point. POINTS.csv has the columns h0_m,
 finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
 was fitted in, any direction may be asked. `force_error_n` is what the model erred by at
 points that were left out of its fit (root mean square); --validation gives the summary of
-`squeezefilm validate` to take instead. `within_percent` is by how much the force may be off at that
-point, judged by simulations that the fit never saw: points left out in turn, or those that
---control gives. Where both are empty the force is not to be trusted, and `note` says why.
-Where the profile was measured, both contain what its scan leaves open, `scan_percent` of the force.
+`squeezefilm validate` to take instead. `within_percent` is by how much the force may be off there
+as a solution of the study's equation, judged by simulations that the fit never saw: points left out
+in turn, or those that --control gives. Where both are empty the force is not to be trusted, and
+`note` says why. Where the profile was measured, both contain what its scan leaves open, `scan_percent` of the force.
 """
 
 import argparse

@@ -77,7 +77,11 @@ def levitate(
     brackets = _brackets(gaps_m, forces_n, load_n)
     if not brackets:
         known = forces_n[np.isfinite(forces_n)]
-        carried = f"{known.min():.2g} to {known.max():.2g} N" if known.size else "none"
+        carried = (
+            f"{known.min():.2g} to {known.max():.2g} N, roughly, without inertia and heat"
+            if known.size
+            else "none"
+        )
         raise InputError(
             f"load: no gap from {gaps_m[0]:.3g} to {gaps_m[-1]:.3g} m carries {load_n:g} N at "
             f"hv = {scene.hv_m:g} m; forces there: {carried}"
