@@ -11,7 +11,8 @@ points that were left out of its fit (root mean square); --validation gives the 
 `squeezefilm validate` to take instead. `within_percent` is by how much the force may be off there
 as a solution of the study's equation, judged by simulations that the fit never saw: points left out
 in turn, or those that --control gives. Where both are empty the force is not to be trusted, and
-`note` says why. Where the profile was measured, both contain what its scan leaves open, `scan_percent` of the force.
+`note` says why. Where the profile was measured, both contain what its scan leaves open,
+`scan_percent` of the force.
 """
 
 import argparse
