@@ -41,6 +41,17 @@ def test_a_sheet_and_an_animation_are_the_same_each_time(field, tmp_path):
         assert film.n_frames == INSTANTS
 
 
+def test_what_the_layout_finds_anew_each_time_is_rounded_before_a_sheet_is_saved(field):
+    with style.settings():
+        figure = draw_sheet(field)
+        style.settle(figure)
+    boxes = [part.bbox_relative.get_points() for part in figure.subfigs]
+    boxes += [axes.get_position(original=True).bounds for axes in figure.axes]
+    assert len(boxes) == 2 + 13
+    for box in boxes:
+        assert box == pytest.approx(np.round(box, 9), rel=0, abs=1e-15)
+
+
 def test_a_sheet_shows_the_period_and_its_mean(field):
     with style.settings():
         figure = draw_sheet(field)

@@ -98,8 +98,7 @@ def save_animation(field: Dataset, path: Path | str) -> None:
         title.set_text(f"phase {float(field['phase'][instant]):.0f}°")
         return image, title
 
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # laid out once, not for every frame
+    style.settle(figure)  # once, not for every frame
     film = FuncAnimation(figure, show, frames=pressure.sizes["phase"])  # type: ignore[arg-type]
     with TemporaryDirectory() as folder:  # the writer goes by a name's end
         film.save(f"{folder}/film{ANIMATED}", PillowWriter(fps=FRAMES_PER_SECOND), dpi=150)

@@ -138,11 +138,13 @@ def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
     return data[data["layer"] == layer]
 
 
-def _settle(figure: Figure) -> None:
+def settle(figure: Figure) -> None:
     """Lay the figure out once, in places of nine digits: the last ones differ from run to run."""
     if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
+        for part in figure.subfigs:
+            part.bbox_relative.set_points(part.bbox_relative.get_points().round(9))
         for axes in figure.axes:
             places = axes.get_position(original=True).bounds
             axes.set_position((*(round(place, 9) for place in places),), which="both")
@@ -150,7 +152,7 @@ def _settle(figure: Figure) -> None:
 
 def save(figure: Figure, paths: Iterable[Path | str]) -> None:
     """Save in the formats that the names ask for, byte for byte the same each time."""
-    _settle(figure)
+    settle(figure)
     for path in map(Path, paths):
         with whole_file(path) as part:
             kind = path.suffix.removeprefix(".")
