@@ -176,7 +176,7 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(reposit
     assert "25 %. No model compared holds the study's ±15 %" in text
     assert "| limit_1 | 0 | 0 | 1.33 | within 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no: no amplitude gives it |" in text
-    assert "by −2 to +11 % in all (first order; somewhere too large for a first order)" in text
+    assert "by −2 to +11 % in all (first order and what higher ones may add; somewhere" in text
     (tmp_path / "models/recommended.csv").write_text("space,model,control_error,force_n\n,,,\n")
     assert "No model compared can be judged" in "\n".join(in_short(tmp_path, config))
     levitation = load_config(repository / "config/levitation.yaml")

@@ -21,6 +21,7 @@ BUDGET_COLUMNS = (
     "slip_percent",
     "heat_percent",
     "rim_percent",
+    "rim_most_percent",
     "in_force",
     "left_out_least_percent",
     "left_out_most_percent",
@@ -262,12 +263,11 @@ def _beyond_the_equation(results: Results) -> str:
         for name in ("inertia", "slip", "heat")
         if name not in present
     )
-    rim = float(budget["rim_percent"])
-    lossy = rim - float(budget["left_out_most_percent"] - budget["left_out_least_percent"])
+    rim, most = (float(budget[f"rim{end}_percent"]) for end in ("", "_most"))
     said = (
-        f"{effects} and, at the rim, {rim:+.1f} to {lossy:+.1f} % "
+        f"{effects} and, at the rim, {rim:+.1f} to {most:+.1f} % "
         "(first order, simulations/extrapolation/budget.csv): with all of them "
-        f"{low:.3f} to {high:.3f} N."
+        f"and what higher orders may add {low:.3f} to {high:.3f} N."
     ).replace("-", "−")
     if present:
         return f"With {' and '.join(present)} in it, which eq. (1) has not; left out are {said}"

@@ -69,7 +69,7 @@ def _note(table: pd.DataFrame, *, scan: str) -> str:
         ends = within[["left_out_least_percent", "left_out_most_percent"]]
         note += (
             f"; up to Re {MOST_REYNOLDS:g} the equation leaves out up to "
-            f"{float(ends.abs().to_numpy().max()):.2g} % of a force, at first order"
+            f"{float(ends.abs().to_numpy().max()):.2g} % of a force, higher orders allowed for"
         )
     note += ". Dotted: h0 = hv, contact of an even gap; grey: the study's gaps"
     return note + (f"; hollow: beyond Re {MOST_REYNOLDS:g}." if len(within) < len(known) else ".")

@@ -102,5 +102,6 @@ def _left_out(budget: Path) -> list[str]:
     least, most = (f"{end:+.2g}".replace("-", "−") for end in (ends.min(), ends.max()))
     return [
         "With the finger centred the film equation leaves out effects that change a force by "
-        f"{least} to {most} % in all (first order{caveat}{of}); no other error contains that"
+        f"{least} to {most} % in all (first order and what higher ones may add{caveat}{of}); "
+        "no other error contains that"
     ]

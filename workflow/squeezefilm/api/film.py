@@ -143,9 +143,9 @@ class Film:
 
         Several values are a sequence, or a text such as ``"0.5, 1, 2 um"`` or ``"0.5:2.5:9 um"``
         (first:last:count). ``force_error_n`` is all that is known of the numbers' error,
-        ``left_out_least_percent`` and ``left_out_most_percent`` what the equation leaves out at
-        first order; ``status`` is ``ok``, or why there is no force. ``outputs`` are as for a force,
-        each a column with its unit and one with its error.
+        ``left_out_least_percent`` and ``left_out_most_percent`` what the equation leaves out,
+        first orders and what higher ones may add; ``status`` is ``ok``, or why there is no force.
+        ``outputs`` are as for a force, each a column with its unit and one with its error.
         Raises InputError as ``scene`` does.
         """
         points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})

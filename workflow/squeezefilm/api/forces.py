@@ -90,9 +90,10 @@ class Force:
 
     @property
     def left_out_percent(self) -> tuple[float, float]:
-        """What the equation leaves out of the force at first order, least and most, in per cent.
+        """What the equation leaves out of the force, least and most, in per cent.
 
-        NaN where an effect is not known; ``print(force)`` says where a first order is not enough.
+        First orders, and what higher ones may add. NaN where an effect is not known;
+        ``print(force)`` says where a first order is not enough.
         """
         return self.budget.sums(left_out_only=True)
 
@@ -227,9 +228,9 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     """Forces of some points as a table, a row for each.
 
     ``force_error_n`` is all that is known of the numbers' error, a scan's part too;
-    ``left_out_least_percent`` and ``…_most_percent`` are what the film equation leaves out, at
-    first order; ``status`` is ``ok``, or why there is no force. Derivatives and outputs that were
-    asked for stand behind.
+    ``left_out_least_percent`` and ``…_most_percent`` are what the film equation leaves out,
+    first orders and what higher ones may add; ``status`` is ``ok``, or why there is no force.
+    Derivatives and outputs that were asked for stand behind.
     """
     left_out = np.array([force.left_out_percent for force in forces]).reshape(-1, 2)
     more = pd.DataFrame([force.solution.asked_columns for force in forces], index=points.index)

@@ -3,12 +3,12 @@
   squeezefilm budget SCENES.csv --config CONFIG.yaml --output BUDGET.csv
 
 A row for each scene. `inertia_percent`, `heat_percent`, `slip_percent`, `rim_percent` (for the
-entrance coefficient C = 1), `bearing_percent` and `passing_percent` (the profile that moves past a
-sliding finger) are changes of the mean force at first order, `…_missed_percent` the size of what
-higher orders add. `sum_…` adds all of them up, `left_out_…` those that the force does not have
-(`in_force` names the others), each with the rim at C = 1 and at C = 1.54. `above_range` names
-effects too large for a first order, `basis` what pad the numbers are of, `status` why there are
-none.
+entrance coefficient C = 1; `rim_most_percent` for 1.54), `bearing_percent` and `passing_percent`
+(the profile that moves past a sliding finger) are changes of the mean force at first order,
+`…_missed_percent` the size of what higher orders add. `sum_…` adds all of them up, `left_out_…`
+those that the force does not have (`in_force` names the others): from `…_least` to `…_most`, with C
+from 1 to 1.54 and all that higher orders and coarse grids may make. `above_range` names effects too
+large for a first order, `basis` what pad the numbers are of, `status` why there are none.
 """
 
 from __future__ import annotations

@@ -10,9 +10,10 @@ motion, −∂F/∂h0 with the amplitude kept, and `stable` is said of vertical 
 that moves fast is stiffer, and gas that is pressed out damps. With a measured profile the gap's
 error has what the scan's noise and its motion out of phase leave open; the stiffness's is without.
 What the film equation leaves out of the force is in neither; `left_out_least_percent` and
-`…_most_percent` of the force say what it is worth. `note` says what stretches an included term, and
-why there is no resonance. `--like` takes eight loads and three amplitudes over the range of a table
-of forces. A load that no gap carries keeps its row, with the reason as its `status`.
+`…_most_percent` of the force say what it is worth, with what higher orders may add. `note` says
+what stretches an included term, and why there is no resonance. `--like` takes eight loads and three
+amplitudes over the range of a table of forces. A load that no gap carries keeps its row, with the
+reason as its `status`.
 """
 
 from __future__ import annotations
@@ -144,10 +145,10 @@ def _asked(options: argparse.Namespace) -> tuple[list[float], list[ScenePoint]]:
 def _row(found: Levitation, budget: Budget, moving: Resonance | None) -> dict[str, object]:
     scene: Scene = found.scene
     least, most = budget.sums(left_out_only=True)
-    notes, effects = notes_of(scene), budget.effects.items()
-    far = [name for name, each in effects if not (each.usable or each.in_force)]
-    if far:
-        notes.append(f"left out: first order, above its range ({', '.join(far)})")
+    notes = notes_of(scene)
+    if budget.above_range:
+        far = ", ".join(budget.above_range)
+        notes.append(f"left out: first order, above its range ({far})")
     if budget.basis:
         notes.append(f"left out: of {budget.basis}")
     row: dict[str, object] = {
@@ -182,10 +183,6 @@ def _words(moving: Resonance) -> str:
 
 def _show(found: Levitation, budget: Budget) -> None:
     scene = found.scene
-    least, most = (
-        1e6 * percent / 100 * found.force_n / found.stiffness_n_per_m
-        for percent in budget.sums(left_out_only=True)
-    )
     print(
         f"gap {1e6 * scene.h0_m:.6g} µm ± {1e6 * found.h0_error_m:.2g} µm for "
         f"{found.force_n:.6g} N at hv = {1e6 * scene.hv_m:g} µm (ε {scene.epsilon:.3g}, "
@@ -198,6 +195,12 @@ def _show(found: Levitation, budget: Budget) -> None:
     if found.others_m:
         others = ", ".join(f"{1e6 * each:.3g} µm" for each in found.others_m)
         print(f"note: the same force at smaller gaps too, about {others}")
-    print(f"beyond the equation: {budget_text(budget)}: {least:+.2g} to {most:+.2g} µm of the gap")
+    least, most = (
+        1e6 * percent / 100 * found.force_n / found.stiffness_n_per_m
+        for percent in budget.sums(left_out_only=True)
+    )
+    beyond = f"beyond the equation: {budget_text(budget)}"
+    known = isfinite(least) and not budget.above_range
+    print(beyond + f": {least:+.2g} to {most:+.2g} µm of the gap" * known)
     for note in notes_of(scene):
         print(f"note: {note}")

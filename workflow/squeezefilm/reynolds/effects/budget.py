@@ -3,7 +3,7 @@
 Every effect is taken at first order about the state of the scene's own equation on a coarse grid:
 one adjoint solve tells what any source of mass does to the mean force (sensitivity.py), and the
 effects are such sources. Only sliding asks for more states. An effect is good to about a fiftieth
-of itself as a first order; what that is good to is said beside it.
+of itself as a first order; what that misses is said beside it.
 """
 
 from __future__ import annotations
@@ -41,13 +41,16 @@ ADJOINT_TOLERANCE = 3e-5
 # An effect is of second order in ε, a sum of parts of first order: below this, and where two
 # states' differences count, fields are in double precision, else in single.
 SMALL = 0.01
+# By which an effect on such grids may be off, as a share of it.
+OFF_ON_GRIDS = 1 / 50
 # A derivative by two states' difference asks for more.
 SLIDING_TOLERANCE = 1e-8
 # Numbers of a field, all scenes together: more fall out of the caches. And of a launch's states.
 MOST_NUMBERS, MOST_LAUNCHED = 2**16, 2**22
 # What the first order misses, as a share of it for each unit of the modified Reynolds number:
-# inertia by one mode at Re 0.45–7.2, heat by a resolved temperature at 0.2–1.8 (T10, T11).
-INERTIA_MISSED = 1 / 8
+# inertia by one mode at Re 0.03–12, ε up to 0.9, heat by a resolved temperature at 0.2–1.8 (T10,
+# T11).
+INERTIA_MISSED = 1 / 6
 HEAT_MISSED = 1 / 3
 # Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
 SLIP_MISSED = 1.2
@@ -76,6 +79,11 @@ class Effect(NamedTuple):
     def usable(self) -> bool:
         """Whether the first order is more than what it misses."""
         return not abs(self.missed_percent) > abs(self.percent) / 2
+
+    @property
+    def off_percent(self) -> float:
+        """By how much it may be off: what higher orders add, and the coarse grids."""
+        return self.missed_percent + OFF_ON_GRIDS * abs(self.percent)
 
 
 UNKNOWN, NONE = Effect(nan), Effect(0.0, 0.0)
@@ -112,19 +120,23 @@ class Budget:
     def effects(self) -> dict[str, Effect]:
         return {name: getattr(self, name) for name in NAMES}
 
+    @property
+    def above_range(self) -> list[str]:
+        """The names of what is left out and too large for a first order."""
+        effects = self.effects.items()
+        return [name for name, each in effects if not (each.usable or each.in_force)]
+
     def sums(self, *, left_out_only: bool) -> tuple[float, float]:
         """Least and most of all effects together, or of those that the force does not have.
 
-        The rim's coefficient makes the band. NaN where an effect is not known.
+        The band holds both ends of the rim's coefficient and by what the effects may be off, all in
+        one direction. NaN where an effect is not known.
         """
-        some = {
-            name: each.percent
-            for name, each in self.effects.items()
-            if not (left_out_only and each.in_force)
-        }
-        entrance = some.pop("rim")
-        ends = [sum(some.values()) + entrance * share for share in (rim.LEAST, rim.MOST)]
-        return min(ends), max(ends)
+        some = [each for each in self.effects.values() if not (left_out_only and each.in_force)]
+        for_one = sum(each.percent for each in some)
+        ends = [for_one + (share - 1) * self.rim.percent for share in (rim.LEAST, rim.MOST)]
+        off = sum(each.off_percent for each in some) + (rim.MOST - 1) * self.rim.off_percent
+        return min(ends) - off, max(ends) + off
 
 
 NAMES = tuple(each.name for each in fields(Budget) if each.type == "Effect")

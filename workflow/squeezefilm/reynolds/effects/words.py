@@ -42,8 +42,8 @@ def budget_text(budget: Budget) -> str:
         return f"not known: {budget.status}"
     shown = [_shown(name, effect) for name, effect in budget.effects.items() if effect.percent != 0]
     least, most = budget.sums(left_out_only=True)
-    left_out = "not known" if isnan(least) else _band(least, most)
-    if not all(effect.usable or effect.in_force for effect in budget.effects.values()):
+    left_out = "not known" if isnan(least) else f"{_band(least, most)} with higher orders"
+    if budget.above_range:
         left_out += ABOVE
     basis = f" (of {budget.basis})" if budget.basis else ""
     return f"{', '.join(shown)}; left out in all {left_out}{basis}"
@@ -66,14 +66,16 @@ def budget_row(budget: Budget) -> dict[str, object]:
     """A budget as columns of a table, in per cent of the force.
 
     ``…_missed_percent`` is the size of what higher orders add, where it is known; the rim is for
-    C = 1, and in the sums' ends for both ends of C. ``in_force`` names what the force has already,
-    ``above_range`` what is too large for a first order.
+    C = 1, and for the largest C in ``rim_most_percent``. The sums' ends are for both, and with all
+    that the effects may be off by. ``in_force`` names what the force has already, ``above_range``
+    what is too large for a first order.
     """
     row: dict[str, object] = {}
     for name, effect in budget.effects.items():
         row[f"{name}_percent"] = effect.percent
         if name in ("inertia", "heat", "slip", "kinetic", "rim", "passing"):
             row[f"{name}_missed_percent"] = effect.missed_percent
+    row["rim_most_percent"] = rim.MOST * budget.rim.percent
     for what, only in (("sum", False), ("left_out", True)):
         ends = budget.sums(left_out_only=only)
         row |= {f"{what}_{end}_percent": value for end, value in zip(ENDS, ends, strict=True)}
