@@ -4,8 +4,8 @@ Each effect on the mean force at first order, in per cent of it: maps over gap a
 centred finger, and lines over the finger's distance from the centre, or over x on a rectangle, at
 the smallest gap and largest amplitude of that plan. The loss of pressure where gas streams in at
 the rim is known up to a coefficient C; it is shown for C = 1, the sum of all that the force does
-not have for the middle of C = 1 to 1.54. Dashed maps are of effects too large somewhere for a
-first order.
+not have by the middle of its band. Dashed maps are of effects too large somewhere for a first
+order.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     note = (
         f"Maps: finger at the centre. (f): h0 = {first['h0_um']:.3g} µm, "
         f"hv = {first['hv_um']:.3g} µm, open circles the least {other} of the plan, squares the "
-        "largest. (e): the middle of C = 1 and 1.54. First order about the film without inertia, "
-        "on coarse grids."
+        "largest. (e): the middle of the band that C = 1 to 1.54 and higher orders make. First "
+        "order about the film without inertia, on coarse grids."
     )
     if (screen["above_range"] != "").any():
         note += " Dashed: somewhere too large for a first order, which is then too much."

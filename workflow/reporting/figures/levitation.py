@@ -7,6 +7,7 @@ simulations are not. Hollow: beyond Re 10, where inertia rules and a first order
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -65,11 +66,13 @@ def _note(table: pd.DataFrame, *, scan: str) -> str:
         f"A gap was found for {len(known)} of {len(table)} loads. Numerical error {scan}up to "
         f"{100 * float(numerical):.1g} %"
     )
-    if len(within):
-        ends = within[["left_out_least_percent", "left_out_most_percent"]]
+    above = known["note"].astype(str).str.contains("above its range", na=False)
+    first = known[~above]
+    ends = first[["left_out_least_percent", "left_out_most_percent"]].abs().to_numpy()
+    if np.isfinite(ends).any():
         note += (
-            f"; up to Re {MOST_REYNOLDS:g} the equation leaves out up to "
-            f"{float(ends.abs().to_numpy().max()):.2g} % of a force, higher orders allowed for"
+            f"; at the {len(first)} gaps where first orders hold the equation leaves out up to "
+            f"{np.nanmax(ends):.2g} % of a force"
         )
     note += ". Dotted: h0 = hv, contact of an even gap; grey: the study's gaps"
     return note + (f"; hollow: beyond Re {MOST_REYNOLDS:g}." if len(within) < len(known) else ".")
