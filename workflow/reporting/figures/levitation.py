@@ -66,8 +66,7 @@ def _note(table: pd.DataFrame, *, scan: str) -> str:
         f"A gap was found for {len(known)} of {len(table)} loads. Numerical error {scan}up to "
         f"{100 * float(numerical):.1g} %"
     )
-    above = known["note"].astype(str).str.contains("above its range", na=False)
-    first = known[~above]
+    first = known[known["above_range"].isna()]
     ends = first[["left_out_least_percent", "left_out_most_percent"]].abs().to_numpy()
     if np.isfinite(ends).any():
         note += (

@@ -10,10 +10,10 @@ motion, −∂F/∂h0 with the amplitude kept, and `stable` is said of vertical 
 that moves fast is stiffer, and gas that is pressed out damps. With a measured profile the gap's
 error has what the scan's noise and its motion out of phase leave open; the stiffness's is without.
 What the film equation leaves out of the force is in neither; `left_out_least_percent` and
-`…_most_percent` of the force say what it is worth, with what higher orders may add. `note` says
-what stretches an included term, and why there is no resonance. `--like` takes eight loads and three
-amplitudes over the range of a table of forces. A load that no gap carries keeps its row, with the
-reason as its `status`.
+`…_most_percent` of the force say what it is worth, with what higher orders may add, and
+`above_range` names what is too large for a first order. `note` says what stretches an included
+term, and why there is no resonance. `--like` takes eight loads and three amplitudes over the range
+of a table of forces. A load that no gap carries keeps its row, with the reason as its `status`.
 """
 
 from __future__ import annotations
@@ -146,9 +146,6 @@ def _row(found: Levitation, budget: Budget, moving: Resonance | None) -> dict[st
     scene: Scene = found.scene
     least, most = budget.sums(left_out_only=True)
     notes = notes_of(scene)
-    if budget.above_range:
-        far = ", ".join(budget.above_range)
-        notes.append(f"left out: first order, above its range ({far})")
     if budget.basis:
         notes.append(f"left out: of {budget.basis}")
     row: dict[str, object] = {
@@ -162,6 +159,7 @@ def _row(found: Levitation, budget: Budget, moving: Resonance | None) -> dict[st
         "inertia": scene.gas.inertia,
         "left_out_least_percent": least,
         "left_out_most_percent": most,
+        "above_range": "; ".join(budget.above_range),
         "status": "ok",
     }
     if moving is not None:

@@ -41,7 +41,7 @@ ADJOINT_TOLERANCE = 3e-5
 # An effect is of second order in ε, a sum of parts of first order: below this, and where two
 # states' differences count, fields are in double precision, else in single.
 SMALL = 0.01
-# By which an effect on such grids may be off, as a share of it.
+# By which an effect on such grids may be off, as a share of it; in layers of σ above 2e4 by more.
 OFF_ON_GRIDS = 1 / 50
 # A derivative by two states' difference asks for more.
 SLIDING_TOLERANCE = 1e-8

@@ -44,7 +44,7 @@ def budget_text(budget: Budget) -> str:
     least, most = budget.sums(left_out_only=True)
     left_out = "not known" if isnan(least) else f"{_band(least, most)} with higher orders"
     if budget.above_range:
-        left_out += ABOVE
+        left_out += f" (above the range of first orders: {', '.join(budget.above_range)})"
     basis = f" (of {budget.basis})" if budget.basis else ""
     return f"{', '.join(shown)}; left out in all {left_out}{basis}"
 
