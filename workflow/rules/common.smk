@@ -167,7 +167,8 @@ PLANS = [
     "extrapolation",
     "four_factor",
     "four_factor_control",
-    "model_control",
+    "validation_two_factor",
+    "validation_four_factor",
     "four_factor_design",
     "four_factor_design_distinct",
 ]

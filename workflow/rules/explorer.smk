@@ -14,7 +14,8 @@ EXPLORER_CANDIDATES = [
     for model in CONFIG["comparison"]["four_factor"]
     if model.replace("-", "_") != "four_factor"
 ]
-EXPLORER_PLANS = [plan for plan in PLANS if plan not in ("extrapolation", "sweep", "model_control")]
+EXPLORER_PLANS = ["screen", "error_map", "two_factor_design", "four_factor", "four_factor_design"]
+EXPLORER_PLANS += ["four_factor_design_distinct"]
 
 
 rule explorer:

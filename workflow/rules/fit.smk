@@ -9,11 +9,19 @@ MODEL_OF_FIT = {
 }
 
 
+def validation_space(fit):
+    """The space that a fit is validated over."""
+    return MODEL_OF_FIT[fit].replace("-", "_")
+
+
 rule fit:
     input:
         code=code("fit"),
         config=ancient(CONFIG_FILE),
         forces="<results>/simulations/{fit}/forces.csv",
+        sample=lambda wildcards: (
+            f"<results>/simulations/validation_{validation_space(wildcards.fit)}/forces.csv"
+        ),
         scan=SCAN_SUMMARY,
     output:
         fit="<results>/fits/{fit}.json",
@@ -30,5 +38,5 @@ rule fit:
         "Fit the {params.model} model to {wildcards.fit}"
     shell:
         f"python -m squeezefilm fit {{input.forces}} {WITH_SCAN}--model {{params.model}} "
-        "--config {input.config} --processes {threads} --output {output.fit} "
+        "--sample {input.sample} --config {input.config} --processes {threads} --output {output.fit} "
         "--runs {output.runs} >{log} 2>&1"

@@ -1,12 +1,11 @@
 # Candidates for the force model, the paper's, physics and your own, side by side: `snakemake models`.
 
 MODEL_SPACES = {"two_factor": "finger centred", "four_factor": "finger anywhere"}
-# The points that candidates are fitted to, and those that they are judged on.
+# The points that candidates are fitted to.
 FITTED_PLAN = {"two_factor": "screen", "four_factor": "four_factor"}
-CONTROL_PLAN = {"two_factor": "error_map", "four_factor": "model_control"}
 
-# What the recommended model is judged by besides; the first has the positions.
-RECOMMENDED_BY = ["four_factor", *CONTROL_PLAN.values()]
+# What the recommended model is judged by; the first has the positions.
+RECOMMENDED_BY = ["four_factor", *(f"validation_{space}" for space in MODEL_SPACES)]
 
 
 wildcard_constraints:
@@ -57,6 +56,8 @@ rule fit_candidate:
         forces=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/forces.csv",
         limits=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/limits.csv",
         limit_table="<results>/models/limit_table.json",
+        sample="<results>/simulations/validation_{space}/forces.csv",
+        sample_limits="<results>/simulations/validation_{space}/limits.csv",
         scan=SCAN_SUMMARY,
     output:
         "<results>/models/{space}/{model}.json",
@@ -69,7 +70,8 @@ rule fit_candidate:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
     shell:
         "python -m squeezefilm fit {input.forces} --limits {input.limits} "
-        f"--limit-table {{input.limit_table}} {WITH_SCAN}"
+        f"--limit-table {{input.limit_table}} --sample {{input.sample}} "
+        f"--sample-limits {{input.sample_limits}} {WITH_SCAN}"
         "--model {wildcards.model} --seeds 1 --keep-going --config {input.config} "
         "--output {output} >{log} 2>&1"
 
@@ -82,8 +84,8 @@ rule compare:
             f"<results>/models/{wildcards.space}/{model}.json"
             for model in CONFIG["comparison"][wildcards.space]
         ],
-        forces=lambda wildcards: f"<results>/simulations/{CONTROL_PLAN[wildcards.space]}/forces.csv",
-        limits=lambda wildcards: f"<results>/simulations/{CONTROL_PLAN[wildcards.space]}/limits.csv",
+        forces="<results>/simulations/validation_{space}/forces.csv",
+        limits="<results>/simulations/validation_{space}/limits.csv",
     output:
         table="<results>/models/{space}.csv",
         text="<results>/models/{space}.md",

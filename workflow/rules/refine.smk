@@ -73,6 +73,8 @@ rule refine_model:
         code=lambda wildcards: REFINE_CODE[wildcards.space],
         config=ancient(CONFIG_FILE),
         kernels="<results>/simulations/device.json",
+        sample="<results>/simulations/validation_{space}/forces.csv",
+        sample_limits="<results>/simulations/validation_{space}/limits.csv",
         scan=SCAN_SUMMARY,
     output:
         rounds="<results>/refine/{space}/{model}/rounds.csv",
@@ -94,7 +96,7 @@ rule refine_model:
         "Refine {wildcards.model} over the {wildcards.space} space"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm refine {wildcards.model} "
-        f"{WITH_SCAN}"
+        f"{WITH_SCAN}--sample {{input.sample}} --sample-limits {{input.sample_limits}} "
         "--space {wildcards.space} --config {input.config} --rounds {output.rounds} "
         "--forces {output.forces} --limits {output.limits} --fit {output.fit} "
         "--where {output.where} --keep-going --output {output.verdict} >{log} 2>&1"
@@ -108,8 +110,8 @@ rule refine_report:
             for model in CONFIG["refine"][wildcards.space]
             for name in REFINED
         ],
-        forces=lambda wildcards: f"<results>/simulations/{CONTROL_PLAN[wildcards.space]}/forces.csv",
-        limits=lambda wildcards: f"<results>/simulations/{CONTROL_PLAN[wildcards.space]}/limits.csv",
+        forces="<results>/simulations/validation_{space}/forces.csv",
+        limits="<results>/simulations/validation_{space}/limits.csv",
     output:
         table="<results>/refine/{space}.csv",
         text="<results>/refine/{space}.md",

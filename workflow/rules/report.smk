@@ -8,7 +8,7 @@ SUMMARY_PLANS = [
     "error_map",
     "extrapolation",
     "four_factor",
-    "four_factor_control",
+    *(["four_factor_control"] if PAPER else []),
     "four_factor_design",
     "four_factor_design_distinct",
 ]

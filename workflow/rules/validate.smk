@@ -2,7 +2,7 @@
 # that end with it.
 
 PLANS_TWO_FACTOR = ["screen", "error_map", "extrapolation"]
-PLANS_FOUR_FACTOR = ["four_factor", "four_factor_control"]
+PLANS_FOUR_FACTOR = ["four_factor", *(["four_factor_control"] if PAPER else [])]
 VALIDATIONS_TWO_FACTOR = validations("two-factor", PLANS_TWO_FACTOR)
 VALIDATIONS_FOUR_FACTOR = validations("four-factor", PLANS_FOUR_FACTOR)
 

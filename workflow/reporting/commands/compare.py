@@ -1,14 +1,14 @@
-"""Compare fitted models: errors on their points, on points left out, and on control points.
+"""Compare fitted models: errors on their points, on points left out, and on a validation sample.
 
   squeezefilm compare two_factor FIT.json … --config C.yaml \\
       --forces FORCES.csv --limits LIMITS.csv \\
       --output TABLE.csv --report TABLE.md --errors ERRORS.csv
 
 The candidates of the study's section `comparison` must be among the fits; they are shown in its
-order. FORCES.csv has the control points, LIMITS.csv their physics limits; those that a model was
-fitted to are left out. A model is not judged where most of them lie outside the points it was
-fitted to. ERRORS.csv has the relative error of every model at every control point; a figure is
-drawn from it.
+order. FORCES.csv is the space's validation sample, LIMITS.csv has its physics limits: one half of
+it ranks the models, the other calibrated their prediction intervals (`squeezefilm fit`). Points
+that have no force are excluded from the errors and counted. ERRORS.csv has the relative error of
+every model at every point of the half that ranks; a figure is drawn from it.
 """
 
 import argparse
@@ -24,10 +24,12 @@ from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.positions import form_of
-from squeezefilm.io.tables import read_json, read_ok_forces, write_table
+from squeezefilm.io.tables import read_forces, read_json, write_table
+from squeezefilm.models.error_by_region import QUANTITIES
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors
+from squeezefilm.models.prediction_interval import ranking_half
 from squeezefilm.models.validation import error_sizes, relative_errors
 from squeezefilm.studies.config import load_config
 
@@ -39,17 +41,22 @@ COLUMNS = (
     "fit_points",
     "fit_error",
     "left_out_error",
-    "control_points",
-    "control_error",
-    "control_worst_relative",
-    "control_worst_n",
+    "validation_points",
+    "validation_failed",
+    "validation_error",
+    "validation_worst_relative",
+    "validation_worst_n",
+    "error_95_percent",
+    "coverage",
+    "coverage_least",
+    "coverage_least_in",
     "expression",
     "about",
     "note",
 )
 NONE_JUDGED = {
     "model": "",
-    **dict.fromkeys(("parameters", "control_error_percent", "h0_um", "hv_um"), np.nan),
+    **dict.fromkeys(("parameters", "validation_error_percent", "h0_um", "hv_um"), np.nan),
     "relative_error_percent": np.nan,
 }
 HEADINGS = {
@@ -57,8 +64,11 @@ HEADINGS = {
     "parameters": "parameters",
     "fit_error": "global error, fitted points",
     "left_out_error": "left out in turn",
-    "control_error": "control points",
-    "control_worst_relative": "largest relative error there",
+    "validation_error": "validation sample",
+    "validation_worst_relative": "largest relative error there",
+    "error_95_percent": "95 % error, median",
+    "coverage": "inside it",
+    "coverage_least": "least, by region",
     "about": "what it is",
 }
 
@@ -67,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("space", choices=TITLES, metavar="SPACE", help=" or ".join(TITLES))
     parser.add_argument("fits", nargs="+", metavar="FIT.json", help="fitted models")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
-    parser.add_argument("--forces", required=True, metavar="FORCES.csv", help="control points")
+    parser.add_argument("--forces", required=True, metavar="FORCES.csv", help="validation sample")
     parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
     parser.add_argument("--output", required=True, metavar="TABLE.csv", help="errors, to write")
     parser.add_argument("--report", required=True, metavar="TABLE.md", help="for people")
@@ -76,31 +86,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     candidates = load_config(options.config).only(SECTIONS)["comparison"][options.space]
-    forces = read_ok_forces(options.forces)
-    factors = factors_of(forces, limits=options.limits)
-    paths = _in_order(options.fits, candidates)
-    fits = [read_fit(path) for path in paths if "refused" not in read_json(path)]
-    fitted = [fit.trust.was_fitted(factors) for fit in fits if fit.trust is not None]
-    new = ~np.any([np.zeros(len(factors), bool), *fitted], axis=0)
-    if not new.any():
-        raise InputError(f"{options.forces}: every point was fitted, none is left to judge by")
-    forces, factors = forces[new].reset_index(drop=True), factors.take(new)
+    sample = read_forces(options.forces)
+    factors = factors_of(sample, limits=options.limits)
+    known = ranking_half(len(sample)) & (sample["status"] == "ok").to_numpy()
+    failed = int(ranking_half(len(sample)).sum() - known.sum())
+    forces, factors = sample[known].reset_index(drop=True), factors.take(known)
     rows, errors = [], []
-    for path in paths:
-        row, error = _judged(path, factors, forces)
+    for path in _in_order(options.fits, candidates):
+        row, error = _judged(path, factors, forces, failed=failed)
         rows.append(row)
         if error is not None:
             errors.append(error)
     table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(
-        {"parameters": "Int64", "fit_points": "Int64", "control_points": "Int64"}
+        dict.fromkeys(
+            ("parameters", "fit_points", "validation_points", "validation_failed"), "Int64"
+        )
     )
-    scan_error = max((fit.scan_error for fit in fits), default=0.0)
-    text = _report(table, space=options.space, points=len(forces), scan_error=scan_error)
+    fits = [read_fit(path) for path in options.fits if "refused" not in read_json(path)]
+    text = _report(table, space=options.space, fits=fits)
     write_table(table, options.output)
     write_text(text, options.report)
     note = (
-        f"Relative error of each model at {len(forces)} control simulations that it was not fitted "
-        "to; above each panel the number of parameters and the global error there."
+        f"Relative error of each model at {len(forces)} independent simulations, uniform over the "
+        "declared space, that no fit used; above each panel the number of parameters and the "
+        "global error there."
     )
     # A row without a model where none can be judged: the figure says so.
     drawn = pd.concat(errors, ignore_index=True) if errors else pd.DataFrame([NONE_JUDGED])
@@ -118,46 +127,51 @@ def _in_order(paths: Sequence[str], candidates: Sequence[str]) -> list[str]:
 
 
 def _judged(
-    path: str, factors: Factors, forces: pd.DataFrame
+    path: str, factors: Factors, forces: pd.DataFrame, *, failed: int
 ) -> tuple[dict[str, Any], pd.DataFrame | None]:
-    """A model's row, and its error at each control point, unless it cannot be judged there."""
+    """A model's row, and its error at each point of the ranking half, unless it is not offered."""
     values = read_json(path)
     name = str(values.get("model", Path(path).stem))
     try:
         fit = read_fit(path)
         model = fit.force_model
+        if fit.interval is None:
+            raise InputError("not validated: fit it with a validation sample")
         check_columns(model, factors)
         predicted = model.evaluate(fit.theta, factors)
         undefined = int(np.sum(~np.isfinite(predicted)))
         if undefined:
-            raise InputError(f"undefined at {undefined} control points")
+            raise InputError(f"undefined at {undefined} points of the validation sample")
         errors = error_sizes(model_n=predicted, simulation_n=forces["force_n"])
     except InputError as error:
         return {"model": name, "note": str(values.get("refused", error))}, None
-    outside = _outside(fit, factors)
-    if 2 * outside > len(forces):
-        note = f"{outside} of {len(forces)} control points lie outside the points it was fitted to"
-        return {"model": name, "note": note}, None
     relative = relative_errors(model_n=predicted, simulation_n=forces["force_n"])
+    least = min(fit.interval.coverage, key=lambda region: region["coverage"])
     row = {
         "model": name,
         "parameters": len(fit.theta),
         "fit_points": fit.points,
         "fit_error": fit.global_error,
         "left_out_error": _left_out(fit),
-        "control_points": len(forces),
-        "control_error": errors["global_error"],
-        "control_worst_relative": errors["largest_relative"],
-        "control_worst_n": errors["largest_n"],
+        "validation_points": len(forces),
+        "validation_failed": failed,
+        "validation_error": errors["global_error"],
+        "validation_worst_relative": errors["largest_relative"],
+        "validation_worst_n": errors["largest_n"],
+        "error_95_percent": 100
+        * float(np.median(fit.interval.error_n(predicted) / np.abs(predicted))),
+        "coverage": fit.interval.mean_coverage,
+        "coverage_least": least["coverage"],
+        "coverage_least_in": f"{least['third']} third of the {QUANTITIES[least['quantity']]}",
         "expression": model.expression,
         "about": model.about or values.get("about", ""),
-        "note": f"{outside} control points lie outside the fitted ones" if outside else "",
+        "note": "",
     }
     map_ = pd.DataFrame(
         {
             "model": name,
             "parameters": len(fit.theta),
-            "control_error_percent": 100 * errors["global_error"],
+            "validation_error_percent": 100 * errors["global_error"],
             "h0_um": 1e6 * forces["h0_m"],
             "hv_um": 1e6 * forces["hv_m"],
             **_places(forces),
@@ -176,33 +190,37 @@ def _places(forces: pd.DataFrame) -> dict[str, pd.Series]:
     }
 
 
-def _outside(fit: FittedModel, factors: Factors) -> int:
-    """How many points lie outside the ranges of the fitted ones, as far as the file tells."""
-    return 0 if fit.trust is None else sum(map(bool, fit.trust.outside(factors)))
-
-
 def _left_out(fit: FittedModel) -> float:
     return np.nan if fit.cross_validation is None else fit.cross_validation["global_error"]
 
 
-def _report(table: pd.DataFrame, *, space: str, points: int, scan_error: float) -> str:
-    """The table for people, the best on the control points first."""
-    judged = table[table["control_error"].notna()].sort_values("control_error", kind="stable")
+def _report(table: pd.DataFrame, *, space: str, fits: Sequence[FittedModel]) -> str:
+    """The table for people, the best on the validation sample first."""
+    judged = table[table["validation_error"].notna()].sort_values("validation_error", kind="stable")
     shown = judged[list(HEADINGS)].copy()
-    for name in ("fit_error", "left_out_error", "control_error", "control_worst_relative"):
+    for name in ("fit_error", "left_out_error", "validation_error", "validation_worst_relative"):
         shown[name] = [percent(v) if np.isfinite(v) else "–" for v in judged[name].astype(float)]
+    shown["error_95_percent"] = [percent(v / 100) for v in judged["error_95_percent"]]
+    shown["coverage"] = [f"{v:.1%}" for v in judged["coverage"]]
+    shown["coverage_least"] = [
+        f"{row.coverage_least:.1%} ({row.coverage_least_in})" for row in judged.itertuples()
+    ]
+    intervals = [fit.interval for fit in fits if fit.interval is not None]
     lines = [
-        f"# Models compared, {TITLES[space]}, on {points} control points\n\n",
+        f"# Models compared, {TITLES[space]}\n\n",
         "Global error is |model − simulation|/|simulation|. Points are left out in turn, a fifth "
-        "at a time, and predicted by the model fitted to the rest. No model was fitted to the "
-        "control points.\n\n",
-        scan_note(scan_error),
+        "at a time, and predicted by the model fitted to the rest. One half of the validation "
+        "sample ranks the models, the other calibrates their 95 % errors; *inside it* is the share "
+        "of the first half within them, in all and in the third of a factor's range where it is "
+        "least.\n\n",
+        *(f"{interval.statement}\n\n" for interval in intervals[:1]),
+        scan_note(max((fit.profile_uncertainty for fit in fits), default=0.0)),
         markdown_table(shown.rename(columns=HEADINGS)),
         "\nFormulas:\n\n",
         *(f"- {row.model}: `{row.expression}`\n" for row in judged.itertuples()),
     ]
-    refused = table[table["control_error"].isna()]
+    refused = table[table["validation_error"].isna()]
     if len(refused):
-        lines.append("\nNot judged:\n\n")
+        lines.append("\nNot validated:\n\n")
         lines += [f"- {row.model}: {row.note}\n" for row in refused.itertuples()]
     return "".join(lines)

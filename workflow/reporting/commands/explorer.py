@@ -3,7 +3,7 @@
   squeezefilm explorer FIT.json ... --forces PLAN=FORCES.csv ... --config C --output explorer.html
 
 The first fit given is shown first; one that was refused is named with the reason. The forces are
-what the models are judged by, and must have those that each was fitted to. --modulation takes the
+drawn beside the models, and must have those that each was fitted to. --modulation takes the
 tables of `squeezefilm response` for a plan of the centred finger. The page needs no network.
 """
 
@@ -22,7 +22,7 @@ from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.studies.config import load_config
 
-SECTIONS = ("study", "gas", "actuator", "extrapolation", "validation")
+SECTIONS = ("study", "gas", "actuator", "extrapolation")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,7 +48,6 @@ def run(options: argparse.Namespace) -> None:
         force_n=config["extrapolation"]["force_n"],
         h0_m=config["extrapolation"]["h0_m"],
         hv_m=config["extrapolation"]["hv_m"],
-        band=config["validation"]["relative_error_band"],
         inertia=Inertia.of(config),
         modulation=_modulation(*options.modulation) if options.modulation else None,
         left_out=left_out,

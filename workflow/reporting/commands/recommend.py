@@ -3,13 +3,12 @@
   squeezefilm recommend RESULTS --config C.yaml --forces PLAN=FORCES.csv … --output TABLE.csv
 
 RESULTS is the study's folder, with the comparisons models/SPACE.csv and their fits. Recommended is
-the model with the least global error at the control points, that with fewer parameters where two
-are the same. FORCES.csv are simulations that it is judged by; the plan `four_factor` has the
-positions. `worst_error` is the largest relative error at any of them, fitted or not: control points
-seldom lie where positions end. A row for each space (the finger at the centre) and each position,
-with the amplitude that gives the study's wanted force at its gap (section `extrapolation`), its
-error as `squeezefilm working-point` has it, and how far it is trusted; none where no model can be
-judged.
+the model with the least global error on the half of the validation sample that ranks, that with
+fewer parameters where two are the same. FORCES.csv are simulations beside it; the plan
+`four_factor` has the positions. `worst_error` is the largest relative error at any of them, fitted
+or not. A row for each space (the finger at the centre) and each position, with the amplitude that
+gives the study's wanted force at its gap (section `extrapolation`) and its errors as `squeezefilm
+working-point` has them; none where no model can be judged.
 """
 
 import argparse
@@ -22,7 +21,7 @@ import pandas as pd
 
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import parse_sources, read_columns
-from squeezefilm.io.tables import read_ok_forces, write_table
+from squeezefilm.io.tables import read_forces, write_table
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors
@@ -32,14 +31,14 @@ from squeezefilm.models.working_point import working_point
 from squeezefilm.studies.config import Config, load_config
 
 SECTIONS = ("extrapolation",)
-LEAST = ("space", "model", "control_error", "h0_m", "x_m", "y_m", "force_n")
+LEAST = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""
 COLUMNS = (
     "space",
     "model",
     "parameters",
-    "control_points",
-    "control_error",
+    "validation_points",
+    "validation_error",
     "simulations",
     "worst_error",
 )
@@ -56,7 +55,7 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     plans = [word.partition("=")[0] for word in options.forces]
     paths = parse_sources(options.forces, names=plans, user="recommend")
-    forces = {plan: read_ok_forces(path) for plan, path in paths.items()}
+    forces = {plan: read_forces(path).query("status == 'ok'") for plan, path in paths.items()}
     rows = [row for space in SPACES for row in _rows(space, options.results, config, forces)]
     write_table(pd.DataFrame(rows or [dict.fromkeys(LEAST)]), options.output)
 
@@ -68,16 +67,15 @@ def _rows(
     path = results / "models" / f"{space}.csv"
     if not path.exists():
         return
-    table = read_columns(path, columns=("model", "parameters", "control_points", "control_error"))
-    judged = table[table["control_error"].notna()]
+    table = read_columns(
+        path, columns=("model", "parameters", "validation_points", "validation_error")
+    )
+    judged = table[table["validation_error"].notna()]
     if judged.empty:
         return
-    best = judged.sort_values(["control_error", "parameters"], kind="stable").iloc[0]
+    best = judged.sort_values(["validation_error", "parameters"], kind="stable").iloc[0]
     fit = read_fit(results / "models" / space / f"{best['model']}.json")
     every = pd.concat(list(forces.values()), ignore_index=True)
-    fit = fit.judged_by(
-        factors_of(every), force_n=every["force_n"], force_error_n=every["force_error_n"]
-    )
     known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
     about = {
         "space": space,
@@ -88,7 +86,7 @@ def _rows(
     wanted = config["extrapolation"]
     for place in _places(space, forces.get("four_factor", every)):
         at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
-        found = working_point(fit, at, force_n=wanted["force_n"], error_n=fit.error_n)
+        found = working_point(fit, at, force_n=wanted["force_n"])
         yield {**about, "h0_m": wanted["h0_m"], **place, **found}
 
 

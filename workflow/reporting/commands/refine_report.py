@@ -4,8 +4,8 @@
       --output TABLE.csv --report TABLE.md --figure FIGURE.csv
 
 A MODEL_FOLDER holds what `squeezefilm refine` wrote: rounds.csv, forces.csv, limits.csv, where.csv,
-fit.json and verdict.json; a model that it left out is named, with the reason. FORCES.csv has
-simulations, LIMITS.csv their physics limits; points that a refinement fitted are left out.
+fit.json and verdict.json; a model that it left out is named, with the reason. FORCES.csv is the
+space's validation sample, LIMITS.csv has its physics limits.
 FIGURE.csv is what the figure `refine` is drawn from.
 """
 
@@ -25,6 +25,7 @@ from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import (
     ROUND_COLUMNS,
     WHERE_COLUMNS,
+    read_forces,
     read_json,
     read_ok_forces,
     write_table,
@@ -81,8 +82,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    unseen = read_ok_forces(options.forces)
-    factors = factors_of(unseen, limits=options.limits)
+    sample = read_forces(options.forces)
+    known = (sample["status"] == "ok").to_numpy()
+    unseen = sample[known]
+    factors = factors_of(sample, limits=options.limits).take(known)
     rows, drawn, said = [], [], []
     folders = [Path(folder) for folder in options.folders]
     verdicts = [read_json(folder / "verdict.json") for folder in folders]
@@ -91,10 +94,7 @@ def run(options: argparse.Namespace) -> None:
         for folder, verdict in zip(folders, verdicts, strict=True)
         if "refused" not in verdict
     ]
-    fitted = [fit.trust.was_fitted(factors) for fit in fits if fit.trust is not None]
-    new = ~np.any([np.zeros(len(factors), bool), *fitted], axis=0)
-    unseen, factors = unseen[new], factors.take(new)
-    scan_error = max((fit.scan_error for fit in fits), default=0.0)
+    profile_uncertainty = max((fit.profile_uncertainty for fit in fits), default=0.0)
     for folder, verdict in zip(folders, verdicts, strict=True):
         if "refused" in verdict:
             left_out = {"model": verdict["model"], "verdict": "left out"}
@@ -108,10 +108,10 @@ def run(options: argparse.Namespace) -> None:
         drawn.append(_drawn(folder, verdict, row))
         said.append(
             f"- **{row['model']}**, {VERDICTS[row['verdict']]}: {verdict['reason']}. "
-            f"{verdict['weak_spots_in_words']} (by {verdict['errors_mapped_by']}).\n"
+            f"{verdict['error_by_region_text']} (by {verdict['errors_mapped_by']}).\n"
         )
     table = pd.DataFrame(rows, columns=list(TABLE_COLUMNS))
-    text = _report(table, said, points=len(unseen), scan_error=scan_error)
+    text = _report(table, said, points=len(unseen), profile_uncertainty=profile_uncertainty)
     note = (
         f"Estimates from verification points that are never fitted, with 95 % limits; stars: the "
         f"truth on {len(unseen)} simulations that no refinement used. Errors over the root mean "
@@ -233,7 +233,9 @@ def _places(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _report(table: pd.DataFrame, said: list[str], *, points: int, scan_error: float) -> str:
+def _report(
+    table: pd.DataFrame, said: list[str], *, points: int, profile_uncertainty: float
+) -> str:
     table = table[table["verdict"] != "left out"]
     shown = pd.DataFrame(
         {
@@ -268,7 +270,7 @@ def _report(table: pd.DataFrame, said: list[str], *, points: int, scan_error: fl
         "never fitted; *fitted to all* is the error on the unseen points of a fit that includes "
         "them. Simulations have no scatter: a 95 % limit is about where in the space one looks, "
         "not about noise.\n\n"
-        + scan_note(scan_error)
+        + scan_note(profile_uncertainty)
         + (markdown_table(shown) if len(shown) else "No model could be refined.\n")
         + "\n"
         + "".join(said)

@@ -2,16 +2,14 @@
 
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
 server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
-model.js what ``squeezefilm.models.working_point`` does with it, trust.js the rule of
-``squeezefilm.models.trust``, modulation.js reads what ``squeezefilm response`` found, and words.js
-has numbers in words.
+model.js what ``squeezefilm.models.working_point`` does with it, modulation.js reads what
+``squeezefilm response`` found, and words.js has numbers in words.
 """
 
 import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +19,6 @@ from reporting.pages.notes import Inertia
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
-from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.generated_code import source
 
@@ -32,7 +29,6 @@ LANGUAGE = "javascript.yaml"
 PARTS = {
     "STYLE": "page.css",
     "MODEL": "model.js",
-    "TRUST": "trust.js",
     "MODULATION": "modulation.js",
     "WORDS": "words.js",
     "SCRIPT": "page.js",
@@ -48,11 +44,9 @@ class Study:
         name: of the study.
         fits: fitted models, by their names on the page; the first is shown first.
         plans: of each fit, the plan that it was fitted on.
-        forces: simulated forces, by the name of their plan; a model is judged by those of them
-            that it was not fitted to.
+        forces: simulated forces, by the name of their plan, for the drawings.
         force_n: wanted force to begin with.
         h0_m, hv_m: gap and amplitude to begin with.
-        band: relative error up to which a model is trusted.
         inertia: how large it is in this gas.
         modulation: how films follow a changing amplitude, as modulation.py has it, if known.
         left_out: names of models that could not be fitted, with the reason.
@@ -65,7 +59,6 @@ class Study:
     force_n: float
     h0_m: float
     hv_m: float
-    band: float
     inertia: Inertia
     modulation: Mapping[str, Any] | None = None
     left_out: Mapping[str, str] = field(default_factory=dict)
@@ -87,10 +80,7 @@ def explorer_page(study: Study, *, drawing_library: str) -> str:
 
 def _data(study: Study) -> dict[str, Any]:
     return {
-        "fits": [
-            {**_fit(name, fit, study.plans[name]), "trust": _trust(name, fit, study)}
-            for name, fit in study.fits.items()
-        ],
+        "fits": [_fit(name, fit, study.plans[name]) for name, fit in study.fits.items()],
         "left_out": dict(study.left_out),
         "plans": list(study.forces),
         "simulations": [
@@ -99,7 +89,6 @@ def _data(study: Study) -> dict[str, Any]:
             for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].itertuples(index=False)
         ],
         "position": form_of(next(iter(study.forces.values()))),
-        "band": study.band,
         "inertia": {**asdict(study.inertia), "beyond": study.inertia.beyond},
         "modulation": study.modulation,
         "start": {"h0_m": study.h0_m, "hv_m": study.hv_m, "force_n": study.force_n},
@@ -111,14 +100,15 @@ def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
     word = WORDS.get(fit.model, fit.model)
     taught = f"{fit.points} simulations" if fit.theta else "nothing fitted"
     said = "its plan" if plan == fit.model else plan.replace("_", " ")
-    error_n = fit.error_n
     return {
         "name": name,
         "label": f"{word}, {taught}" + (f" ({said})" if fit.theta else ""),
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
-        "error_n": error_n if isfinite(error_n) else None,
+        "interval": None if fit.interval is None else fit.interval.to_dict(),
+        "statement": fit.statement,
+        "gaps_m": fit.ranges["h0_m"] if fit.interval is None else fit.interval.ranges["h0_m"],
     }
 
 
@@ -126,19 +116,6 @@ def _code(name: str, fit: FittedModel) -> str:
     """The model as a script's line that puts it among MODELS."""
     code = source(fit, LANGUAGE.removesuffix(".yaml")).replace("</", "<\\/")
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
-
-
-def _trust(name: str, fit: FittedModel, study: Study) -> dict[str, Any]:
-    """The evidence of a fit, with the study's simulations that it never saw."""
-    forces = pd.concat(list(study.forces.values()), ignore_index=True)
-    judged = fit.judged_by(
-        factors_of(forces),
-        force_n=forces["force_n"],
-        force_error_n=forces["force_error_n"],
-    )
-    if judged.trust is None:
-        raise InputError(f"fit {name!r}: its file does not tell its points; fit it anew")
-    return judged.trust.to_dict()
 
 
 def _json(values: Mapping[str, Any] | Sequence[Any]) -> str:

@@ -18,6 +18,23 @@ function force(fit, point) {
   return MODELS[fit.name].force_n(...fit.factors.map((name) => point[name]));
 }
 
+// The 95 % or 99 % error of a modelled force, in newtons: PredictionInterval.error_n of
+// squeezefilm.models.prediction_interval.
+function errorOf(fit, force_n, level = "error_95") {
+  const [constant, share] = fit.interval?.[level] ?? [NaN, NaN];
+  return constant + share * Math.abs(force_n);
+}
+
+// The names of the factors that lie outside the declared space, as PredictionInterval.outside.
+function outsideOf(fit, point) {
+  const { ranges } = fit.interval, slack = 1e-9;
+  return Object.keys(ranges).filter((name) => {
+    const [low, high] = ranges[name], give = slack * Math.max(Math.abs(low), Math.abs(high));
+    const out = point[name] < low - give || point[name] > high + give;
+    return out && !(name === "phi_deg" && point.phi_r_m <= slack * ranges.phi_r_m[1]);
+  });
+}
+
 // Smallest amplitude in metres that gives the wanted force at a point's gap and position, below
 // contact; NaN where there is none: as squeezefilm.models.working_point looks for it.
 function amplitudeForForce(fit, point, wanted_n) {

@@ -22,43 +22,27 @@
     h0_m: limits("h0_m"), hv_m: limits("hv_m"),
     [first]: limits(first), [second]: limits(second),
   };
-  const evidence = new Map(data.fits.map((fit) => [fit, unseenOf(fit.trust)]));
-  const judged = (fit, point, value) => judge(fit.trust, evidence.get(fit), point, value, data.band);
 
-  // Why a model is not to be trusted at a point; an empty text where it is.
-  function doubt(fit, point, verdict) {
+  // Why a model is not validated at a point, where it has a force; an empty text where it is.
+  function doubt(fit, point, value) {
     if (point.hv_m >= point.h0_m) return "surface and finger touch, there is no film";
-    if (verdict.outside.length) {
-      return verdict.outside.map((name) => `${WORDS[name]} lies outside the fitted points’ `
-        + `${range(fit.trust.ranges[name], name)}`).join("; ");
-    }
-    if (!verdict.enough) {
-      return `only ${evidence.get(fit).length} simulations that the fit never saw judge it; `
-        + `${fit.trust.least_points} are needed`;
-    }
-    if (!verdict.trusted) {
-      return `it may be off by ${Number.isFinite(verdict.within) ? share(verdict.within) : "any amount"}${ofScan(fit)}: the nearest `
-        + `simulation that the fit never saw is ${away(verdict)}`;
-    }
-    return "";
+    if (!fit.interval?.error_95) return fit.statement;
+    if (!Number.isFinite(value)) return "the model is undefined here";
+    return outsideOf(fit, point).map((name) => `${WORDS[name]} lies outside the declared space, `
+      + `${range(fit.interval.ranges[name], name)}`).join("; ");
   }
 
   // ---- what is said of a point -------------------------------------------------------------------
 
-  // The part of it that the scan of a measured profile leaves open.
+  // The part of an error that the scan of a measured profile leaves open.
   function ofScan(fit) {
-    const { scan_error } = fit.trust;
-    return scan_error ? ` (${share(scan_error)} of it the vibrometer’s scan)` : "";
+    const { profile_uncertainty } = fit.interval;
+    return profile_uncertainty ? ` (${share(profile_uncertainty)} of it the vibrometer’s scan)` : "";
   }
 
   function placeOf(point) {
     return polar ? `${plain(point.phi_r_m / MM)} mm at ${plain(point.phi_deg)}°`
       : `x ${plain(point.x_m / MM)} mm, y ${plain(point.y_m / MM)} mm`;
-  }
-
-  function where(point) {
-    return `h₀ ${plain(point.h0_m / UM)} µm, hᵥ ${plain(point.hv_m / UM)} µm, `
-      + (point.phi_r_m === 0 ? "centred" : placeOf(point));
   }
 
   // ---- the controls --------------------------------------------------------------------------------
@@ -151,17 +135,16 @@
   });
   byId("float").addEventListener("click", () => {
     const now = point();
-    set("h0", gapForForce(state.fit, now, now.force_n, state.fit.trust.ranges.h0_m) / UM);
+    set("h0", gapForForce(state.fit, now, now.force_n, state.fit.gaps_m) / UM);
   });
-  for (const span of document.querySelectorAll(".band")) span.textContent = plain(100 * data.band);
 
   // ---- the answer ------------------------------------------------------------------------------------
 
   function update() {
     const now = point(), { fit } = state;
     const value = now.hv_m >= now.h0_m ? NaN : force(fit, now);
-    const verdict = judged(fit, now, value), near = verdict.nearest;
-    const error_n = Number.isFinite(verdict.error_n) ? verdict.error_n : fit.error_n;
+    const reason = doubt(fit, now, value);
+    const error_n = reason ? NaN : errorOf(fit, value);
     const output = byId("force");
     output.value = "";
     if (Number.isFinite(value)) {
@@ -174,18 +157,15 @@
       output.value = now.hv_m >= now.h0_m ? "no force" : "not known";
     }
     output.dataset.newtons = Number.isFinite(value) ? String(value) : "";
-    const reason = doubt(fit, now, verdict);
-    const trust = byId("trust");
-    trust.classList.toggle("doubtful", reason !== "");
-    trust.innerHTML = reason ? "<b>Not to be trusted:</b> " : "<b>Trusted:</b> ";
-    trust.append(reason || `within ${share(verdict.within)}${ofScan(fit)}, judged by `
-      + `${evidence.get(fit).length} simulations that the fit never saw`);
+    const validation = byId("validation");
+    validation.classList.toggle("doubtful", reason !== "");
+    validation.innerHTML = reason ? "<b>Not validated:</b> " : "<b>Validated:</b> ";
+    validation.append(reason || `95 % error ${share(error_n / Math.abs(value))}${ofScan(fit)}. ${fit.statement}`);
     const validity = data.inertia.reynolds_per_h0_square * now.h0_m ** 2;
     byId("validity").hidden = !(validity > data.inertia.most_reynolds);
     byId("validity").textContent = `Re ${plain(validity, 2)} at this gap: ${data.inertia.beyond}`;
-    byId("error").textContent = near ? percent(near.error_n / near.force_n) : "there is none";
-    byId("nearest").textContent = near
-      ? `${near.force_n.toPrecision(4)} N at ${where(near)}, ${away(verdict)}` : "–";
+    const error99 = errorOf(fit, value, "error_99");
+    byId("error").textContent = !reason && Number.isFinite(error99) ? `${toItsError(0, error99)[1]} N` : "–";
     sayLoad(fit, now);
     byId("epsilon").textContent = (now.hv_m / now.h0_m).toFixed(3);
     drawSoon();
@@ -193,7 +173,7 @@
 
   // What carries the load: the amplitude at this gap, the gap at this amplitude.
   function sayLoad(fit, now) {
-    const gaps = fit.trust.ranges.h0_m;
+    const gaps = fit.gaps_m;
     for (const [id, button, slider, name, found, none] of [
       ["amplitude", "take", "hv", "hv_m", amplitudeForForce(fit, now, now.force_n), noAmplitude],
       ["gap", "float", "h0", "h0_m", gapForForce(fit, now, now.force_n, gaps), noGap],
@@ -212,23 +192,23 @@
   }
 
   function noGap(fit, now, [least, most]) {
-    if (now.hv_m >= most) return "none: surface and finger touch at every fitted gap";
+    if (now.hv_m >= most) return "none: surface and finger touch at every gap of the space";
     const at = (h0_m) => force(fit, { ...now, h0_m });
     const low = Math.max(least, now.hv_m * (1 + 1e-12)), narrow = at(low), wide = at(most);
-    const fitted = `the fitted points’ ${range([least, most], "h0_m")}`;
+    const fitted = `the space’s ${range([least, most], "h0_m")}`;
     if (wide > now.force_n) return `above ${fitted}: at the widest the film gives ${plain(wide, 3)} N`;
     if (narrow < now.force_n) return `none in ${fitted}: at ${plain(low / UM)} µm it gives ${plain(narrow, 3)} N`;
     return `none in ${fitted}`;
   }
 
   // A gap or an amplitude with the digits that the force's error leaves it; three, and no error, where
-  // the model is not to be trusted.
+  // the model is not validated.
   function lengthText(fit, there, name) {
-    const doubted = doubt(fit, there, judged(fit, there, there.force_n)) !== "";
+    const doubted = doubt(fit, there, there.force_n) !== "";
     const error = doubted ? NaN : lengthError(fit, there, name) / UM;
     const [digits, around] = toItsError(there[name] / UM, error);
     const force_n = `for ${plain(there.force_n)} N`;
-    if (doubted) return `${digits} µm ${force_n} (not to be trusted)`;
+    if (doubted) return `${digits} µm ${force_n} (not validated)`;
     return `${digits} µm ± ${around} µm ${force_n}`;
   }
 
@@ -236,7 +216,7 @@
   function lengthError(fit, there, name) {
     const at = (share) => force(fit, { ...there, [name]: share * there[name] });
     const slope = (at(1.0001) - at(0.9999)) / (0.0002 * there[name]);
-    return judged(fit, there, there.force_n).error_n / Math.abs(slope);
+    return errorOf(fit, there.force_n) / Math.abs(slope);
   }
 
   // How far films on the grid around the point differ from each other is how far its numbers are known.
@@ -319,15 +299,12 @@
     return { at: best[0], used, others: drawn.filter((each) => each.plan !== fit.plan) };
   }
 
-  function trustedAt(fit, point) {
-    return doubt(fit, point, judged(fit, point, force(fit, point))) === "";
-  }
-
-  function trusted(fit, now) {
+  function validated(fit, now) {
     const h0 = steps(space.h0_m, CELLS + 1), hv = steps(space.hv_m, CELLS + 1);
     const middle = (edges, i) => (edges[i] + edges[i + 1]) / 2;
+    const at = (i, j) => ({ ...now, h0_m: middle(h0, i), hv_m: middle(hv, j) });
     const z = Array.from({ length: CELLS }, (_, j) => Array.from({ length: CELLS }, (_, i) =>
-      trustedAt(fit, { ...now, h0_m: middle(h0, i), hv_m: middle(hv, j) }) ? 1 : null));
+      (doubt(fit, at(i, j), force(fit, at(i, j))) === "" ? 1 : null)));
     return { x: h0.map((v) => v / UM), y: hv.map((v) => v / UM), z };
   }
 
@@ -352,7 +329,7 @@
     const key = [fit.name, now[first], now[second]].join(" ");
     if (kept.key !== key) {
       const surface = sheet(fit, fit.moves ? now : centre);
-      Object.assign(kept, { key, surface, trusted: trusted(fit, now), points: visible(fit, now) });
+      Object.assign(kept, { key, surface, validated: validated(fit, now), points: visible(fit, now) });
     }
     return kept;
   }
@@ -377,13 +354,13 @@
   }
 
   function drawPlane(now, ink) {
-    const { fit } = state, { trusted: region, points } = positionOf(fit, now);
+    const { fit } = state, { validated: region, points } = positionOf(fit, now);
     const h0 = steps(seen.h0, 200);
     const curve = h0.map((each) => amplitudeForForce(fit, { ...now, h0_m: each * UM }, now.force_n) / UM);
-    // Where the model is trusted; elsewhere its error is not known.
+    // Where the model is validated; elsewhere its error is not known.
     const error = h0.map((each, i) => {
       const there = { ...now, h0_m: each * UM, hv_m: curve[i] * UM };
-      const known = Number.isFinite(curve[i]) && !doubt(fit, there, judged(fit, there, now.force_n));
+      const known = Number.isFinite(curve[i]) && !doubt(fit, there, now.force_n);
       return known ? lengthError(fit, there, "hv_m") / UM : null;
     });
     const edge = (sign) => ({

@@ -43,8 +43,3 @@ function share(value) {
   const digit = 10 ** Math.floor(Math.log10(100 * value) - 1);
   return `${plain(Math.ceil((100 * value) / digit - 1e-9) * digit)} %`;
 }
-
-function away(verdict) {
-  if (verdict.distance < 1e-9) return "at this very point";
-  return `${plain(verdict.distance, 2)} of the fitted ranges away`;
-}

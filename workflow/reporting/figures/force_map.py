@@ -2,8 +2,8 @@
 
 (a) The mean force with the finger at the centre, from the control simulations (dots); thick, where
 it is the wanted one. (b) At each position of the finger the amplitude that gives the wanted force
-at the study's gap, by the recommended model, in micrometres; hollow where the model is not to be
-trusted, a cross where no amplitude gives that force.
+at the study's gap, by the recommended model, in micrometres; hollow where the model is not
+validated, a cross where no amplitude gives that force.
 """
 
 from __future__ import annotations
@@ -51,15 +51,15 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
                 "x_mm": 1e3 * at.x_m,
                 "y_mm": 1e3 * at.y_m,
                 "hv_um": micrometres(anywhere["hv_m"]),
-                "trusted": anywhere["within_percent"].notna().to_numpy(),
+                "validated": anywhere["error_95_percent"].notna().to_numpy(),
             }
         )
         note = (
             f"Wanted: {wanted_n:g} N. (b): h0 = {1e6 * first['h0_m']:g} µm, by the model "
-            f"{first['model']}, {percent(float(first['control_error']))} off over "
-            f"{first['control_points']:.0f} control points, at most "
+            f"{first['model']}, {percent(float(first['validation_error']))} off over "
+            f"{first['validation_points']:.0f} points of the validation sample, at most "
             f"{percent(float(first['worst_error']))} at any of {first['simulations']:.0f} "
-            "simulations; hollow: not to be trusted."
+            "simulations; hollow: not validated."
         )
     map_ = plane_table(forces, layer="map")
     return pd.concat([map_, wanted], ignore_index=True).assign(wanted_n=wanted_n, note=note)
@@ -106,10 +106,15 @@ def _draw_map(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: float
 def _draw_positions(figure: Figure, axes: Axes, rows: pd.DataFrame) -> None:
     known = rows[rows["hv_um"].notna()]
     none = rows[rows["hv_um"].isna()]
-    trusted = known["trusted"].astype(bool).to_numpy()
-    axes.plot(known["x_mm"][trusted], known["y_mm"][trusted], "o", color=style.BLUE, ms=5)
+    validated = known["validated"].astype(bool).to_numpy()
+    axes.plot(known["x_mm"][validated], known["y_mm"][validated], "o", color=style.BLUE, ms=5)
     axes.plot(
-        known["x_mm"][~trusted], known["y_mm"][~trusted], "o", color=style.BLUE, ms=5, mfc="white"
+        known["x_mm"][~validated],
+        known["y_mm"][~validated],
+        "o",
+        color=style.BLUE,
+        ms=5,
+        mfc="white",
     )
     axes.plot(none["x_mm"], none["y_mm"], "x", color=style.VERMILLION)
     for row in known.itertuples():

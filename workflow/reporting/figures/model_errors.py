@@ -1,4 +1,4 @@
-"""Models compared: errors at the control points.
+"""Models compared: errors on the validation sample.
 
 The paper's forms, polynomials, the study's own formulas and physics with nothing or little fitted,
 each judged at simulations that no model was fitted to. In brackets the number of parameters, below
@@ -54,7 +54,7 @@ def draw(data: pd.DataFrame) -> Figure:
         )
         first = rows.iloc[0]
         axes.set_title(
-            f"{model} ({first['parameters']:.0f})\n{first['control_error_percent']:.3g} %",
+            f"{model} ({first['parameters']:.0f})\n{first['validation_error_percent']:.3g} %",
             fontsize=7,
         )
     for number, axes in enumerate(panels[: len(models)]):

@@ -55,7 +55,8 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     )
     force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
     captions = (
-        f"{force_n:.3f} N, numerical error {rounded_up(error_n / force_n + fit.scan_error)} of it",
+        f"{force_n:.3f} N, numerical error "
+        f"{rounded_up(error_n / force_n + fit.profile_uncertainty)} of it",
         f"{len(forces)} simulations, error {percent(fit.global_error)}",
         f"{len(design)} points instead of {len(forces)}",
         f"{points:.0f} simulations: at most {percent(abs(worst))} off",
@@ -72,7 +73,9 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
         ignore_index=True,
     )
     estimate = rounded_up(float((forces["force_error_n"] / forces["force_n"]).max()))
-    scan = f", of the scan up to {percent(fit.scan_error)}" if fit.scan_error else ""
+    scan = (
+        f", of the scan up to {percent(fit.profile_uncertainty)}" if fit.profile_uncertainty else ""
+    )
     seen = f"at {film['phase_deg'].nunique()} times of a period (red: surface up)"
     if film["overpressure_kpa"].notna().all():  # where there is a state to show (cross_section)
         seen = f"its pressure {seen} and their mean (thick)"

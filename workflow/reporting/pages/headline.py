@@ -33,7 +33,7 @@ def in_short(results: Path, config: Mapping[str, Any]) -> list[str]:
     amplitudes: list[str] = []
     recommended = results / "models" / "recommended.csv"
     if not config["paper"] and recommended.exists():
-        table = read_columns(recommended, columns=("space", "model", "control_error", "force_n"))
+        table = read_columns(recommended, columns=("space", "model", "validation_error", "force_n"))
         table = table[table["model"].notna()]
         band = config["validation"]["relative_error_band"]
         found += [
@@ -50,9 +50,9 @@ def in_short(results: Path, config: Mapping[str, Any]) -> list[str]:
 def _recommended(row: pd.Series, *, band: float) -> str:
     """A space's best model, its error, and whether it holds the study's band."""
     said = (
-        f"Best model {WORDS[row['space']]}: {row['model']}, {percent(row['control_error'])} off "
-        f"over {row['control_points']:.0f} control points, at one of all {row['simulations']:.0f} "
-        f"simulations there {percent(row['worst_error'])}"
+        f"Best model {WORDS[row['space']]}: {row['model']}, {percent(row['validation_error'])} off "
+        f"over {row['validation_points']:.0f} points of the validation sample, at one of all "
+        f"{row['simulations']:.0f} simulations there {percent(row['worst_error'])}"
     )
     if row["worst_error"] <= band:
         return said
@@ -67,21 +67,19 @@ def _amplitudes(table: pd.DataFrame) -> Iterator[str]:
     first, names = table.iloc[0], form_of(table)
     yield (
         f"Amplitude for {first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm, by models; "
-        "*trusted* is the bound of their error, judged by simulations that they never saw:\n"
+        "the error is that of the force which 95 % of points of the declared space do not exceed:\n"
     )
     rows = []
     for row in table.to_dict("records"):
         hv_um = 1e6 * row["hv_m"]
-        shown, _ = to_its_error(hv_um, 1e6 * row["hv_error_m"])
-        within = row["within_percent"]
+        shown, _ = to_its_error(hv_um, 1e6 * row["hv_error_95_m"])
+        error = row["error_95_percent"]
         rows.append(
             {
                 "model": row["model"],
                 **{PLACES[name][0]: f"{PLACES[name][1] * row[name]:g}" for name in names},
                 "hv (µm)": shown if np.isfinite(hv_um) else "none",
-                "trusted": f"within {within:.2g} %"
-                if np.isfinite(within)
-                else "no: " + str(row["note"]),
+                "95 % error": f"{error:.2g} %" if np.isfinite(error) else str(row["note"]),
             }
         )
     yield markdown_table(pd.DataFrame(rows))

@@ -98,11 +98,11 @@ def rounded_up(value: float) -> str:
     return one_digit(digit * 10.0**exponent)
 
 
-def scan_note(scan_error: float) -> str:
+def scan_note(profile_uncertainty: float) -> str:
     """What errors beside simulations do not show, where the profile was measured."""
-    if not scan_error:
+    if not profile_uncertainty:
         return ""
     return (
         "The profile was measured, and models and simulations share it: what its scan leaves open, "
-        f"up to {percent(scan_error)} of a force, adds to every error here.\n\n"
+        f"up to {percent(profile_uncertainty)} of a force, adds to every error here.\n\n"
     )

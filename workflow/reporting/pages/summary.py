@@ -152,7 +152,7 @@ def _accuracy(
         "with other people's methods, and on stiff and extreme films.\n"
     )
     if settings["actuator"]["profile"]["kind"] == "measured":
-        share = max(read_fit(path).scan_error for path in fits.values())
+        share = max(read_fit(path).profile_uncertainty for path in fits.values())
         yield (
             "*The scan.* The profile was measured. Its noise, and motion out of phase that is left "
             f"out, leave up to {percent(share)} of a force open: the measured profile's figure "

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from squeezefilm.api.points import Values, points_of
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_json
 from squeezefilm.io.typed_units import quantity
-from squeezefilm.models.fitted import FittedModel, expected_error, read_judged_fit
+from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import CARTESIAN, COLUMNS, POLAR, Factors
 from squeezefilm.models.generated_code import source
 from squeezefilm.models.working_point import working_point
@@ -25,35 +24,26 @@ GAPS = 6
 
 @dataclass(frozen=True)
 class Fit:
-    """A force model with its parameters and the evidence by which it is trusted at a point or not.
+    """A force model with its parameters and the prediction interval of a validation sample.
 
     Attributes:
         model: all that its file tells.
-        error_n: the error to expect in newtons, root mean square at simulations that the fit never
-            saw; NaN where there are none.
     """
 
     model: FittedModel
-    error_n: float
 
     @classmethod
-    def read(
-        cls,
-        path: Path | str,
-        *,
-        control: Sequence[str] | None = None,
-        validation: str | None = None,
-    ) -> Fit:
+    def read(cls, path: Path | str) -> Fit:
         """The fit in a file that ``squeezefilm fit`` or ``save`` wrote.
-
-        Args:
-            control: tables of simulated forces to judge the fit by.
-            validation: what ``squeezefilm validate`` wrote, for the error to expect.
 
         Raises InputError naming the file, for one that cannot be read or is none.
         """
-        model = read_judged_fit(path, control=control)
-        return cls(model, expected_error(model, validation))
+        return cls(read_fit(path))
+
+    @property
+    def statement(self) -> str:
+        """What is known of the model's error, in a sentence."""
+        return self.model.statement
 
     @property
     def name(self) -> str:
@@ -86,21 +76,24 @@ class Fit:
     def predict_at(self, points: pd.DataFrame, *, place: object = "predict") -> pd.DataFrame:
         """The model's forces at a table of points: h0_m, hv_m and a position, if any.
 
-        ``force_error_n`` is the error to expect, ``within_percent`` by how much the force may be
-        off at that point; where both are empty it is not to be trusted, and ``note`` says why.
+        ``error_95_n`` and ``error_99_n`` are the half widths of the prediction interval
+        (``statement`` says what it is); empty where a point is not validated, and ``note`` says
+        why.
         Raises InputError naming the place, for values without physical meaning.
         """
         fit = self.model
         factors = fit.represented(factors_of_points(points, place=place))
         force_n = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-        verdict = fit.judge(factors, force_n)
-        error_n = self.error_n + fit.scan_error * np.abs(force_n)
+        error_95_n, error_99_n, notes = fit.validation(factors, force_n)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            percent = 100 * error_95_n / np.abs(force_n)
         return points.assign(
             force_n=force_n,
-            force_error_n=np.where(verdict.trusted, error_n, np.nan),
-            within_percent=verdict.within_percent(force_n),
-            **fit.scan_percent,
-            note=verdict.reasons,
+            error_95_n=error_95_n,
+            error_99_n=error_99_n,
+            error_95_percent=percent,
+            **fit.profile_uncertainty_percent,
+            note=notes,
         )
 
     def working_point(
@@ -119,8 +112,8 @@ class Fit:
             force: wanted, in newtons or with its unit.
             h0: gaps; evenly spaced over the range of the fit if left out.
 
-        ``hv_error_m`` is the error to expect, ``within_percent`` by how much the force there may be
-        off; where both are empty the point is not to be trusted, and ``note`` says why.
+        ``hv_error_95_m`` is the 95 % error of the force over its slope, ``error_95_percent`` that
+        of the force; empty where the point is not validated, and ``note`` says why.
         Raises InputError as ``predict`` does.
         """
         gaps = self.gaps() if h0 is None else h0
@@ -133,7 +126,7 @@ class Fit:
         """The same for a table of points: h0_m and a position, if any."""
         factors = factors_of_points(points.assign(hv_m=0.0), place=place)
         rows = [
-            working_point(self.model, factors.take([index]), force_n=force_n, error_n=self.error_n)
+            working_point(self.model, factors.take([index]), force_n=force_n)
             for index in range(len(factors))
         ]
         return pd.concat([points, pd.DataFrame(rows)], axis=1)
@@ -175,11 +168,10 @@ class Fit:
             f"{name} = {value:.6g}" + (f" {unit}" if unit != "1" else "")
             for (name, value), unit in zip(self.theta.items(), units, strict=True)
         )
-        unseen = "no unseen points" if np.isnan(self.error_n) else f"{self.error_n:.1g} N"
         return (
             f"{fit.model}: {fit.force_model.expression}\n{theta or 'no parameters'}\n"
-            f"fitted to {fit.points} points, {100 * fit.global_error:.2g} % off over all of them; "
-            f"error to expect: {unseen}"
+            f"fitted to {fit.points} points, global error {100 * fit.global_error:.2g} %\n"
+            f"{fit.statement}"
         )
 
     __repr__ = __str__

@@ -12,15 +12,20 @@ from squeezefilm import __version__
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
-from squeezefilm.models.fitted import expected_error, fit_of
+from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.fitted import fit_of
 from squeezefilm.models.fitting.described import described_fit
-from squeezefilm.models.force_model import COLUMNS, Factors
 from squeezefilm.models.library import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.plans import finger_positions, four_factor_plan, level_values
+from squeezefilm.studies.plans import (
+    declared_ranges,
+    finger_positions,
+    four_factor_plan,
+    level_values,
+)
+from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scene_of, surface_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
@@ -58,10 +63,11 @@ class Study(Film):
         )
 
     def fit(self, model: str, *, seeds: int = 1, processes: int = 1) -> Fit:
-        """Simulate the study's plan and fit a model to the forces.
+        """Simulate the study's plan, fit a model to the forces and validate it.
 
         A model of gap and amplitude alone is fitted to the screen, the finger centred; any other to
-        the screen at every position of the study.
+        the screen at every position of the study. Its prediction interval comes from the study's
+        validation sample, which is simulated too.
 
         Args:
             model: the library's, such as ``two_factor`` or ``limit_1``, or one of the study's own.
@@ -77,8 +83,40 @@ class Study(Film):
         config = self.config
         chosen = model_named(model, config["models"], place=config.path)
         points = self.plan(centred=chosen.is_centred)
-        scenes = [scene_of(point, config) for point in scene_points(points)]
+        solved, limits = self._simulated(points, limits=bool(chosen.column_names))
+        failed = solved[solved["status"] != "ok"]
+        if len(failed):
+            raise RunError(f"point {failed['point_id'].iloc[0]}: {failed['status'].iloc[0]}")
+        found, _ = described_fit(
+            chosen,
+            factors_of(solved, limits=limits),
+            solved["force_n"].to_numpy(),
+            settings=config["fit"] | {"seeds": dict.fromkeys(config["fit"]["seeds"], seeds)},
+            profile_uncertainty=self._scan_error(),
+            processes=processes,
+        )
+        found["directions"] = symmetry_of(config).to_dict()
+        if chosen.column_names:
+            found["limit_table"] = limit_table_of(config).to_dict()
+        found["source"] = {"squeezefilm": __version__, "study": self.name}
+        space = Space.of(config, centred=chosen.is_centred)
+        settings = config["validation"]
+        drawn = space.independent_sample(settings["points"], seed=settings["seed"])
+        sample, limits = self._simulated(space.table(drawn), limits=bool(chosen.column_names))
+        fitted = fit_of(found, place=f"{self.name}: {chosen.name}").validated(
+            factors_of(sample, limits=limits),
+            force_n=sample["force_n"],
+            force_error_n=sample["force_error_n"],
+            ranges=declared_ranges(config, centred=chosen.is_centred),
+        )
+        return Fit(fitted)
+
+    def _simulated(
+        self, points: pd.DataFrame, *, limits: bool
+    ) -> tuple[pd.DataFrame, pd.DataFrame | None]:
+        """Points with force_n, force_error_n and status, and their physics limits if asked for."""
         settings = self._settings(None, None)
+        scenes = [scene_of(point, self.config) for point in scene_points(points)]
         solutions = solve(
             scenes,
             tolerance=settings.tolerance,
@@ -86,29 +124,11 @@ class Study(Film):
             method=settings.method,
             device=self.device,
         )
-        for scene, solution in zip(scenes, solutions, strict=True):
-            if solution.status != "ok":
-                raise RunError(f"point {scene.point_id}: {solution.status}")
-        columns: dict[str, np.ndarray] = {}
-        if chosen.column_names:
-            limits = with_limits(points, scenes)
-            columns = {name: limits[name].to_numpy() for name in COLUMNS.values()}
-        factors = {name: points[name].to_numpy() for name in as_in(FACTOR_COLUMNS, points)}
-        found, _ = described_fit(
-            chosen,
-            Factors.of(**factors, **columns),
-            np.array([solution.force_n for solution in solutions]),
-            force_error_n=np.array([solution.force_error_n for solution in solutions]),
-            settings=config["fit"] | {"seeds": dict.fromkeys(config["fit"]["seeds"], seeds)},
-            scan_error=self._scan_error(),
-            processes=processes,
-        )
-        found["directions"] = symmetry_of(config).to_dict()
-        if chosen.column_names:
-            found["limit_table"] = limit_table_of(config).to_dict()
-        found["source"] = {"squeezefilm": __version__, "study": self.name}
-        fitted = fit_of(found, place=f"{self.name}: {chosen.name}")
-        return Fit(fitted, expected_error(fitted, None))
+        columns = {
+            name: [getattr(solution, name) for solution in solutions]
+            for name in ("force_n", "force_error_n", "status")
+        }
+        return points.assign(**columns), with_limits(points, scenes) if limits else None
 
     def _scan_error(self) -> float:
         """The largest share of a force that the scan leaves open, 0 without one."""

@@ -17,7 +17,7 @@ OPTIONS = {
     "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
     "phi": "and direction, e.g. 45deg",
 }
-ERRORS = {"force_n": "force_error_n", "hv_m": "hv_error_m"}
+ERRORS = {"force_n": "error_95_n", "hv_m": "hv_error_95_m"}
 """Columns that are shown to the digits that another column leaves them."""
 
 
@@ -35,13 +35,6 @@ def add_point_options(
             group.add_argument(f"--{name.replace('_', '-')}", metavar="QUANTITY", help=text)
 
 
-def add_control_option(parser: argparse.ArgumentParser) -> None:
-    """The option of the simulations that a fit is judged by."""
-    parser.add_argument(
-        "--control", nargs="+", metavar="FORCES.csv", help="simulations to judge the fit by"
-    )
-
-
 def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
     """Every combination of the options' values, a column for each factor given or with a default.
 
@@ -55,8 +48,7 @@ def points_in(options: argparse.Namespace, **defaults: Values) -> pd.DataFrame:
 def write_points(points: pd.DataFrame, path: str | None) -> None:
     """Write a table of points, or print it for people where no path is given.
 
-    What is printed has no more digits than its error leaves, or the bound of a force's error where
-    that is less.
+    What is printed has no more digits than its error leaves.
     """
     if path:
         write_table(points, path)
@@ -64,12 +56,6 @@ def write_points(points: pd.DataFrame, path: str | None) -> None:
     shown = points.copy()
     for name, error in ERRORS.items():
         if name in points and error in points:
-            least = points[error]
-            if name == "force_n" and "within_percent" in points:
-                bound = points["within_percent"] / 100 * points[name].abs()
-                least = least.where(~(bound < least), bound)
-            shown[name] = [to_its_error(*each)[0] for each in zip(points[name], least, strict=True)]
-            shown[error] = [
-                to_its_error(*each)[1] for each in zip(points[name], points[error], strict=True)
-            ]
+            pairs = [to_its_error(*each) for each in zip(points[name], points[error], strict=True)]
+            shown[name], shown[error] = zip(*pairs, strict=True)
     print(shown.to_string(index=False, float_format=lambda value: f"{value:.4g}"))

@@ -7,7 +7,7 @@ import numpy as np
 from squeezefilm.models.cross_validation import film_folds, left_out_predictions
 from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import POLAR, POSITION, ExpressionModel, Factors
-from squeezefilm.models.trust import Trust, Unseen
+from squeezefilm.models.prediction_interval import error_scale
 from squeezefilm.models.validation import error_sizes
 
 FOLDS, FOLD_SEED = 5, 1
@@ -20,26 +20,17 @@ def describe(
     force_n: np.ndarray,
     fit: Fit,
     *,
-    force_error_n: np.ndarray,
-    scan_error: float,
-    control: Unseen | None = None,
+    profile_uncertainty: float,
 ) -> dict[str, Any]:
-    """Formula, units, ranges and errors of a fit, and the evidence by which it is trusted.
+    """Formula, units, ranges and errors of a fit.
 
-    scan_error: share of a force that the scan of a measured profile leaves open.
-    control: simulations that were not fitted, to judge the fit by, besides points left out.
+    profile_uncertainty: share of a force that the scan of a measured profile leaves open.
     """
     # A model that knows no position was fitted at some all the same.
     position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
     left_out = _left_out(model, factors, force_n, fit)
     fitted_n = model.evaluate(fit.theta, factors)
-    unseen = None
-    if left_out is not None:
-        # A point left out may lie nearer to the others' fit than it does to the fit of all.
-        off = np.abs(fitted_n - force_n) > np.abs(left_out - force_n)
-        model_n = np.where(off, fitted_n, left_out)
-        unseen = Unseen.of(factors, model_n=model_n, force_n=force_n, force_error_n=force_error_n)
-    trust = Trust.of(factors, unseen, scan_error=scan_error)
+    residual_n = np.full(len(force_n), np.nan) if left_out is None else left_out - force_n
     return {
         "about": model.about,
         "expression": model.expression,
@@ -58,7 +49,8 @@ def describe(
             "folds": len(_points_by_fold(factors)),
             **error_sizes(model_n=left_out, simulation_n=force_n),
         },
-        "trust": (trust if control is None else trust.with_control(control)).to_dict(),
+        "error_scale": list(error_scale(residual_n, force_n)),
+        "profile_uncertainty": profile_uncertainty,
     }
 
 

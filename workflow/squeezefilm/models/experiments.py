@@ -12,23 +12,25 @@ from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 
 
-def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Factors:
+def factors_of(points: pd.DataFrame, *, limits: Path | str | pd.DataFrame | None = None) -> Factors:
     """The factors of a table's rows, with the results of physics where their table is given.
 
-    ``limits`` is what ``squeezefilm limits`` wrote for the same scenes.
+    ``limits`` is what ``squeezefilm limits`` wrote for the same scenes, or its path.
     Raises InputError where the two tables do not have the same scenes in the same order.
     """
     factors = {name: points[name].to_numpy(dtype=float) for name in as_in(FACTOR_COLUMNS, points)}
     if limits is None:
         return Factors.of(**factors)
-    table = read_columns(limits, columns=LIMIT_COLUMNS)
+    place = "limits" if isinstance(limits, pd.DataFrame) else limits
+    if not isinstance(limits, pd.DataFrame):
+        limits = read_columns(limits, columns=LIMIT_COLUMNS)
     for name, values in factors.items():
-        if len(table) != len(points) or not np.array_equal(table[name], values):
+        if len(limits) != len(points) or not np.array_equal(limits[name], values):
             raise InputError(
-                f"{limits}: {name}: not the scenes of the table of forces; make it from the same "
+                f"{place}: {name}: not the scenes of the table of forces; make it from the same "
                 "table of scenes"
             )
-    columns = {name: pd.to_numeric(table[name], errors="coerce") for name in COLUMNS.values()}
+    columns = {name: pd.to_numeric(limits[name], errors="coerce") for name in COLUMNS.values()}
     return Factors.of(**factors, **{name: each.to_numpy() for name, each in columns.items()})
 
 

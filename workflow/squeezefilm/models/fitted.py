@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.film.directions import Symmetry, symmetry_from_dict
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import POLAR
-from squeezefilm.io.tables import read_json, read_ok_forces
-from squeezefilm.models.experiments import factors_of
+from squeezefilm.io.tables import read_json
 from squeezefilm.models.force_model import ExpressionModel, Factors, get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
-from squeezefilm.models.trust import Trust, Unseen, Verdict
+from squeezefilm.models.prediction_interval import PredictionInterval, measured_interval
+
+Array = NDArray[np.float64]
+
+NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
+TABLE_SHARE = 0.1
+"""Largest error of a table of asymptotic forces over that of a model that uses it."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,8 @@ class FittedModel:
 
     global_error is |y − η|/|y|, sum_of_squares in N². ranges are the least and the largest value
     of each factor's column that the model was fitted on; cross_validation holds the errors at
-    points left out, where there are enough of them; trust is the evidence of the fit, if the file
-    has it. values is the whole file.
+    points left out, where there are enough of them; interval is what a validation sample says of
+    its errors, if the file has one. values is the whole file.
     """
 
     model: str
@@ -40,7 +43,7 @@ class FittedModel:
     sum_of_squares: float
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     cross_validation: Mapping[str, float] | None = None
-    trust: Trust | None = None
+    interval: PredictionInterval | None = None
     values: Mapping[str, Any] = field(default_factory=dict, repr=False)
     place: str = "fit"
 
@@ -115,44 +118,96 @@ class FittedModel:
         """The limits that the file carries."""
         return LimitTable.from_dict(self.values["limit_table"], place=f"{self.place}: limit_table")
 
-    def judge(self, factors: Factors, force_n: ArrayLike) -> Verdict:
-        """How far the model's forces at points, in newtons, are to be trusted, and why not."""
-        if self.trust is not None:
-            return self.trust.judge(factors, force_n)
-        unknown = np.full(len(factors), np.nan)
-        reason = "the fit's file does not tell its points (`squeezefilm fit` makes it anew)"
-        return Verdict(unknown, unknown, (reason,) * len(factors))
+    def validation(self, factors: Factors, force_n: ArrayLike) -> tuple[Array, Array, list[str]]:
+        """Errors that hold 95 % and 99 % of new points, and why a point is not validated.
 
-    def judged_by(
-        self, factors: Factors, *, force_n: ArrayLike, force_error_n: ArrayLike
-    ) -> FittedModel:
-        """The same fit, judged by simulated forces, in newtons, of which it saw none or some."""
-        if self.trust is None:
-            return self
-        predicted = self.force_model.evaluate(self.theta, self.complete(factors))
-        control = Unseen.of(
-            factors, model_n=predicted, force_n=force_n, force_error_n=force_error_n
-        )
-        return replace(self, trust=self.trust.with_control(control))
+        Args:
+            force_n: the model's forces at the points, shape (n,).
 
-    @property
-    def scan_error(self) -> float:
-        """Largest share of a force that the scan of the study's profile leaves open."""
-        return self.trust.scan_error if self.trust is not None else 0.0
-
-    @property
-    def scan_percent(self) -> dict[str, float]:
-        """A column of what the scan leaves open, in per cent of the force; none without a scan."""
-        return {"scan_percent": 100 * self.scan_error} if self.scan_error else {}
-
-    @property
-    def error_n(self) -> float:
-        """The force's error to expect, in newtons: root mean square at points left out of the fit.
-
-        NaN where the file tells none: as many points as parameters leave none to judge by.
+        Returns both half widths in newtons, shape (n,), NaN where there is none, and notes that
+        are empty where there is.
         """
-        crossed = self.cross_validation or {}
-        return float(crossed.get("root_mean_square_n", np.nan))
+        force = np.asarray(force_n, dtype=float)
+        if self.interval is None:
+            unknown = np.full(len(force), np.nan)
+            return unknown, unknown, [f"not validated: {NO_SAMPLE}"] * len(force)
+        notes = self.interval.outside(factors)
+        if self.interval.error_95 is None:
+            notes = [note or "too few points of the sample have a force" for note in notes]
+        notes = [
+            f"not validated: {note or 'undefined here'}" if note or not known else ""
+            for note, known in zip(notes, np.isfinite(force), strict=True)
+        ]
+        validated = np.array([not note for note in notes], dtype=bool)
+        error_95, error_99 = (
+            np.where(validated, self.interval.error_n(force, level=level), np.nan)
+            for level in (0.95, 0.99)
+        )
+        return error_95, error_99, notes
+
+    @property
+    def statement(self) -> str:
+        """What is known of the model's error, in a sentence."""
+        return f"Not validated: {NO_SAMPLE}." if self.interval is None else self.interval.statement
+
+    def validated(
+        self,
+        factors: Factors,
+        *,
+        force_n: ArrayLike,
+        force_error_n: ArrayLike,
+        ranges: Mapping[str, tuple[float, float]],
+    ) -> FittedModel:
+        """The same fit with the prediction interval that a validation sample gives.
+
+        Args:
+            factors: points of the sample, with the columns that the model needs where they come
+                from physics itself; the file's own table of them is checked against these.
+            force_n, force_error_n: simulated, shape (n,); NaN where there is no force.
+            ranges: of the declared space from which the points were drawn.
+
+        Raises InputError where the table errs by more than a tenth of the model.
+        """
+        model, force = self.force_model, np.asarray(force_n, dtype=float)
+        model_n = model.evaluate(self.theta, factors)
+        if model.column_names and "limit_table" in self.values:
+            exact_n, model_n = (
+                model_n,
+                model.evaluate(self.theta, self.limit_table.complete(factors)),
+            )
+            known = np.isfinite(exact_n) & np.isfinite(model_n) & np.isfinite(force)
+            own, table = (
+                float(np.sqrt(np.mean((exact_n - other)[known] ** 2))) if known.any() else np.nan
+                for other in (force, model_n)
+            )
+            if table > TABLE_SHARE * own:
+                raise InputError(
+                    f"the table of asymptotic forces is too coarse for the study's space: it errs "
+                    f"by {table:.2g} N (root mean square over the validation sample) and the model "
+                    f"{self.model} by {own:.2g} N; a tenth of that is allowed"
+                )
+        interval = measured_interval(
+            factors,
+            model_n=model_n,
+            force_n=force,
+            force_error_n=force_error_n,
+            scale=self.values["error_scale"],
+            ranges=ranges,
+            profile_uncertainty=self.profile_uncertainty,
+        )
+        values = {**self.values, "validation": interval.to_dict()}
+        return replace(self, interval=interval, values=values)
+
+    @property
+    def profile_uncertainty(self) -> float:
+        """Largest share of a force that the scan of the study's profile leaves open, at 95 %."""
+        return float(self.values.get("profile_uncertainty", 0.0))
+
+    @property
+    def profile_uncertainty_percent(self) -> dict[str, float]:
+        """A column of the profile's uncertainty in per cent of the force; none without a scan."""
+        share = self.profile_uncertainty
+        return {"profile_uncertainty_percent": 100 * share} if share else {}
 
 
 def read_fit(path: Path | str) -> FittedModel:
@@ -184,41 +239,13 @@ def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
         global_error=number(values, "global_error", place),
         sum_of_squares=number(values, "sum_of_squares", place),
         ranges=_ranges(values.get("ranges", {}), place),
-        trust=_trust(values, place),
+        interval=PredictionInterval.from_dict(values["validation"], place=f"{place}: validation")
+        if "validation" in values
+        else None,
         cross_validation=crossed and {key: number(crossed, key, place) for key in crossed},
         values=values,
         place=str(place),
     )
-
-
-def read_judged_fit(path: Path | str, *, control: Sequence[str] | None) -> FittedModel:
-    """Read a fit, judged by the simulations of the tables in ``control`` that it never saw.
-
-    Raises InputError naming the file, for one that cannot be read or a point that has no force.
-    """
-    fit = read_fit(path)
-    if not control:
-        return fit
-    forces = pd.concat([read_ok_forces(each) for each in control], ignore_index=True)
-    return fit.judged_by(
-        factors_of(forces), force_n=forces["force_n"], force_error_n=forces["force_error_n"]
-    )
-
-
-def expected_error(fit: FittedModel, validation: str | None) -> float:
-    """The error to expect in newtons: a validation's root mean square, else the fit's own."""
-    if validation is None:
-        return fit.error_n
-    values = read_json(validation)
-    points = number(values, "points", validation)
-    squares = number(values, "sum_of_squares", validation)
-    if points < 1 or squares < 0:
-        raise InputError(f"{validation}: not the summary of a validation")
-    return math.sqrt(squares / points)
-
-
-def _trust(values: Mapping[str, Any], path: Path | str) -> Trust | None:
-    return Trust.from_dict(values["trust"], place=f"{path}: trust") if "trust" in values else None
 
 
 def _ranges(values: Any, path: Path | str) -> dict[str, tuple[float, float]]:

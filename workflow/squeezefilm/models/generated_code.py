@@ -8,7 +8,6 @@ How a language is written says its file in ``languages``, found by being there.
 import re
 import textwrap
 from collections.abc import Iterable, Mapping
-from math import isnan
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -75,12 +74,20 @@ class _Writer:
         return self.written(
             "model",
             theta=_wrapped(fit.theta or (0.0,)),
-            error=self.said["nan"] if isnan(fit.error_n) else _number(fit.error_n),
+            **self.error(),
             table=table,
             before="".join(f"{line}\n" for line in before),
             formula=self.formula(model.parsed.root, {**FACTORS, **COLUMNS, **parameters}),
             **{name: self.listed(**entry) for name, entry in self.said["lists"].items()},
         )
+
+    def error(self) -> dict[str, str]:
+        """The 95 % error: its constant part in newtons and its share of the force."""
+        interval = self.fit.interval
+        parts = None if interval is None else interval.error_95
+        names = ("error_constant", "error_share")
+        values = [self.said["nan"]] * 2 if parts is None else map(_number, parts)
+        return dict(zip(names, values, strict=True))
 
     def written(self, key: str, **values: object) -> str:
         """One of the language's patterns, filled."""
@@ -111,7 +118,6 @@ class _Writer:
             "ranges": (
                 {
                     "quantity": name,
-                    "value": self.said["ratio"] if name == RATIO else name,
                     "low": _number(low),
                     "high": _number(high),
                 }
@@ -204,12 +210,10 @@ class _Writer:
         return [name for name in self.model.column_names if name != COLUMNS["sigma"]]
 
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Of the fitted points in each argument, and in RATIO where the file tells it."""
-        fit, names = self.fit, self.model.factor_names
-        ranges = {name: fit.ranges[name] for name in names if name in fit.ranges}
-        if fit.trust is not None and {"h0_m", "hv_m"} <= set(names):
-            ranges[RATIO] = fit.trust.ranges["epsilon"]
-        return ranges
+        """Of the declared space in each argument; of the fitted points where there is none."""
+        interval = self.fit.interval
+        known = {**self.fit.ranges, **(interval.ranges if interval else {})}
+        return {name: known[name] for name in self.model.factor_names if name in known}
 
 
 def _about(fit: FittedModel) -> list[str]:
@@ -224,10 +228,7 @@ def _about(fit: FittedModel) -> list[str]:
         f"Parameters: {', '.join(model.parameter_names) or 'none'}",
         f"Fitted to {fit.points} points with a global error of {100 * fit.global_error:.3g} %.",
     ]
-    if fit.scan_error:
-        share = f"{100 * fit.scan_error:.2g} %"
-        text = f"The profile was measured: its scan leaves {share} of a force open, in addition."
-        lines.append(text)
+    lines += textwrap.wrap(fit.statement.replace("φ", "phi_"), 90)
     if re.fullmatch(r"[0-9a-f]{64}", digest):
         lines.append(f"Forces (SHA-256): {digest}")
     if fit.symmetry is not None and set(model.factor_names) & set(POSITION):

@@ -16,18 +16,18 @@ STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
 
 
-def working_point(
-    fit: FittedModel, point: Factors, *, force_n: float, error_n: float
-) -> dict[str, object]:
-    """Amplitude, its error and a note for one gap and position; NaN where there is none.
-
-    error_n is the model's error in force, in newtons, to expect.
-    """
+def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
+    """Amplitude, its errors and a note for one gap and position; NaN where there is none."""
     model = fit.force_model
     point = fit.represented(point)
     where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position)}
-    unknown = dict.fromkeys(("hv_m", "hv_error_m", "within_percent"), np.nan)
-    row: dict[str, object] = {"force_n": force_n, **unknown, **fit.scan_percent, "note": ""}
+    unknown = dict.fromkeys(("hv_m", "hv_error_95_m", "error_95_percent"), np.nan)
+    row: dict[str, object] = {
+        "force_n": force_n,
+        **unknown,
+        **fit.profile_uncertainty_percent,
+        "note": "",
+    }
     if model.column_names:
         fit.complete(point)  # says what is missing, if anything
     try:
@@ -43,12 +43,13 @@ def working_point(
     near = Factors.of(**where | {"hv_m": hv_m * np.array([1 - STEP, 1.0, 1 + STEP])})
     below, _, above = model.evaluate(fit.theta, fit.complete(near))
     slope = (above - below) / (2 * STEP * hv_m) if hv_m else np.nan
-    verdict = fit.judge(near.take([1]), [force_n])
-    error_n = error_n + fit.scan_error * abs(force_n)
-    error_m = error_n / abs(slope) if slope and verdict.trusted[0] else np.nan
-    within = verdict.within_percent([force_n])[0]
-    known = {"hv_m": hv_m, "hv_error_m": error_m, "within_percent": within}
-    return row | known | {"note": verdict.reasons[0]}
+    (error_n,), _, (note,) = fit.validation(near.take([1]), [force_n])
+    known = {
+        "hv_m": hv_m,
+        "hv_error_95_m": error_n / abs(slope) if slope else np.nan,
+        "error_95_percent": 100 * error_n / abs(force_n),
+    }
+    return row | known | {"note": note}
 
 
 def amplitude_for_force(

@@ -1,4 +1,4 @@
-"""Which points are simulated: the screen, the four-factor plan, control points and sweeps."""
+"""Which points are simulated: the screen, the four-factor plan, samples and sweeps."""
 
 import warnings
 from collections.abc import Iterator, Sequence
@@ -11,10 +11,12 @@ from squeezefilm.designs.box import Box
 from squeezefilm.io.positions import POLAR, as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.studies.config import ENDS, Config
-from squeezefilm.studies.study import symmetry_of
+from squeezefilm.studies.study import surface_of, symmetry_of
 
 CENTRED = FACTOR_COLUMNS[:2]
 """The factors of a finger that stays at the centre."""
+VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
+"""The plans of independent points, uniform over the declared space: finger centred, anywhere."""
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
 PIECE = 2**17
 
@@ -92,16 +94,20 @@ def box_of(config: Config, *, centred: bool = False) -> Box:
     return Box(tuple(limits), lower, upper)
 
 
+def declared_ranges(config: Config, *, centred: bool) -> dict[str, tuple[float, float]]:
+    """The limits of the declared space by factor; those of a centred finger's position are zero."""
+    ranges = box_of(config, centred=centred).ranges
+    return ranges | {name: (0.0, 0.0) for name in surface_of(config).position if name not in ranges}
+
+
 def plan_sizes(config: Config) -> dict[str, int]:
     """The number of points of each plan that is simulated in chunks."""
     grid = {name: config[name] for name in ("screen", "error_map")}
     return {
         **{name: g["h0_m"]["levels"] * g["hv_m"]["levels"] for name, g in grid.items()},
         "four_factor": config["design"]["points"] * len(finger_positions(config)),
-        **{
-            name: config[name]["points"]
-            for name in ("four_factor_control", "sweep", "model_control")
-        },
+        **{name: config[name]["points"] for name in ("four_factor_control", "sweep")},
+        **dict.fromkeys(VALIDATION_SAMPLES, config["validation"]["points"]),
     }
 
 
@@ -131,7 +137,7 @@ def sweep_pieces(
 
 
 def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
-    """Points drawn evenly from ranges of the factors, to judge a model where it was not fitted.
+    """Points drawn uniformly from ranges of the factors, as control points.
 
     Equal seeds give equal points.
     """

@@ -6,6 +6,7 @@ point can be simulated where surface and finger do not touch and the finger lies
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,10 +89,17 @@ class Space:
         """
         from scipy.stats import qmc  # slow to import, and only needed here
 
-        sequence = qmc.Halton(len(self.box.names), rng=seed)
+        return self._drawn(points, qmc.Halton(len(self.box.names), rng=seed).random)
+
+    def independent_sample(self, points: int, *, seed: int) -> Array:
+        """Independent points, uniform over the factors' ranges; those not allowed are left out."""
+        random = np.random.default_rng(seed)
+        return self._drawn(points, lambda count: random.random((count, len(self.box.names))))
+
+    def _drawn(self, points: int, draw: Callable[[int], Array]) -> Array:
         found = np.empty((0, len(self.box.names)))
         for _ in range(100):
-            drawn = self.box.from_unit(sequence.random(points))
+            drawn = self.box.from_unit(draw(points))
             found = np.concatenate([found, drawn[self.allowed(drawn)]])
             if len(found) >= points:
                 return found[:points]

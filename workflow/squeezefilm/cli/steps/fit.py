@@ -6,7 +6,9 @@ The model is one of the library's or of the study's own (its section `models`). 
 the physics limit needs the table that `squeezefilm limits` wrote, as --limits LIMITS.csv; with
 what `squeezefilm limit-table` wrote as --limit-table, its file can be used alone. Where the study's
 profile is measured, --scan is the summary that `squeezefilm profile` wrote: what the scan leaves
-open is part of the fit's error.
+open is part of the fit's error. --sample has the forces of a validation sample (the study's plans
+validation_two_factor and validation_four_factor), --sample-limits its limits: without one the fit
+is not validated at any point.
 
 A model of gap and amplitude alone is fitted with the study's `two_factor` seeds, one that knows the
 finger's position with its `four_factor` seeds.
@@ -15,29 +17,32 @@ Each of the study's bounds and seeds gives one run of the paper's method, a gene
 followed by Nelder-Mead; one run per bound of SciPy's differential evolution checks them. A model
 that is linear in its parameters is solved at once. RUNS.csv has every run, FIT.json the run with
 the least sum of squares and all that is needed to use the model: formula, parameters and their
-units, ranges of the factors, errors on the points and on points left out, the evidence by which the
-model is trusted at a point or not (`squeezefilm predict`), and where it comes from.
+units, ranges of the factors, errors on the points and on points left out, the prediction interval
+that the validation sample gives (`squeezefilm predict`), and where it comes from.
 """
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from squeezefilm import __version__
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
+from squeezefilm.io.tables import read_forces, read_json, read_ok_forces, write_json, write_table
 from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.fitted import fit_of
 from squeezefilm.models.fitting.described import described_fit
 from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.library import model_named
-from squeezefilm.studies.config import load_config
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plans import declared_ranges
 from squeezefilm.studies.study import symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 
-SECTIONS = ("fit", "models", "actuator", "finger")
+SECTIONS = ("fit", "models", "actuator", "finger", "screen", "positions")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--limits", metavar="LIMITS.csv", help="physics limits of the same scenes")
     parser.add_argument("--limit-table", metavar="TABLE.json", help="to put into FIT.json")
     parser.add_argument("--scan", metavar="SUMMARY.json", help="of a measured profile")
+    add_sample_options(parser)
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="FIT.json", help="the best run")
     parser.add_argument("--processes", type=int, default=1, help="to spread the runs over")
@@ -58,10 +64,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_sample_options(parser: argparse.ArgumentParser) -> None:
+    """The options of a validation sample."""
+    parser.add_argument("--sample", metavar="FORCES.csv", help="forces of a validation sample")
+    parser.add_argument(
+        "--sample-limits", metavar="LIMITS.csv", help="physics limits of its scenes"
+    )
+
+
+def with_validation(
+    about: dict[str, Any], config: Config, options: argparse.Namespace
+) -> dict[str, Any]:
+    """What a fit's file holds, with the prediction interval that the options' sample gives."""
+    if not options.sample:
+        return about
+    sample = read_forces(options.sample)
+    factors = factors_of(sample, limits=options.sample_limits)
+    fit = fit_of(about, place=options.sample).validated(
+        factors,
+        force_n=sample["force_n"].where(sample["status"] == "ok"),
+        force_error_n=sample["force_error_n"],
+        ranges=declared_ranges(config, centred=not factors.phi_r_m.any()),
+    )
+    print(fit.statement)
+    return dict(fit.values)
+
+
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     model = model_named(options.model, config["models"], place=options.config)
-    scan_error = scan_error_of(config, options.scan)
+    profile_uncertainty = scan_error_of(config, options.scan)
     forces = read_ok_forces(options.forces)
     factors = factors_of(forces, limits=options.limits)
     settings = config["fit"]
@@ -72,11 +104,22 @@ def run(options: argparse.Namespace) -> None:
             model,
             factors,
             forces["force_n"].to_numpy(),
-            force_error_n=forces["force_error_n"].to_numpy(),
             settings=settings,
-            scan_error=scan_error,
+            profile_uncertainty=profile_uncertainty,
             processes=options.processes,
         )
+        about["directions"] = symmetry_of(config).to_dict()
+        about["source"] = {
+            "squeezefilm": __version__,
+            "forces_sha256": digest(Path(options.forces)),
+        }
+        if options.limits:
+            about["source"]["limits_sha256"] = digest(Path(options.limits))
+        if options.limit_table and model.column_names:
+            table = read_json(options.limit_table)
+            if "refused" not in table:
+                about["limit_table"] = table
+        about = with_validation(about, config, options)
     except InputError as error:
         if not options.keep_going:
             raise InputError(f"{options.forces}: {error}") from None
@@ -85,15 +128,7 @@ def run(options: argparse.Namespace) -> None:
         return
     if options.runs:
         write_table(pd.DataFrame([_row(run, model) for run in runs]), options.runs)
-    about["directions"] = symmetry_of(config).to_dict()
-    source = {"squeezefilm": __version__, "forces_sha256": digest(Path(options.forces))}
-    if options.limits:
-        source["limits_sha256"] = digest(Path(options.limits))
-    if options.limit_table and model.column_names:
-        table = read_json(options.limit_table)
-        if "refused" not in table:
-            about["limit_table"] = table
-    write_json({**about, "source": source}, options.output)
+    write_json(about, options.output)
 
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:

@@ -3,7 +3,7 @@
   squeezefilm gather SCENES.csv CHUNK.csv … --output FORCES.csv
 
 The rows come out in the order of the plan. Ends with status 1, names the points and writes
-nothing when a point has no force.
+nothing when a point has no force; with --keep-failed such rows stay, with their reason as `status`.
 """
 
 import argparse
@@ -38,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--timings", nargs="*", default=[], metavar="T.csv", help="parts' run times"
     )
     parser.add_argument("--timings-output", metavar="TIMINGS.csv", help="table of them to write")
+    parser.add_argument("--keep-failed", action="store_true", help="keep points without a force")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -74,7 +75,7 @@ def _gather_forces(scenes: pd.DataFrame, options: argparse.Namespace) -> None:
             failed = part[part["status"] != "ok"]
             failures += [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
             write(part)
-        if failures:
+        if failures and not options.keep_failed:
             named = "; ".join(failures[:NAMED])
             more = f" and {len(failures) - NAMED} more" if len(failures) > NAMED else ""
             parts = ", ".join(str(Path(path)) for path in options.chunks[:NAMED])

@@ -3,8 +3,9 @@
   squeezefilm plan screen --config config/paper.yaml --output scenes.csv
   squeezefilm plan four_factor --config config/paper.yaml --design DESIGN.csv --output scenes.csv
 
-Plans from the configuration alone: screen, error_map, four_factor_control, model_control,
-sweep (write it to a .parquet file when it is large). Plans from a design:
+Plans from the configuration alone: screen, error_map, four_factor_control, the validation samples
+validation_two_factor and validation_four_factor (independent points, uniform over the declared
+space), sweep (write it to a .parquet file when it is large). Plans from a design:
 four_factor (each of its points at each finger position), and two_factor_design,
 four_factor_design, four_factor_design_distinct (its points as they are).
 """
@@ -19,6 +20,7 @@ from squeezefilm.io.positions import CARTESIAN, POLAR, as_in
 from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
+    VALIDATION_SAMPLES,
     box_of,
     centred_grid,
     finger_positions,
@@ -27,6 +29,7 @@ from squeezefilm.studies.plans import (
     random_plan,
     sweep_pieces,
 )
+from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import surface_of
 
 SECTIONS = {
@@ -34,7 +37,8 @@ SECTIONS = {
     "error_map": ("error_map",),
     "four_factor_control": ("four_factor_control", "screen", "positions", "actuator", "finger"),
     "sweep": ("sweep", "screen", "positions", "actuator", "finger"),
-    "model_control": ("model_control", "screen", "positions", "actuator", "finger"),
+    "validation_two_factor": ("validation", "screen", "positions", "gas", "actuator", "finger"),
+    "validation_four_factor": ("validation", "screen", "positions", "gas", "actuator", "finger"),
     "four_factor": ("positions", "actuator", "finger"),
     "two_factor_design": (),
     "four_factor_design": (),
@@ -94,9 +98,13 @@ def _small_plan(
             hv_m=level_values(levels["hv_m"]),
             position=position,
         )
-    if kind in ("four_factor_control", "model_control"):
+    if kind == "four_factor_control":
         points, seed = config[kind]["points"], config[kind]["seed"]
         return random_plan(points=points, seed=seed, **box_of(config).ranges)
+    if kind in VALIDATION_SAMPLES:
+        points, seed = config["validation"]["points"], config["validation"]["seed"]
+        space = Space.of(config, centred=kind == "validation_two_factor")
+        return space.table(space.independent_sample(points, seed=seed))
     assert design is not None
     if kind == "four_factor":
         return four_factor_plan(

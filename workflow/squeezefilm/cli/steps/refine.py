@@ -12,13 +12,15 @@ round), LIMITS.csv the physics limits of the same scenes, FIT.json the fitted mo
 of each parameter, WHERE.csv the model's error over the space, and VERDICT.json how it ended. With
 --keep-going a model that needs the physics limits where they do not hold is left out before
 anything is simulated: the two JSON files say why, and the tables are empty. --scan is what
-`squeezefilm profile` says of a measured profile: part of the fit's error.
+`squeezefilm profile` says of a measured profile: part of the fit's error. --sample and
+--sample-limits are the validation sample, as `squeezefilm fit` takes it.
 """
 
 import argparse
 
 import pandas as pd
 
+from squeezefilm.cli.steps.fit import add_sample_options, with_validation
 from squeezefilm.designs.refine_loop import Round
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import (
@@ -61,6 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="of the library or the study")
     parser.add_argument("--space", default="four-factor", help="two-factor or four-factor")
     parser.add_argument("--scan", metavar="SUMMARY.json", help="of a measured profile")
+    add_sample_options(parser)
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--rounds", required=True, metavar="ROUNDS.csv", help="what was estimated")
     parser.add_argument("--forces", required=True, metavar="FORCES.csv", help="what was simulated")
@@ -83,7 +86,7 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(f"--space {options.space!r} is unknown; known are {', '.join(SPACES)}")
     config = load_config(options.config).only(SECTIONS[space])
     model = model_named(options.model, config["models"], place=options.config)
-    scan_error = scan_error_of(config, options.scan)
+    profile_uncertainty = scan_error_of(config, options.scan)
     simulated = SimulatedSpace(config, centred=space == "two_factor")
     try:
         check_columns(model, simulated.pool.factors)
@@ -92,11 +95,13 @@ def run(options: argparse.Namespace) -> None:
             raise
         _leave_out(options, {"model": model.name, "space": space, "refused": str(error)})
         return
-    found = refined_model(model, simulated, space=space, scan_error=scan_error, report=_print_round)
+    found = refined_model(
+        model, simulated, space=space, profile_uncertainty=profile_uncertainty, report=_print_round
+    )
     print(f"{found.outcome.verdict}: {found.outcome.reason}")
     for name in TABLES:
         write_table(getattr(found, name), getattr(options, name))
-    write_json(found.fit, options.fit)
+    write_json(with_validation(found.fit, config, options), options.fit)
     write_json(found.verdict, options.output)
 
 

@@ -6,13 +6,11 @@
 A quantity is a number with its unit, several with commas, or evenly spaced ones as
 first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
 finger off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
-was fitted in, any direction may be asked. `force_error_n` is what the model erred by at
-points that were left out of its fit (root mean square); --validation gives the summary of
-`squeezefilm validate` to take instead. `within_percent` is by how much the force may be off there
-as a solution of the study's equation, judged by simulations that the fit never saw: points left out
-in turn, or those that --control gives. Where both are empty the force is not to be trusted, and
-`note` says why. Where the profile was measured, both contain what its scan leaves open,
-`scan_percent` of the force.
+was fitted in, any direction may be asked. `error_95_n` is the error that 95 % of new points drawn
+uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %, measured on
+a validation sample of simulations that no fit used. Outside the declared space, and for a fit
+without such a sample, both are empty and `note` says so. Where the profile was measured, both
+contain the uncertainty of its scan, `profile_uncertainty_percent` of the force.
 """
 
 import argparse
@@ -22,12 +20,7 @@ import pandas as pd
 
 from squeezefilm.api.fit import Fit
 from squeezefilm.api.points import COLUMNS as FACTORS
-from squeezefilm.cli.points import (
-    add_control_option,
-    add_point_options,
-    points_in,
-    write_points,
-)
+from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import read_columns
 from squeezefilm.models.force_model import COLUMNS
@@ -36,14 +29,12 @@ from squeezefilm.models.force_model import COLUMNS
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
     parser.add_argument("--points", metavar="POINTS.csv", help="points as a table")
-    parser.add_argument("--validation", metavar="ERRORS.json", help="the error to expect")
     parser.add_argument("--output", metavar="FORCES.csv", help="table to write, else it is shown")
-    add_control_option(parser)
     add_point_options(parser)
 
 
 def run(options: argparse.Namespace) -> None:
-    fit = Fit.read(options.fit, control=options.control, validation=options.validation)
+    fit = Fit.read(options.fit)
     if options.points:
         points, place = read_points(options.points), options.points
     else:
@@ -51,6 +42,7 @@ def run(options: argparse.Namespace) -> None:
         if not {"h0_m", "hv_m"} <= set(points):
             raise InputError("predict: give --h0 and --hv, or --points")
     write_points(fit.predict_at(points, place=place), options.output)
+    print(fit.statement)
 
 
 def read_points(path: Path | str) -> pd.DataFrame:

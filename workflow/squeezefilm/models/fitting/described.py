@@ -19,17 +19,16 @@ def described_fit(
     factors: Factors,
     force_n: np.ndarray,
     *,
-    force_error_n: np.ndarray,
     settings: Mapping[str, Any],
-    scan_error: float,
+    profile_uncertainty: float,
     processes: int = 1,
 ) -> tuple[dict[str, Any], list[Fit]]:
     """The best of all runs with all that is known of it, and every run.
 
     Args:
-        force_n, force_error_n: simulated forces and their errors in newtons, shape (n,).
+        force_n: simulated forces in newtons, shape (n,).
         settings: the section ``fit`` of a study.
-        scan_error: share of a force that the scan of a measured profile leaves open.
+        profile_uncertainty: share of a force that the scan of a measured profile leaves open.
 
     Raises InputError where the model cannot be fitted to these points.
     """
@@ -38,7 +37,5 @@ def described_fit(
         check_identifiable(model, factors)
     runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
     best = min(runs, key=lambda run: run.sum_of_squares)
-    about = describe(
-        model, factors, force_n, best, force_error_n=force_error_n, scan_error=scan_error
-    )
+    about = describe(model, factors, force_n, best, profile_uncertainty=profile_uncertainty)
     return {**best.to_dict(), **about}, runs

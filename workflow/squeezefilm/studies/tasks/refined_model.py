@@ -12,11 +12,10 @@ from squeezefilm.io.errors import RunError
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, scene_points
 from squeezefilm.models.description import describe
+from squeezefilm.models.error_by_region import error_by_region, in_words
 from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.fitting.profile_likelihood import parameter_ranges
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.models.trust import Unseen
-from squeezefilm.models.weak_spots import in_words, weak_spots
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import device_of
@@ -111,12 +110,12 @@ def refined_model(
     simulated: SimulatedSpace,
     *,
     space: str,
-    scan_error: float,
+    profile_uncertainty: float,
     report: Callable[[Round], object] = lambda done: None,
 ) -> Refinement:
     """Run the loop by the study's section ``refine``; space is the name of what is simulated.
 
-    scan_error is the share of a force that the scan of a measured profile leaves open.
+    profile_uncertainty is the share of a force that the scan of a measured profile leaves open.
     Raises InputError where the section allows too few simulations to begin with. Raises RunError
     for a scene that has no force.
     """
@@ -142,7 +141,7 @@ def refined_model(
         "model": model.name,
         "space": space,
         "errors_mapped_by": source,
-        **_weak_spots(simulated.pool, where),
+        **_error_by_region(simulated.pool, where),
     }
     return Refinement(
         outcome=outcome,
@@ -150,7 +149,13 @@ def refined_model(
         forces=simulated.forces(outcome.simulated, labels),
         limits=simulated.limits(outcome.simulated, labels),
         where=where,
-        fit=_fit_values(model, simulated, outcome, seed=settings["seed"], scan_error=scan_error),
+        fit=_fit_values(
+            model,
+            simulated,
+            outcome,
+            seed=settings["seed"],
+            profile_uncertainty=profile_uncertainty,
+        ),
         verdict=verdict,
     )
 
@@ -173,10 +178,11 @@ def _verdict(outcome: Outcome, settings: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _weak_spots(pool: Pool, where: pd.DataFrame) -> dict[str, Any]:
+def _error_by_region(pool: Pool, where: pd.DataFrame) -> dict[str, Any]:
     """Where the fair sample of the space has its errors."""
-    spots = weak_spots(pool.factors.take(pool.typical), where["error_n"].to_numpy()[-TYPICAL:])
-    return {"weak_spots": spots.to_dict("records"), "weak_spots_in_words": in_words(spots)}
+    error_n = where["error_n"].to_numpy()[-TYPICAL:]
+    table = error_by_region(pool.factors.take(pool.typical), error_n)
+    return {"error_by_region": table.to_dict("records"), "error_by_region_text": in_words(table)}
 
 
 def _labels(outcome: Outcome, checks: int) -> list[str]:
@@ -243,14 +249,19 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
 
 
 def _fit_values(
-    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, *, seed: int, scan_error: float
+    model: ExpressionModel,
+    space: SimulatedSpace,
+    outcome: Outcome,
+    *,
+    seed: int,
+    profile_uncertainty: float,
 ) -> dict[str, Any]:
     """The last fit as its file tells it, with the range of each parameter."""
     last = outcome.rounds[-1]
     # A model without parameters is fitted to nothing, and described on what verifies it.
     points = last.design if len(last.design) else outcome.simulated
     factors = space.pool.factors.take(points)
-    force, error = space.forces_and_errors(points)
+    force, _ = space.forces_and_errors(points)
     misses = model.evaluate(last.theta, factors) - force
     fit = Fit(
         model=model.name,
@@ -268,15 +279,7 @@ def _fit_values(
     ranges = parameter_ranges(model, factors, force, last.theta) if len(last.theta) else []
     return {
         **fit.to_dict(),
-        **describe(
-            model,
-            factors,
-            force,
-            fit,
-            force_error_n=error,
-            scan_error=scan_error,
-            control=_verified(model, space, last),
-        ),
+        **describe(model, factors, force, fit, profile_uncertainty=profile_uncertainty),
         "directions": symmetry_of(space.config).to_dict(),
         "parameter_ranges": [each.to_dict() for each in ranges],
         "parameter_ranges_note": (
@@ -290,15 +293,6 @@ def _fit_values(
             "verification_points": len(space.pool.verification),
         },
     }
-
-
-def _verified(model: ExpressionModel, space: SimulatedSpace, last: Round) -> Unseen:
-    """The model's errors at the verification points, which are never fitted."""
-    checks = space.pool.verification
-    factors = space.pool.factors.take(checks)
-    force, error = space.forces_and_errors(checks)
-    predicted = model.evaluate(last.theta, factors)
-    return Unseen.of(factors, model_n=predicted, force_n=force, force_error_n=error)
 
 
 def _finite(values: dict[str, float]) -> dict[str, float | None]:

@@ -1,0 +1,232 @@
+"""The prediction interval of a fitted model, measured on a validation sample.
+
+The sample is simulated at points that are independent and uniform over the declared space and that
+no fit uses. Half of it ranks models; the other half calibrates the interval by split conformal
+prediction (J. Lei et al., Distribution-free predictive inference for regression, J. Am. Stat.
+Assoc. 113 (2018) 1094-1111): the score of a point is the model's error there plus the simulation's
+own, divided by a scale; the k-th smallest of n scores, k = ⌈(n + 1) p⌉, times the scale is the half
+width that holds a share p of new points of the same distribution. The scale a + b·|force| makes the
+width local. It comes from the residuals of the cross-validation, so that the sample does not
+decide it. A point without a force, simulated or modelled, has an infinite score.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from math import ceil
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.models.error_by_region import regions
+from squeezefilm.models.force_model import Factors
+
+Array = NDArray[np.float64]
+
+SCAN_LEVEL = 0.95
+"""Level at which the uncertainty of a measured profile is stated."""
+FLAT = 0.1
+"""Constant part of the scale over the mean force, where no residual tells it."""
+SLACK = 1e-9
+"""Relative slack at the limits of the space, for round-off."""
+NORMAL = {0.95: 1.959964, 0.99: 2.575829}
+"""Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
+SYMBOLS = {
+    "h0_m": ("h0", "µm", 1e6),
+    "hv_m": ("hv", "µm", 1e6),
+    "phi_r_m": ("φr", "mm", 1e3),
+    "phi_deg": ("φφ", "°", 1.0),
+    "x_m": ("x", "mm", 1e3),
+    "y_m": ("y", "mm", 1e3),
+}
+
+
+@dataclass(frozen=True)
+class PredictionInterval:
+    """Half widths that hold 95 % and 99 % of new points of the declared space.
+
+    Attributes:
+        ranges: lower and upper limit of each factor of the declared space, by its column.
+        error_95, error_99: constant part in newtons and share of the modelled force; None where
+            the sample leaves the interval infinite.
+        points: simulations of the sample; ``failed`` of them have no force, or no modelled one.
+        calibration_points: those that the half widths come from.
+        mean_coverage: share of the other half inside the 95 % interval.
+        coverage: the same by region (``regions``).
+        profile_uncertainty: share of a force that a measured profile leaves open at 95 %; it is
+            part of error_95 and error_99.
+    """
+
+    ranges: Mapping[str, tuple[float, float]]
+    error_95: tuple[float, float] | None
+    error_99: tuple[float, float] | None
+    points: int
+    failed: int
+    calibration_points: int
+    mean_coverage: float
+    coverage: tuple[Mapping[str, Any], ...] = ()
+    profile_uncertainty: float = 0.0
+
+    @property
+    def statement(self) -> str:
+        """What the interval says, in a sentence for every output."""
+        sample = f"{self.points} independent simulations" + (
+            f", {self.failed} of which have no force," if self.failed else ""
+        )
+        if self.error_95 is None:
+            return f"Not validated: of {sample} too few have a force for a 95 % interval."
+        return (
+            f"Of points drawn uniformly from the declared space ({self.space}), 95 % have a force "
+            f"within the stated 95 % error, as measured on {sample}; this is a share of points, "
+            "not a promise for each."
+        )
+
+    @property
+    def space(self) -> str:
+        """The declared space in words."""
+        parts = []
+        for name, (low, high) in self.ranges.items():
+            symbol, unit, factor = SYMBOLS[name]
+            extent = f"{factor * low:.4g} to {factor * high:.4g}"
+            parts.append(f"{symbol} {extent if high > low else f'{factor * low:.4g}'} {unit}")
+        return ", ".join(parts)
+
+    def error_n(self, force_n: ArrayLike, *, level: float = 0.95) -> Array:
+        """Half width in newtons at modelled forces, shape (n,); NaN where it is infinite."""
+        parts = self.error_95 if level == 0.95 else self.error_99
+        constant, share = parts or (np.nan, np.nan)
+        return constant + share * np.abs(np.asarray(force_n, dtype=float))
+
+    def outside(self, factors: Factors) -> list[str]:
+        """Which factors of each point lie outside the declared space, empty where none does."""
+        notes: list[list[str]] = [[] for _ in range(len(factors))]
+        off_centre = factors.phi_r_m > SLACK * self.ranges.get("phi_r_m", (0.0, 0.0))[1]
+        for name, (low, high) in self.ranges.items():
+            values = factors.column(name)
+            slack = SLACK * max(abs(low), abs(high))
+            out = (values < low - slack) | (values > high + slack)
+            if name == "phi_deg":  # every direction is the same at the centre
+                out &= off_centre
+            for index in np.flatnonzero(out):
+                notes[index].append(f"{name} outside {low:.4g} … {high:.4g}")
+        return ["; ".join(each) for each in notes]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers and lists, ready for JSON."""
+        return asdict(self) | {"statement": self.statement}
+
+    @classmethod
+    def from_dict(cls, plain: Any, *, place: str) -> PredictionInterval:
+        """What to_dict wrote.
+
+        Raises InputError naming the place, for anything else.
+        """
+        try:
+            values = {key: value for key, value in plain.items() if key != "statement"}
+            for key in ("error_95", "error_99"):
+                if values[key] is not None:
+                    constant, share = values[key]
+                    values[key] = (float(constant), float(share))
+            values["ranges"] = {
+                str(name): (float(low), float(high))
+                for name, (low, high) in values["ranges"].items()
+            }
+            interval = cls(**values)
+            if not set(interval.ranges) <= set(SYMBOLS) or not {"h0_m", "hv_m"} <= set(
+                interval.ranges
+            ):
+                raise ValueError
+        except (AttributeError, KeyError, TypeError, ValueError):
+            message = f"{place}: not the validation of a fit, as `squeezefilm fit` writes it"
+            raise InputError(message) from None
+        return interval
+
+
+def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float]:
+    """Constant a in newtons and share b of a scale a + b·|force| of a model's errors.
+
+    From the residuals at points left out of the fit, shape (n,), by non-negative least squares on
+    their magnitudes. Without any (NaN) the share is 1 and the constant FLAT of the mean force.
+    """
+    from scipy.optimize import nnls  # slow to import
+
+    residual, force = (np.abs(np.asarray(each, dtype=float)) for each in (residual_n, force_n))
+    mean, known = float(force.mean()), np.isfinite(residual)
+    residual, force = residual[known], force[known]
+    largest = float(np.max(force, initial=0.0))
+    if not largest or not np.any(residual):
+        return FLAT * mean, 1.0
+    columns = np.column_stack([np.ones(len(force)), force / largest])
+    (constant, share), _ = nnls(columns, residual)
+    # A scale of zero at zero force would leave the errors there without a finite score.
+    return max(float(constant), 1e-3 * float(residual.mean())), float(share) / largest
+
+
+def ranking_half(points: int) -> NDArray[np.bool_]:
+    """Which points of a validation sample rank models, shape (points,); the others calibrate."""
+    return np.arange(points) % 2 == 0
+
+
+def measured_interval(
+    factors: Factors,
+    *,
+    model_n: ArrayLike,
+    force_n: ArrayLike,
+    force_error_n: ArrayLike,
+    scale: tuple[float, float],
+    ranges: Mapping[str, tuple[float, float]],
+    profile_uncertainty: float = 0.0,
+) -> PredictionInterval:
+    """The prediction interval of a model from its forces and simulated ones, shape (n,).
+
+    Args:
+        factors: n independent points, uniform over the declared space.
+        force_n, force_error_n: simulated forces and their numerical errors; NaN where there is
+            none.
+        scale: what ``error_scale`` returns.
+        ranges: of the declared space.
+        profile_uncertainty: share of a force that a measured profile leaves open, at 95 %.
+    """
+    model, force, own = (
+        np.asarray(each, dtype=float) for each in (model_n, force_n, force_error_n)
+    )
+    constant, share = scale
+    error = np.abs(model - force) + own
+    score = error / (constant + share * np.abs(model))
+    score[~np.isfinite(score)] = np.inf
+    ranking = ranking_half(len(score))
+    calibration = np.sort(score[~ranking])
+    quantiles = {level: _quantile(calibration, level) for level in NORMAL}
+    error_95, error_99 = (
+        (
+            float(constant * quantile),
+            float(share * quantile + profile_uncertainty * NORMAL[level] / NORMAL[SCAN_LEVEL]),
+        )
+        if np.isfinite(quantile)
+        else None
+        for level, quantile in quantiles.items()
+    )
+    inside = np.isfinite(score) & (score <= quantiles[0.95])
+    return PredictionInterval(
+        ranges=dict(ranges),
+        error_95=error_95,
+        error_99=error_99,
+        points=len(score),
+        failed=int(np.sum(~np.isfinite(score))),
+        calibration_points=len(calibration),
+        mean_coverage=float(inside[ranking].mean()),
+        coverage=tuple(
+            region | {"coverage": float(inside[ranking][mask].mean())}
+            for region, mask in regions(factors.take(ranking))
+        ),
+        profile_uncertainty=profile_uncertainty,
+    )
+
+
+def _quantile(scores: Array, level: float) -> float:
+    """The score that a share ``level`` of new points does not exceed; infinite for few points."""
+    rank = ceil((len(scores) + 1) * level)
+    return float(scores[rank - 1]) if rank <= len(scores) else np.inf
