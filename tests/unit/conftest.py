@@ -22,7 +22,7 @@ from squeezefilm.io.tables import (
     write_table,
 )
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
-from squeezefilm.models.trust import Trust
+from squeezefilm.models.prediction_interval import measured_interval
 from squeezefilm.runs.code import WORKFLOW
 from squeezefilm.studies.config import load_config
 
@@ -135,7 +135,18 @@ def _write_fits(root: Path) -> None:
             "points": 5 if "design" in name else len(forces),
             "sum_of_squares": squares,
             "global_error": float(np.sqrt(squares) / np.linalg.norm(forces["force_n"])),
-            "trust": Trust.of(factors, None).to_dict(),
+            "ranges": {"h0_m": [5e-6, 10e-6], "hv_m": [0.2e-6, 2e-6]},
+            "validation": measured_interval(
+                factors,
+                model_n=model.evaluate(theta, factors),
+                force_n=forces["force_n"],
+                force_error_n=forces["force_error_n"],
+                scale=(0.0, 1.0),
+                ranges={
+                    name: (float(forces[name].min()), float(forces[name].max()))
+                    for name in FACTOR_COLUMNS
+                },
+            ).to_dict(),
         }
         write_json(fit, root / "fits" / f"{name}.json")
     runs = pd.DataFrame({"bound": [1e6, 1e6, 100.0, 100.0], "sum_of_squares": 8.62e-5})
@@ -182,8 +193,8 @@ def _write_extras(root: Path, config: Path) -> None:
     recommended = {
         "space": ["two_factor", "four_factor", "four_factor"],
         "model": ["limit_1", "limit_2", "limit_2"],
-        "control_points": 30,
-        "control_error": 0.003,
+        "validation_points": 30,
+        "validation_error": 0.003,
         "simulations": 60,
         "worst_error": 0.02,
         "h0_m": 5e-6,
@@ -191,7 +202,7 @@ def _write_extras(root: Path, config: Path) -> None:
         "y_m": 0.0,
         "force_n": 0.3,
         "hv_m": [1.4e-6, 1.4e-6, float("nan")],
-        "within_percent": [1.0, 2.0, float("nan")],
+        "error_95_percent": [1.0, 2.0, float("nan")],
     }
     write_table(pd.DataFrame(recommended), root / "models" / "recommended.csv")
     """A film over a period, what a force rests on, and what equation it is of."""

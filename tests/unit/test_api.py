@@ -152,10 +152,10 @@ def test_a_pressure_field_is_a_file(suffix, study, tmp_path):
 def test_a_fit_predicts_what_is_simulated(study, fit):
     predicted = fit.predict("6 um", "1.5 um", x="1 mm", y="-0.5 mm").iloc[0]
     force = float(study.force("6 um", "1.5 um", x="1 mm", y="-0.5 mm"))
-    assert abs(predicted["force_n"] / force - 1) <= predicted["within_percent"] / 100 < 0.01
+    assert abs(predicted["force_n"] / force - 1) <= predicted["error_95_percent"] / 100 < 0.01
     assert predicted["note"] == ""
     outside = fit.predict("6 um", "4 um").iloc[0]
-    assert np.isnan(outside["force_error_n"])
+    assert np.isnan(outside["error_95_n"])
     assert "hv_m outside" in outside["note"]
 
 
@@ -172,7 +172,7 @@ def test_a_model_is_fitted_to_positions_on_a_rectangle(repository):
 def test_a_working_point_gives_the_force_that_was_wanted(study, fit):
     row = fit.working_point("0.5 N", "5 um").iloc[0]
     force = float(study.force("5 um", float(row["hv_m"])))
-    assert abs(force / 0.5 - 1) <= row["within_percent"] / 100 < 0.01
+    assert abs(force / 0.5 - 1) <= row["error_95_percent"] / 100 < 0.01
     assert len(fit.working_point(0.2)) == 6
 
 

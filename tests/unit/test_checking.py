@@ -28,7 +28,7 @@ FORCES = pd.DataFrame(
 CLOSE = Close(relative=1e-6)
 NOT_DECIDING = {
     *("study", "simulation", "outputs"),
-    *("sweep", "models", "model_control", "comparison", "optimal", "refine"),  # not the paper's
+    *("sweep", "models", "comparison", "optimal", "refine"),  # not the paper's
 }
 
 

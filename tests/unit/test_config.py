@@ -63,7 +63,7 @@ def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(repository
     (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
     shutil.copy(repository / "config" / "vibrometer.csv", tmp_path)
     config = load_config(tmp_path / "study.yaml")
-    for kind in ("screen", "error_map", "four_factor_control", "model_control"):
+    for kind in ("screen", "error_map", "four_factor_control", "validation_four_factor"):
         (table,) = make_plan(kind, config, design=None)
         for factor, (low, high) in {"h0_m": (15e-6, 30e-6), "hv_m": (0.5e-6, 6e-6)}.items():
             values = table[factor]

@@ -147,6 +147,7 @@ def fitted(study, tables, tmp_path, name: str, *more: str) -> dict:
     forces, limits = tables
     path = tmp_path / f"{name}.json"
     arguments = ["fit", str(forces), "--limits", str(limits), "--model", name, "--seeds", "1"]
+    arguments += ["--sample", str(forces), "--sample-limits", str(limits)]
     assert cli.main([*arguments, f"--config={study.config}", f"--output={path}", *more]) == 0
     return json.loads(path.read_text())
 
@@ -171,7 +172,7 @@ def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(
     assert "its profile is measured; give --scan SUMMARY.json" in refused(*scanned)
     assert cli.main([*scanned, f"--scan={summary}"]) == 0
     fit = read_fit(tmp_path / "fit.json")
-    assert fit.scan_error == 0.016
+    assert fit.profile_uncertainty == 0.016
     assert cli.main(["predict", fit.place, "--h0=6um", "--hv=1.5um"]) == 0
     assert "1.6" in capsys.readouterr().out
     assert "is not measured" in refused(*words, f"--config={study.config}", f"--scan={summary}")
@@ -195,54 +196,36 @@ def test_the_seeds_of_a_fit_are_those_of_its_factors(study, edited, tmp_path):
     assert counts == {"gap": 1, "place": 2}
 
 
-def test_models_are_compared_at_points_they_were_not_fitted_to(
+def test_models_are_ranked_on_half_of_the_validation_sample(
     study, tables, edited, tmp_path, capsys, refused
 ):
-    """Those of the control points that were fitted, here of the least amplitude, judge nothing."""
+    """A point without a force is excluded from the errors, and counted."""
     names = ("polynomial_3", "limit", "polynomial_5")
     config = edited("paper", comparison={"two_factor": list(names)})
     for name in names:
         fitted(study, tables, tmp_path, name, "--keep-going")
     paths = [str(tmp_path / f"{name}.json") for name in names]
-    forces, limits = (tmp_path / name for name in ("control.csv", "control_limits.csv"))
-    for source, target in zip(tables, (forces, limits), strict=True):
-        table = pd.read_csv(source, dtype={"point_id": str})
-        table.loc[table["hv_m"] > table["hv_m"].min(), "hv_m"] *= 0.999
-        table.to_csv(target, index=False)
+    sample = tmp_path / "sample.csv"
+    table = pd.read_csv(tables[0], dtype={"point_id": str})
+    table.loc[4, ["force_n", "status"]] = np.nan, "not converged"
+    table.to_csv(sample, index=False)
     output = [f"--{kind}={tmp_path / kind}.csv" for kind in ("output", "errors", "report")]
-    given = [f"--config={config}", f"--forces={forces}", f"--limits={limits}"]
+    given = [f"--config={config}", f"--forces={sample}", f"--limits={tables[1]}"]
     arguments = ["compare", "two_factor", *paths, *given, *output]
     assert "no fit of limit, polynomial_5 is given" in refused(*arguments[:3], *arguments[5:])
     assert cli.main(arguments) == 0
     rows = pd.read_csv(tmp_path / "output.csv").set_index("model")
-    assert rows.loc["limit", "control_error"] == pytest.approx(0.01)
-    assert rows.loc["limit", "control_points"] == 54
+    assert rows.loc["limit", "validation_error"] == pytest.approx(0.01)
+    assert rows.loc["limit", "validation_points"] == 29
+    assert rows.loc["limit", "validation_failed"] == 1
     assert "t3, t4 cannot be told apart" in rows.loc["polynomial_5", "note"]
-    assert len(pd.read_csv(tmp_path / "errors.csv")) == 2 * 54
+    assert len(pd.read_csv(tmp_path / "errors.csv")) == 2 * 29
     text = capsys.readouterr().out
-    assert text.index("| polynomial_3 |") < text.index("| limit |") < text.index("Not judged")
+    assert text.index("| polynomial_3 |") < text.index("| limit |") < text.index("Not validated")
     picture = tmp_path / "errors.png"
     plot = ["plot", "model_errors", str(tmp_path / "errors.csv"), "--output", str(picture)]
     assert cli.main(plot) == 0
     assert picture.stat().st_size > 10_000
-
-
-def test_models_are_not_ranked_on_points_far_from_those_they_were_fitted_to(
-    study, tables, edited, tmp_path
-):
-    """Fitted at gaps of 5 to 10 µm, judged at 15 to 30 µm: no ranking, and the reason."""
-    config = edited("paper", comparison={"two_factor": ["polynomial_3"]})
-    fitted(study, tables, tmp_path, "polynomial_3")
-    elsewhere = pd.read_csv(tables[0], dtype={"point_id": str})
-    elsewhere["h0_m"] *= 3
-    elsewhere.to_csv(tmp_path / "elsewhere.csv", index=False)
-    outputs = [f"--{name}={tmp_path}/{name}.csv" for name in ("output", "errors", "report")]
-    arguments = ["compare", "two_factor", f"{tmp_path}/polynomial_3.json", f"--config={config}"]
-    message = "polynomial_3: 60 of 60 control points lie outside the points it was fitted to"
-    assert cli.main([*arguments, f"--forces={tmp_path}/elsewhere.csv", *outputs]) == 0
-    (row,) = pd.read_csv(tmp_path / "output.csv").to_dict(orient="records")
-    assert np.isnan(row["control_error"])
-    assert message.removeprefix("polynomial_3: ") in row["note"]
 
 
 @pytest.mark.parametrize(

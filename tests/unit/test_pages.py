@@ -75,7 +75,7 @@ def test_the_summary_of_another_actuator_does_not_speak_of_the_paper_s(study, su
     """Its claims, and that the study re-makes it; what is left out and the scan are said."""
     fit = json.loads((study.root / "fits/screen.json").read_text())
     path = study.root / "fits/scanned.json"
-    path.write_text(json.dumps(fit | {"trust": fit["trust"] | {"scan_error": 0.016}}))
+    path.write_text(json.dumps(fit | {"profile_uncertainty": 0.016}))
     settings = dict(load_config(study.config).sections)
     settings["actuator"] = settings["actuator"] | {"profile": {"kind": "measured"}}
     own = to_markdown(
@@ -151,10 +151,10 @@ def test_pages_of_a_film_beyond_re_10_say_so_below_their_title(repository, tmp_p
 
 
 RECOMMENDED = """\
-space,model,parameters,control_points,control_error,simulations,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
-hv_error_m,within_percent,note
+space,model,parameters,validation_points,validation_error,simulations,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
+hv_error_95_m,error_95_percent,note
 two_factor,limit_1,1,32,0.009,48,0.03,5e-6,0,0,0.3,1.334e-6,3.3e-8,6.3,
-four_factor,bump,3,30,0.16,100,0.25,5e-6,0,0,0.3,1.31e-6,,,may be off by 18 %
+four_factor,bump,3,30,0.16,100,0.25,5e-6,0,0,0.3,1.31e-6,,,not validated: hv_m outside
 four_factor,bump,3,30,0.16,100,0.25,5e-6,5e-3,0,0.3,,,,no amplitude gives it
 """
 
@@ -170,14 +170,15 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(reposit
     config = load_config(repository / "config/plate.yaml")
     text = "\n".join(in_short(tmp_path, config))
     assert (
-        "limit_1, 0.9 % off over 32 control points, at one of all 48 simulations there 3 %\n"
+        "limit_1, 0.9 % off over 32 points of the validation sample, at one of all 48 simulations "
+        "there 3 %\n"
         in text
     )
     assert "25 %. No model compared holds the study's ±15 %" in text
-    assert "| limit_1 | 0 | 0 | 1.33 | within 6.3 % |" in text
-    assert "| bump | 5 | 0 | none | no: no amplitude gives it |" in text
+    assert "| limit_1 | 0 | 0 | 1.33 | 6.3 % |" in text
+    assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
     assert "by −2 to +11 % in all (first order and what higher ones may add; somewhere" in text
-    (tmp_path / "models/recommended.csv").write_text("space,model,control_error,force_n\n,,,\n")
+    (tmp_path / "models/recommended.csv").write_text("space,model,validation_error,force_n\n,,,\n")
     assert "No model compared can be judged" in "\n".join(in_short(tmp_path, config))
     levitation = load_config(repository / "config/levitation.yaml")
     assert "Beyond Re 10" in "\n".join(in_short(tmp_path, levitation))

@@ -42,5 +42,5 @@ def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
     exec(compile(code, "README.md", "exec"), names)
     told = capsys.readouterr().out
     assert told.startswith("force 0.95")
-    assert "within_percent" in told
+    assert "error_95_percent" in told
     assert len(names["curve"]) == 9

@@ -34,7 +34,7 @@ def study(repository: Path, path: Path, **more: dict) -> Path:
     values = dict(load_config(repository / "config/quick.yaml"))
     values["models"] = {"square": {"expression": "t0*(hv/h0)**2"}}
     values["comparison"] = {"two_factor": ["limit_1"], "four_factor": ["limit_1"]}
-    for section, settings in ({"model_control": {"points": 60}} | more).items():
+    for section, settings in ({"validation": {"points": 60}} | more).items():
         values[section] = values[section] | settings
     path.write_text(yaml.safe_dump(values), encoding="utf-8")
     return path
@@ -56,7 +56,7 @@ def refined(repository, tmp_path_factory):
         assert refine(model, folder / model, config) == 0
     scenes, forces, limits = (folder / f"{name}.csv" for name in ("scenes", "forces", "limits"))
     end = ["--config", str(config), "--output"]
-    assert main(["plan", "model_control", *end, str(scenes)]) == 0
+    assert main(["plan", "validation_four_factor", *end, str(scenes)]) == 0
     assert main(["simulate", str(scenes), *end, str(forces)]) == 0
     assert main(["limits", str(scenes), *end, str(limits)]) == 0
     return Refined(folder, forces, limits)
@@ -76,7 +76,7 @@ def test_a_model_that_lacks_terms_is_limited_by_the_model_and_told_where(refined
     verdict = refined.verdict("square")
     assert verdict["verdict"] == "model"
     assert verdict["errors_mapped_by"] == "physics limit"
-    assert "high third of the ratio hv/h0" in verdict["weak_spots_in_words"]
+    assert "high third of the ratio hv/h0" in verdict["error_by_region_text"]
     where = pd.read_csv(refined.folder / "square" / "where.csv")
     epsilon = where["hv_m"] / where["h0_m"]
     assert where["error_n"].abs().groupby(epsilon > 0.2).mean().is_monotonic_increasing

@@ -2,10 +2,10 @@
 
 import json
 import math
+import re
 import shutil
 import subprocess
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
 from squeezefilm.models.generated_code import LANGUAGES, source
 from squeezefilm.models.limit_table import LimitTable
-from squeezefilm.models.trust import Trust, Unseen
+from squeezefilm.models.prediction_interval import PredictionInterval
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
@@ -47,16 +47,20 @@ def limit_table(repository):
     return limit_table_of(config).to_dict()
 
 
-def evidence(reach_m: float = 2.9e-3, scan_error: float = 0.0) -> Trust:
-    """Of a fit to the corners of the ranges that is off by a thousandth at 100 other points."""
-    corners = [RANGES["h0_m"], RANGES["hv_m"], [0.0, reach_m], [0.0, 45.0]]
-    names = ("h0_m", "hv_m", "phi_r_m", "phi_deg")
-    fitted = dict(zip(names, np.array(list(product(*corners))).T, strict=True))
-    rng = np.random.default_rng(2)
-    unseen = Factors.of(**{n: rng.uniform(min(v), max(v), 100) for n, v in fitted.items()})
-    force = 5 * unseen.epsilon**2
-    judged = Unseen.of(unseen, model_n=1.001 * force, force_n=force, force_error_n=1e-6 * force)
-    return Trust.of(Factors.of(**fitted), judged, scan_error=scan_error)
+def validation(profile_uncertainty: float = 0.0) -> dict:
+    """Of a model that is off by 2 mN and 1 % of the force at most at 95 % of points."""
+    ranges = {name: tuple(RANGES[name]) for name in ("h0_m", "hv_m", "phi_r_m", "phi_deg")}
+    interval = PredictionInterval(
+        ranges=ranges,
+        error_95=(2e-3, 0.01 + profile_uncertainty),
+        error_99=(4e-3, 0.02 + profile_uncertainty),
+        points=1000,
+        failed=0,
+        calibration_points=500,
+        mean_coverage=0.95,
+        profile_uncertainty=profile_uncertainty,
+    )
+    return interval.to_dict()
 
 
 @pytest.fixture
@@ -76,7 +80,7 @@ def write_fit(tmp_path, limit_table):
             "sum_of_squares": 6e-5,
             "ranges": {name: RANGES[name] for name in names},
             "cross_validation": {"root_mean_square_n": 2e-3, "global_error": 6e-3},
-            "trust": evidence().to_dict(),
+            "validation": validation(),
         }
         if of.column_names:
             values["limit_table"] = limit_table
@@ -113,38 +117,49 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
     factors = Factors.of(**{c: table[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")})
     expected = model.evaluate(THETA[name], read_fit(path).complete(factors))
     np.testing.assert_allclose(table["force_n"], expected, rtol=1e-12)
-    assert set(table["force_error_n"]) == {2e-3}
+    np.testing.assert_allclose(table["error_95_n"], 2e-3 + 0.01 * expected, rtol=1e-12)
+    np.testing.assert_allclose(table["error_99_n"], 4e-3 + 0.02 * expected, rtol=1e-12)
 
 
-def test_what_a_scan_leaves_open_is_part_of_every_error_and_named(write_fit, tmp_path, capsys):
+def test_the_uncertainty_of_a_scan_is_part_of_every_error_and_named(write_fit, tmp_path):
     model, theta = get_model("two_factor"), THETA["two_factor"]
     predicted, found = [], []
-    for scan_error in (0.0, 0.03):
-        path = write_fit(model, theta, trust=evidence(scan_error=scan_error).to_dict())
-        words = [str(path), "--h0=5um"]
+    for share in (0.0, 0.03):
+        more = {"validation": validation(share), "profile_uncertainty": share}
+        words = [str(write_fit(model, theta, **more)), "--h0=5um"]
         predicted.append(table_of(["predict", *words, "--hv=1.5um"], tmp_path).iloc[0])
         found.append(table_of(["working-point", *words, "--force=0.4N"], tmp_path).iloc[0])
     for without, within in (predicted, found):
-        assert within["within_percent"] == pytest.approx(without["within_percent"] + 3)
-        assert within["scan_percent"] == pytest.approx(3)
-        assert "scan_percent" not in without
-    without, within = (row["force_error_n"] for row in predicted)
+        assert within["error_95_percent"] == pytest.approx(without["error_95_percent"] + 3)
+        assert within["profile_uncertainty_percent"] == pytest.approx(3)
+        assert "profile_uncertainty_percent" not in without
+    without, within = (row["error_95_n"] for row in predicted)
     assert within == pytest.approx(without + 0.03 * predicted[0]["force_n"])
-    without, within = (row["hv_error_m"] for row in found)
-    assert within == pytest.approx(without * (2e-3 + 0.03 * 0.4) / 2e-3)
-    assert cli.main(["export", str(path), "--language=c"]) == 0
-    assert "its scan leaves 3 % of a force open" in capsys.readouterr().out
+    without, within = (row["hv_error_95_m"] for row in found)
+    assert within == pytest.approx(without * (6e-3 + 0.03 * 0.4) / 6e-3)
 
 
-def test_predict_takes_a_table_and_another_error(write_fit, tmp_path):
+def test_predict_takes_a_table(write_fit, tmp_path):
     path = write_fit(get_model("two_factor"), THETA["two_factor"])
     (tmp_path / "points.csv").write_text("name,h0_m,hv_m\nA,5e-6,1e-6\nB,6e-6,1e-6\n")
-    summary = tmp_path / "errors.json"
-    summary.write_text(json.dumps({"points": 100, "sum_of_squares": 0.01}))
-    arguments = ["predict", str(path), f"--points={tmp_path}/points.csv"]
-    table = table_of([*arguments, f"--validation={summary}"], tmp_path)
+    table = table_of(["predict", str(path), f"--points={tmp_path}/points.csv"], tmp_path)
     assert list(table["name"]) == ["A", "B"]
-    assert set(table["force_error_n"]) == {0.01}
+    assert table["error_95_n"].notna().all()
+
+
+def test_every_use_of_a_model_says_the_same_sentence(write_fit, capsys):
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    statement = read_fit(path).statement
+    assert "95 % have a force within the stated 95 % error" in statement
+    assert "not a promise for each" in statement
+    words = [str(path), "--h0=5um"]
+    for command in (["predict", *words, "--hv=1um"], ["working-point", *words, "--force=0.4N"]):
+        assert cli.main(command) == 0
+        assert statement in capsys.readouterr().out
+    for language in LANGUAGES:
+        assert cli.main(["export", str(path), f"--language={language}"]) == 0
+        said = re.sub(r"[\s*/]+", " ", capsys.readouterr().out)
+        assert re.sub(r"[\s*/]+", " ", statement.replace("φ", "phi_")) in said
 
 
 @pytest.mark.parametrize(
@@ -161,7 +176,7 @@ def test_extrapolation_is_noted(options, note, write_fit, tmp_path):
     path = write_fit(get_model("four_factor"), THETA["four_factor"])
     table = table_of(["predict", str(path), *options], tmp_path)
     assert (note in table["note"][0]) if note else table["note"][0] == ""
-    for name in ("within_percent", "force_error_n"):
+    for name in ("error_95_percent", "error_95_n", "error_99_n"):
         assert np.isnan(table[name][0]) == bool(note)
 
 
@@ -176,9 +191,9 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     force = get_model(name).evaluate(THETA[name], fit.complete(factors))
     np.testing.assert_allclose(force, 0.5, rtol=1e-10)
     # An amplitude larger by its error gives a force larger by the model's.
-    more = replace(factors, hv_m=factors.hv_m + found["hv_error_m"].to_numpy())
+    more = replace(factors, hv_m=factors.hv_m + found["hv_error_95_m"].to_numpy())
     rise = get_model(name).evaluate(THETA[name], fit.complete(more)) - force
-    np.testing.assert_allclose(rise, 2e-3, rtol=1e-2)
+    np.testing.assert_allclose(rise, 2e-3 + 0.01 * 0.5, rtol=3e-2)
 
 
 def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path):
@@ -240,7 +255,7 @@ def test_one_unit_at_the_end_is_that_of_all_numbers():
         ({"theta": ["x"]}, "must be a list of numbers"),
         ({"ranges": {"h0_m": 5}}, "'ranges' must map"),
         ({"cross_validation": 1}, "'cross_validation' must be"),
-        ({"trust": {"fitted": 1}}, "trust: not the evidence of a fit"),
+        ({"validation": {"points": 1}}, "validation: not the validation of a fit"),
         ({"refused": "no fit"}, "there is no fit: no fit"),
     ],
 )
@@ -348,21 +363,16 @@ def test_the_javascript_function_is_the_model(model, theta, write_fit):
     np.testing.assert_array_equal(~np.array(inside), outside)
 
 
-def test_generated_code_knows_the_range_of_the_ratio_too(write_fit):
-    """(5, 2) and (10, 6) µm were fitted; (5, 4) µm lies between them, but not in hv/h0."""
-    points = Factors.of(h0_m=[5e-6, 10e-6, 5e-6], hv_m=[2e-6, 6e-6, 0.5e-6])
+def test_generated_code_has_the_95_percent_error(write_fit):
     names: dict = {}
-    fit = write_fit(
-        get_model("two_factor"),
-        THETA["two_factor"],
-        trust=Trust.of(points, None).to_dict(),
-        ranges={"h0_m": [5e-6, 10e-6], "hv_m": [0.5e-6, 6e-6]},
-    )
+    fit = write_fit(get_model("two_factor"), THETA["two_factor"])
     exec(source(read_fit(fit), "python"), names)
-    inside = names["in_range"]
-    assert [inside(5e-6, 2e-6), inside(5e-6, 4e-6), inside(10e-6, 6e-6)] == [True, False, True]
-    assert not inside(0.0, 1e-6)
-    assert "&& hv_m / h0_m <= 0.6" in source(read_fit(fit), "c")
+    assert names["error_95_n"](-0.5) == pytest.approx(2e-3 + 0.01 * 0.5)
+    bare = json.loads(fit.read_text())
+    del bare["validation"]
+    fit.write_text(json.dumps(bare))
+    exec(source(read_fit(fit), "python"), names)
+    assert math.isnan(names["error_95_n"](0.5))
 
 
 def test_outside_its_domain_generated_code_gives_no_number(write_fit):
@@ -440,8 +450,7 @@ def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):
     assert with_error(force_n, error_n) == shown
 
 
-def test_a_force_is_printed_to_the_bound_of_its_error_where_that_is_the_less(capsys):
-    forces = {"force_n": [0.0774, 0.4811], "force_error_n": [0.114, 0.114]}
-    write_points(pd.DataFrame(forces | {"within_percent": [4.9, float("nan")]}), None)
+def test_a_force_is_printed_to_its_error(capsys):
+    write_points(pd.DataFrame({"force_n": [0.0774, 0.4811], "error_95_n": [0.0038, 0.114]}), None)
     rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
-    assert [row[:2] for row in rows] == [["0.077", "0.1"], ["0.5", "0.1"]]
+    assert [row[:2] for row in rows] == [["0.077", "0.004"], ["0.5", "0.1"]]

@@ -53,8 +53,15 @@ class FittedModel:
 
         Raises InputError naming the file, for a formula that is refused or an unknown model.
         """
-        if "expression" not in self.values:
-            return get_model(self.model)
+        model = get_model(self.model) if "expression" not in self.values else self._own_model()
+        if len(model.parameter_names) != len(self.theta):
+            raise InputError(
+                f"{self.place}: 'theta' has {len(self.theta)} numbers for the parameters "
+                f"{', '.join(model.parameter_names)}"
+            )
+        return model
+
+    def _own_model(self) -> ExpressionModel:
         names, units = (self.values.get(key) for key in ("parameters", "parameter_units"))
         if not (isinstance(names, list) and isinstance(units, list) and len(names) == len(units)):
             raise InputError(
@@ -62,13 +69,7 @@ class FittedModel:
             )
         parameters = dict(zip(map(str, names), map(str, units), strict=True))
         entry = {"expression": self.values["expression"], "parameters": parameters}
-        model = make_model(self.model, entry, place=self.place)
-        if len(model.parameter_names) != len(self.theta):
-            raise InputError(
-                f"{self.place}: 'theta' has {len(self.theta)} numbers for the parameters "
-                f"{', '.join(model.parameter_names)}"
-            )
-        return model
+        return make_model(self.model, entry, place=self.place)
 
     @cached_property
     def symmetry(self) -> Symmetry | None:
@@ -134,10 +135,11 @@ class FittedModel:
         notes = self.interval.outside(factors)
         if self.interval.error_95 is None:
             notes = [note or "too few points of the sample have a force" for note in notes]
-        notes = [
-            f"not validated: {note or 'undefined here'}" if note or not known else ""
-            for note, known in zip(notes, np.isfinite(force), strict=True)
+        undefined = np.where(np.isfinite(force), "", "undefined here")
+        reasons = [
+            "; ".join(filter(None, each)) for each in zip(notes, undefined.tolist(), strict=True)
         ]
+        notes = [reason and f"not validated: {reason}" for reason in reasons]
         validated = np.array([not note for note in notes], dtype=bool)
         error_95, error_99 = (
             np.where(validated, self.interval.error_n(force, level=level), np.nan)
