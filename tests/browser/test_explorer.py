@@ -216,7 +216,7 @@ def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer)
         explorer.type(h0=6.0, hv=hv, wanted=load_n)
         place = {n: v for n, v in explorer.factors().items() if n in ("phi_r_m", "phi_deg")}
         given = {"force_n": load_n, "complete": fit.complete, **place}
-        gaps_m = _data(explorer, "fits", name)["trust"]["ranges"]["h0_m"]
+        gaps_m = _data(explorer, "fits", name)["gaps_m"]
         for element, find, free in (
             ("gap", gap_for_force, {"hv_m": 1e-6 * hv, "gaps_m": gaps_m}),
             ("amplitude", amplitude_for_force, {"h0_m": 6e-6}),
@@ -238,8 +238,8 @@ def _data(explorer, section, name):
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"hv": 2.0, "wanted": 1.5}, "none in the fitted points’ 5–10 µm: at 5 µm it gives"),
-        ({"hv": 2.0, "wanted": 0.01}, "above the fitted points’ 5–10 µm: at the widest the film"),
+        ({"hv": 2.0, "wanted": 1.5}, "none in the space’s 5–10 µm: at 5 µm it gives"),
+        ({"hv": 2.0, "wanted": 0.01}, "above the space’s 5–10 µm: at the widest the film"),
         ({"hv": 1.0, "wanted": 0.1}, " µm for 0.1 N"),
     ],
 )
@@ -260,7 +260,7 @@ def test_at_contact_no_gap_carries_a_load(explorer):
     found = explorer.browser.run(
         "const data = JSON.parse(document.getElementById('data').textContent);"
         "const at = completed({h0_m: 2e-5, hv_m: 1.1e-5, phi_r_m: 0, phi_deg: 0});"
-        "return String(gapForForce(data.fits[0], at, 0.1, data.fits[0].trust.ranges.h0_m))"
+        "return String(gapForForce(data.fits[0], at, 0.1, data.fits[0].gaps_m))"
     )
     assert found == "NaN"
 
@@ -293,38 +293,33 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results, scr
     assert outside["why"].startswith("outside")
 
 
-def test_the_error_is_that_of_the_nearest_simulation_that_the_fit_never_saw(
-    explorer, results, screen
-):
-    explorer.choose("screen")
-    fit = explorer.fit("screen")
-    between = read_ok_forces(results / "simulations/error_map/forces.csv")
-    fitted = set(zip(screen["h0_m"], screen["hv_m"], strict=True))
-    for row in between.iloc[:: max(1, len(between) // 6)].itertuples():
-        explorer.type(h0=round(row.h0_m * 1e6, 9), hv=round(row.hv_m * 1e6, 9))
-        if (row.h0_m, row.hv_m) in fitted:
-            assert "at this very point" not in explorer.text("nearest")
-            continue
-        model_n = get_model(fit.model).evaluate(
-            fit.theta, Factors.of(h0_m=row.h0_m, hv_m=row.hv_m)
-        )[0]
-        shown = float(explorer.text("error").removesuffix(" %"))
-        assert shown == pytest.approx(100 * (model_n / row.force_n - 1), abs=0.0051)
-        assert explorer.text("nearest").startswith(f"{row.force_n:#.4g} N at")
+def test_the_error_and_its_sentence_are_the_librarys(explorer):
+    for name in FITS:
+        explorer.choose(name)
+        fit = explorer.fit(name)
+        for h0, hv in ((5.0, 1.0), (8.0, 1.8)):
+            explorer.type(h0=h0, hv=hv)
+            at = {"phi_r_m": 0.0, "phi_deg": 0.0} | explorer.factors()
+            force_n = fit.force_model.evaluate(fit.theta, fit.complete(Factors.of(**at)))
+            errors = fit.interval.error_n(force_n)[0], fit.interval.error_n(force_n, level=0.99)[0]
+            said = re.match(r"Validated: 95 % error ([\d.]+) %", explorer.text("validation"))
+            assert float(said[1]) == pytest.approx(100 * errors[0] / force_n[0], rel=0.06)
+            assert float(explorer.text("error").removesuffix(" N")) == pytest.approx(errors[1], rel=0.5)
+            assert explorer.text("validation").endswith(fit.statement)
 
 
 @pytest.mark.parametrize(
     ("values", "reason"),
     [
         ({"h0": 7.0, "hv": 1.0}, ""),
-        ({"h0": 5.0, "hv": 2.2}, "the amplitude lies outside the fitted points’ 0.2–2 µm"),
-        ({"h0": 4.5, "hv": 1.0}, "the gap lies outside the fitted points’ 5–10 µm"),
+        ({"h0": 5.0, "hv": 2.2}, "the amplitude lies outside the declared space, 0.2–2 µm"),
+        ({"h0": 4.5, "hv": 1.0}, "the gap lies outside the declared space, 5–10 µm"),
     ],
 )
-def test_where_a_model_is_not_to_be_trusted_the_page_says_why(values, reason, explorer):
+def test_where_a_model_is_not_validated_the_page_says_why(values, reason, explorer):
     explorer.type(**values)
-    said = explorer.text("trust")
-    assert said.startswith("Not to be trusted" if reason else "Trusted: within ")
+    said = explorer.text("validation")
+    assert said.startswith("Not validated: " if reason else "Validated: 95 % error ")
     assert reason in said
 
 

@@ -25,7 +25,7 @@ OWN_STUDIES = re.compile(
 # What a study says of sizes; a default is for results that count.
 SIZES = """
 error_map: {h0: {levels: 5}, hv: {levels: 5}}
-model_control: {points: 20}
+validation: {points: 40}
 four_factor_control: {points: 5}
 sweep: {points: 30}
 fit: {seeds: {two_factor: 1}}
@@ -34,8 +34,7 @@ SMALLER_PLATE = {
     r"levels: 4": "levels: 3",
     r"levels: 6": "levels: 4",
     r"y: \[0, 5 mm\]": "y: [5 mm]",
-    r"(model_control: {points:) \d+": r"\1 10",
-    r"(four_factor_control: {points:) \d+": r"\1 3",
+    r"(validation: {points:) \d+": r"\1 40",
     r"\Z": "solver: {tolerance: 1e-2}\n",
 }
 
