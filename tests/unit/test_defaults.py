@@ -18,6 +18,7 @@ from squeezefilm.runs.basis import basis_file
 from squeezefilm.runs.code import Code
 from squeezefilm.studies.config import Config, load_config, parse_config
 from squeezefilm.studies.effective import effective_text, write_effective
+from squeezefilm.studies.plans import finger_positions, plan_sizes
 from squeezefilm.studies.schema import SUFFIXES, filled, schema
 from squeezefilm.studies.study import check_study
 
@@ -117,6 +118,10 @@ def test_positions_use_the_room_that_the_pad_has(shape):
     small = {"actuator": {"surface_radius": f"{reach * 1e3} mm"}}
     written = study(**small, **pad, positions={"phi_r_m": [1e-3]})
     assert written["positions"]["phi_r_m"] == [1e-3]
+    assert config["positions"]["points"] == 25
+    assert "points" not in written["positions"]
+    counted = study(positions={"points": 7})
+    assert (len(finger_positions(counted)), plan_sizes(counted)["four_factor"]) == (7, 35)
 
 
 def test_what_is_written_goes_before_what_follows():

@@ -4,7 +4,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pytest
 
+from squeezefilm.film.directions import Mirrors
 from squeezefilm.studies import plans
 from squeezefilm.studies.plans import (
     centred_grid,
@@ -13,6 +15,7 @@ from squeezefilm.studies.plans import (
     level_values,
     plan_sizes,
     random_plan,
+    space_filling,
     sweep_pieces,
 )
 
@@ -41,6 +44,29 @@ def test_the_four_factor_plan_has_13_positions_with_5_points(paper):
     )
     assert len(plan) == 65 == plan_sizes(paper)["four_factor"]
     assert not plan.drop(columns="point_id").duplicated().any()
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+def test_positions_of_another_study_fill_the_reachable_space(mirrored):
+    """Whatever the wavelength, its phase at the positions is even: they cannot alias with it."""
+    symmetry = Mirrors(x=mirrored, y=False)
+    positions = space_filling(symmetry, {"x_m": [0.01], "y_m": [0.004], "points": 101})
+    x_m, y_m = np.transpose(positions)
+    assert positions[0] == (0.0, 0.0)
+    assert len(set(positions)) == 101
+    assert (-0.01 * (not mirrored) <= x_m).all()
+    assert ((np.abs(x_m) <= 0.01) & (np.abs(y_m) <= 0.004)).all()
+    assert np.sum(x_m == 0.01) >= 10
+    assert {-0.004, 0.004} <= set(y_m)
+    inner = (x_m < 0.01) & (np.abs(y_m) < 0.004)
+    for wavelength_m in np.geomspace(1.5e-3, 10e-3, 40):  # of s², of modes of 3 to 20 mm
+        phase = np.exp(2j * np.pi * x_m[inner] / wavelength_m)
+        assert abs(phase.mean()) < 0.35, wavelength_m
+
+
+def test_positions_that_are_not_written_are_space_filling_but_in_the_paper(paper, quick):
+    assert "points" not in paper["positions"]
+    assert len(finger_positions(quick)) == plan_sizes(quick)["four_factor"] / 5
 
 
 BOX = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}

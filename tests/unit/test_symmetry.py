@@ -150,14 +150,19 @@ def rectangle(repository, tmp_path_factory):
     design = "point_id,h0_m,hv_m,phi_r_m,phi_deg,origin\n1,5e-6,2e-6,0,0,A\n2,8e-6,1e-6,0,0,A\n"
     (folder / "design.csv").write_text(design, encoding="utf-8")
     names = {name: f"{folder}/{name}.csv" for name in ("design", "scenes", "forces", "limits")}
+    sample = {name: f"{folder}/sample_{name}.csv" for name in ("scenes", "forces", "limits")}
     study = f"--config={config}"
     for words in (
         ["plan", "four_factor", f"--design={names['design']}", f"--output={names['scenes']}"],
         ["simulate", names["scenes"], f"--output={names['forces']}"],
         ["limits", names["scenes"], f"--output={names['limits']}"],
+        ["plan", "validation_four_factor", f"--output={sample['scenes']}"],
+        ["simulate", sample["scenes"], f"--output={sample['forces']}"],
+        ["limits", sample["scenes"], f"--output={sample['limits']}"],
         ["limit-table", f"--output={folder}/table.json"],
         [
             *("fit", names["forces"], "--model=limit_1", f"--limits={names['limits']}"),
+            *(f"--sample={sample['forces']}", f"--sample-limits={sample['limits']}"),
             *(f"--limit-table={folder}/table.json", f"--output={folder}/fit.json"),
         ],
     ):

@@ -1,13 +1,15 @@
 """The physics limits of a study as polynomials of the four factors, to go with a fitted model.
 
 A model that uses them can then be evaluated from its file alone, anywhere in the box of the
-factors. A limit over ε² is smooth, so few Chebyshev points per factor are enough.
+factors. A limit over ε² is smooth; how many Chebyshev points each factor needs is measured on a few
+lines through the box, for over the position it bends as often as the profile.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -15,17 +17,17 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.positions import CARTESIAN, form_of
+from squeezefilm.io.positions import form_of
 from squeezefilm.models.force_model import COLUMNS, Factors
 
 Array = NDArray[np.float64]
 
 AXES = ("h0_m", "epsilon_square")
 """And the two of the position."""
-POINTS = {"h0_m": 3, "epsilon_square": 11, "phi_r_m": 7, "phi_deg": 6, "x_m": 8, "y_m": 8}
-"""Of directions, for 45°: the force over more of them bends more often. Of x and y, on one side."""
-POINTS_OF_SCALES = POINTS | {"h0_m": 6}
-"""Inertia grows like the square of the gap, and a tilt or bulge counts less in a wider one."""
+LINE_POINTS = 65
+"""Chebyshev points of a line on which the decay of coefficients is measured."""
+LEAST_POINTS, MOST_NODES = 3, 15_000
+"""Of an axis; of a table, whose file grows with them."""
 LARGEST_EPSILON_SQUARE = 0.5
 """Amplitudes up to 0.7 of the gap: beyond a study's, since a wanted force may lie there."""
 SLACK = 1e-9
@@ -126,29 +128,60 @@ class LimitTable:
         return table
 
 
-def nodes(
-    ranges: Mapping[str, tuple[float, float]], counts: Mapping[str, int] = POINTS
-) -> tuple[dict[str, Array], tuple[int, ...]]:
-    """The Chebyshev points of the box, each axis as an array over all of them, and the shape.
+def tails(values: Array) -> Array:
+    """Error of an interpolation with fewer Chebyshev points, relative to the mean value.
 
-    An axis without extent has one point.
+    Args:
+        values: at the Chebyshev points of some lines along one axis, shape (lines, n).
+
+    Returns the largest over the lines of Σ |c_k|, k ≥ m, for m = 0 … n − 1, shape (n,).
     """
-    lines = []
-    for axis, (low, high) in ranges.items():
-        points = counts[axis] if high > low else 1
-        if axis == "phi_deg" and high - low > 45:
-            points = round(points * ((high - low) / 45) ** (2 / 3))
-        if axis in CARTESIAN and low < 0:
-            points = round(1.5 * points)
-        lines.append((low + high) / 2 + (high - low) / 2 * chebyshev.chebpts1(points))
+    sizes = np.abs(_transformed(values, axis=1)) / np.abs(values).mean(axis=1, keepdims=True)
+    return np.flip(np.cumsum(np.flip(sizes, axis=1), axis=1), axis=1).max(axis=0)
+
+
+def counts_for(tails_of: Mapping[str, Array], *, tolerance: float) -> dict[str, int]:
+    """Points of each axis: one more where the tail is longest, until all hold the tolerance.
+
+    Or until there are MOST_NODES, or as many points as were measured.
+    """
+    counts = {axis: min(LEAST_POINTS, len(tail)) for axis, tail in tails_of.items()}
+
+    def left(axis: str) -> float:
+        tail = tails_of[axis]
+        return float(tail[counts[axis]]) if counts[axis] < len(tail) else 0.0
+
+    while left(widest := max(counts, key=left)) > tolerance:
+        if prod(counts.values()) // counts[widest] * (counts[widest] + 1) > MOST_NODES:
+            break
+        counts[widest] += 1
+    return counts
+
+
+def nodes(
+    ranges: Mapping[str, tuple[float, float]], counts: Mapping[str, int]
+) -> tuple[dict[str, Array], tuple[int, ...]]:
+    """The Chebyshev points of the box, each axis as an array over all of them, and the shape."""
+    lines = [between(limits, chebyshev.chebpts1(counts[axis])) for axis, limits in ranges.items()]
     grid = np.meshgrid(*lines, indexing="ij")
     return dict(zip(ranges, (each.ravel() for each in grid), strict=True)), grid[0].shape
 
 
+def between(limits: tuple[float, float], place: Array) -> Array:
+    """Values of a factor at places in [-1, 1] between its limits."""
+    low, high = limits
+    return (low + high) / 2 + (high - low) / 2 * place
+
+
 def coefficients_of(values: Array) -> Array:
     """Chebyshev coefficients of values at the nodes, shape of the grid."""
-    for axis, points in enumerate(values.shape):
-        at_nodes = chebyshev.chebvander(chebyshev.chebpts1(points), points - 1)
-        moved = np.tensordot(np.linalg.inv(at_nodes), values, axes=(1, axis))
-        values = np.moveaxis(moved, 0, axis)
+    for axis in range(values.ndim):
+        values = _transformed(values, axis=axis)
     return values
+
+
+def _transformed(values: Array, *, axis: int) -> Array:
+    points = values.shape[axis]
+    at_nodes = chebyshev.chebvander(chebyshev.chebpts1(points), points - 1)
+    moved = np.tensordot(np.linalg.inv(at_nodes), values, axes=(1, axis))
+    return np.moveaxis(moved, 0, axis)

@@ -239,10 +239,10 @@ def _check_surface(values: dict[str, Any], *, path: Path) -> None:
         )
     disc = "surface_radius_m" in actuator
     factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
-    if set(positions) != set(factors):
+    if positions.keys() - {"points"} != set(factors):
         raise InputError(
             f"{path}: positions: on a {shape} they are {' and '.join(factors)}; "
-            f"the keys are {', '.join(positions)}"
+            f"the keys are {', '.join(positions.keys() - {'points'})}"
         )
     for factor in factors:
         if len(set(positions[factor])) < len(positions[factor]):

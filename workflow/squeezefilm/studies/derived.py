@@ -28,6 +28,8 @@ FINER, MOST_LEVELS = 2, 1000
 """The error map's levels over the screen's: they share no points but the corners."""
 SAME = 1e-9
 DIRECTIONS_DEG = (0, 22.5, 45)
+POSITIONS = 25
+"""Of the four-factor plan, where they are to fill the reachable space."""
 FARTHER = 1.1
 """An amplitude beyond the screen at which its models are tried, over the screen's largest."""
 FORMULAS = {
@@ -58,6 +60,8 @@ def with_derived(values: dict[str, Any]) -> dict[str, Any]:
         farthest = float(f"{FARTHER * screen['hv_m']['stop']:.12g}")
         contact = farthest >= wanted["h0_m"]
         wanted["hv_m"] = screen["hv_m"]["stop"] if contact else farthest
+    if not (values["paper"] or values["positions"]):
+        values["positions"]["points"] = POSITIONS
     _place(values["positions"], values["actuator"], values["finger"])
     known = _limit_is_known(values)
     for place, space in enumerate(("two_factor", "four_factor")):

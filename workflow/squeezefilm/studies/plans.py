@@ -1,22 +1,30 @@
 """Which points are simulated: the screen, the four-factor plan, samples and sweeps."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
 from squeezefilm.designs.box import Box
+from squeezefilm.film.directions import Symmetry
 from squeezefilm.io.positions import POLAR, as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.studies.config import ENDS, Config
 from squeezefilm.studies.study import surface_of, symmetry_of
 
+if TYPE_CHECKING:
+    from scipy.stats import qmc
+
 CENTRED = FACTOR_COLUMNS[:2]
 """The factors of a finger that stays at the centre."""
 VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
 """The plans of independent points, uniform over the declared space: finger centred, anywhere."""
+POSITIONS_SEED, EXPONENT = 1, 10
+"""Of the sequence of positions, and of two, the most points that it may have."""
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
 PIECE = 2**17
 
@@ -57,11 +65,33 @@ def plan(
 
 
 def finger_positions(config: Config) -> list[tuple[float, float]]:
-    """The centre, then those of the section ``positions``, in the surface's form (Fig. 15).
+    """The centre, then those of the section ``positions``, in the surface's form.
 
-    With their images, as far as the scene's own symmetry does not make them the same.
+    With ``points`` they fill the reachable space. Without, they are those written (Fig. 15), with
+    their images, as far as the scene's own symmetry does not make them the same.
     """
-    return symmetry_of(config).places(config["positions"])
+    positions = config["positions"]
+    if "points" in positions:
+        return space_filling(symmetry_of(config), positions)
+    return symmetry_of(config).places(positions)
+
+
+def space_filling(symmetry: Symmetry, positions: dict[str, Any]) -> list[tuple[float, float]]:
+    """Positions that fill the reachable space, so that no wave of the profile can alias with them.
+
+    The centre, then a scrambled Sobol' sequence over the space's limits, whose first quarter is
+    moved to the edges: the far one of the first factor, and the nearer one of the second.
+    """
+    limits = symmetry.limits(positions)
+    sequence = _sobol(len(limits), seed=POSITIONS_SEED).random_base2(EXPONENT)
+    unit = sequence[: positions["points"] - 1]
+    # Neighbours of the sequence, for those at a distance that is a power of two lie side by side.
+    edge = len(unit) // 4
+    unit[: edge // 2, 0] = 1.0
+    unit[edge // 2 : edge, 1] = np.round(unit[edge // 2 : edge, 1])
+    box = Box(tuple(limits), *zip(*limits.values(), strict=True))
+    first, second = np.vectorize(lambda value: float(f"{value:.12g}"))(box.from_unit(unit)).T
+    return [(0.0, 0.0), *zip(first.tolist(), second.tolist(), strict=True)]
 
 
 def four_factor_plan(
@@ -100,12 +130,16 @@ def declared_ranges(config: Config, *, centred: bool) -> dict[str, tuple[float, 
     return ranges | {name: (0.0, 0.0) for name in surface_of(config).position if name not in ranges}
 
 
+def _position_count(config: Config) -> int:
+    return config["positions"].get("points") or len(finger_positions(config))
+
+
 def plan_sizes(config: Config) -> dict[str, int]:
     """The number of points of each plan that is simulated in chunks."""
     grid = {name: config[name] for name in ("screen", "error_map")}
     return {
         **{name: g["h0_m"]["levels"] * g["hv_m"]["levels"] for name, g in grid.items()},
-        "four_factor": config["design"]["points"] * len(finger_positions(config)),
+        "four_factor": config["design"]["points"] * _position_count(config),
         **{name: config[name]["points"] for name in ("four_factor_control", "sweep")},
         **dict.fromkeys(VALIDATION_SAMPLES, config["validation"]["points"]),
     }
@@ -119,9 +153,7 @@ def sweep_pieces(
     Scrambled by the seed. The sequence is one: sweeps from ``first`` 0 and 1000, of 1000 points
     each, are the sweep of 2000 points in two parts. Points are numbered by their place in it.
     """
-    from scipy.stats import qmc  # slow to import, and only needed here
-
-    sequence = qmc.Sobol(4, rng=seed)
+    sequence = _sobol(4, seed=seed)
     if first:
         sequence.fast_forward(first)
     names = as_in(FACTOR_COLUMNS, ranges)
@@ -134,6 +166,12 @@ def sweep_pieces(
             drawn = lower + (upper - lower) * sequence.random(end - begin)
         table = plan(**dict(zip(names, drawn.T, strict=True)))
         yield table.assign(point_id=np.arange(begin + 1, end + 1).astype(str))
+
+
+def _sobol(factors: int, *, seed: int) -> qmc.Sobol:
+    from scipy.stats import qmc  # slow to import, and only needed here
+
+    return qmc.Sobol(factors, rng=seed)
 
 
 def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
