@@ -164,7 +164,7 @@ def test_a_position_is_kept_in_the_form_it_was_given():
 
 REFUSED = {
     "polar positions": (
-        ("x: [5 mm, 9.5 mm], y: [0, 5 mm]", "phi_r: [2 mm], phi: [0 deg]"),
+        ("x: [9.5 mm], y: [5 mm]", "phi_r: [2 mm], phi: [0 deg]"),
         "positions: on a rectangle they are x_m and y_m",
     ),
     "two surfaces": (
@@ -178,7 +178,7 @@ REFUSED = {
     "an axis": (("plate.csv}", "plate.csv, axisymmetric: true}"), "a rectangle has no axis"),
     "the paper": (("study: plate", "study: plate\npaper: true"), "the paper's actuator is a disc"),
     "a finger that cannot move": (
-        ("y: [0, 5 mm]", "y: [0]"),
+        ("y: [5 mm]", "y: [0]"),
         "positions.y_m: a value must be",
     ),
     "positions off the plate": (("9.5 mm]", "10.5 mm]"), "the rim of the finger lies at x ="),

@@ -23,24 +23,22 @@ that the validation sample gives (`squeezefilm predict`), and where it comes fro
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from squeezefilm import __version__
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_forces, read_json, read_ok_forces, write_json, write_table
+from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
 from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import fit_of
 from squeezefilm.models.fitting.described import described_fit
 from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.library import model_named
-from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.plans import declared_ranges
+from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
+from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation
 
 SECTIONS = ("fit", "models", "actuator", "finger", "screen", "positions")
 
@@ -62,32 +60,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="write into FIT.json why the model cannot be fitted, and exit with 0",
     )
-
-
-def add_sample_options(parser: argparse.ArgumentParser) -> None:
-    """The options of a validation sample."""
-    parser.add_argument("--sample", metavar="FORCES.csv", help="forces of a validation sample")
-    parser.add_argument(
-        "--sample-limits", metavar="LIMITS.csv", help="physics limits of its scenes"
-    )
-
-
-def with_validation(
-    about: dict[str, Any], config: Config, options: argparse.Namespace
-) -> dict[str, Any]:
-    """What a fit's file holds, with the prediction interval that the options' sample gives."""
-    if not options.sample:
-        return about
-    sample = read_forces(options.sample)
-    factors = factors_of(sample, limits=options.sample_limits)
-    fit = fit_of(about, place=options.sample).validated(
-        factors,
-        force_n=sample["force_n"].where(sample["status"] == "ok"),
-        force_error_n=sample["force_error_n"],
-        ranges=declared_ranges(config, centred=not factors.phi_r_m.any()),
-    )
-    print(fit.statement)
-    return dict(fit.values)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -119,7 +91,9 @@ def run(options: argparse.Namespace) -> None:
             table = read_json(options.limit_table)
             if "refused" not in table:
                 about["limit_table"] = table
-        about = with_validation(about, config, options)
+        about = with_validation(
+            about, config, sample=options.sample, sample_limits=options.sample_limits
+        )
     except InputError as error:
         if not options.keep_going:
             raise InputError(f"{options.forces}: {error}") from None

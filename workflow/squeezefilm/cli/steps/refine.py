@@ -20,7 +20,6 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm.cli.steps.fit import add_sample_options, with_validation
 from squeezefilm.designs.refine_loop import Round
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import (
@@ -36,6 +35,7 @@ from squeezefilm.models.library import SPACES, model_named
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.refined_model import SimulatedSpace, refined_model
 from squeezefilm.studies.tasks.scan_share import scan_error_of
+from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation
 
 SECTIONS = {
     "two_factor": ("gas", "actuator", "finger", "solver", "screen", "fit", "models", "refine"),
@@ -101,7 +101,10 @@ def run(options: argparse.Namespace) -> None:
     print(f"{found.outcome.verdict}: {found.outcome.reason}")
     for name in TABLES:
         write_table(getattr(found, name), getattr(options, name))
-    write_json(with_validation(found.fit, config, options), options.fit)
+    fit = with_validation(
+        found.fit, config, sample=options.sample, sample_limits=options.sample_limits
+    )
+    write_json(fit, options.fit)
     write_json(found.verdict, options.output)
 
 
