@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.study_at(options.config).only(SECTIONS)
+    config = which_study.study_at(options.config, SECTIONS)
     settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:
