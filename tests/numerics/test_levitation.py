@@ -13,7 +13,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.dynamics.levitation import levitate
-from squeezefilm.reynolds.dynamics.resonance import MOST_DAMPING, resonance
+from squeezefilm.reynolds.dynamics.resonance import resonance
 
 DEVICE = choose_device()
 SETTINGS = {"tolerance": 1e-6, "model_tolerance": 1e-3, "device": DEVICE}

@@ -121,8 +121,8 @@ class SlowFilm:
         """Fall of the mean force per small rise of ln h0, hv kept, in units of p0 and the area.
 
         At motions exp(iΩT) of the finger, Ω in units of ω, (n,): the imaginary part of the result
-        damps. Ω may be complex, as of a motion that dies away. A film (1 + δ) h0 thick is one of ε/(1 + δ), σ/(1 + δ)² and Kn/(1 + δ), in whose
-        units ψ is less by 1 + δ and w by its square.
+        damps. Ω may be complex, as of a motion that dies away. A film (1 + δ) h0 thick is one of
+        ε/(1 + δ), σ/(1 + δ)² and Kn/(1 + δ), in whose units ψ is less by 1 + δ and w by its square.
         """
         psi = self.density(self.settled(self.epsilon))
         thick, thin = (
