@@ -9,7 +9,8 @@ Each gap is sought with simulations, at the finger's place. Its modelling error 
 force, by what the film equation neglects, over the stiffness; the numerical error and a measured
 profile's noise are in `h0_error_m` alone. No gap is given where the modelling error is more than a
 tenth of the gap, or outside the film equation's limits of validity: a row of a table keeps the
-reason as its `status`, as a load that no gap carries does; one load ends with exit status 1.
+reason as its `status`, as a load that no gap carries does; one load alone ends with exit status 1
+and the range of loads that have a gap.
 `stiffness_n_per_m` is that of slow motion, −∂F/∂h0 with the amplitude kept and without the scan's
 noise, and `stable` is said of vertical motion alone. `others_m` are smaller gaps, roughly, that
 carry the same load. With a mass, which is its own load where none is given, `resonance_hz` and
@@ -51,6 +52,27 @@ SECTIONS = ("gas", "actuator", "finger", "solver")
 LOADS, AMPLITUDES = 8, 3
 AMPLITUDES_M = (1e-9, 1e-4)
 GRAVITY_M_PER_S2 = 9.80665
+COLUMNS = [
+    "load_n",
+    "hv_m",
+    "h0_m",
+    "h0_error_m",
+    "h0_modelling_error_lower_m",
+    "h0_modelling_error_upper_m",
+    "others_m",
+    "stiffness_n_per_m",
+    "stiffness_error_n_per_m",
+    "stable",
+    "epsilon",
+    "modified_reynolds",
+    "inertia",
+    "left_out_least_percent",
+    "left_out_most_percent",
+    "above_range",
+    "status",
+    "note",
+]
+MASS_COLUMNS = ["resonance_hz", "damping_ratio"]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -94,20 +116,19 @@ def run(options: argparse.Namespace) -> None:
                     failures.append(str(error))
                 rows.append(row)
                 bar.update(1)
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows).reindex(columns=COLUMNS + MASS_COLUMNS * (mass_kg is not None))
     if smoothed is not None:
         without = "note: errors of stiffness are without the scan's"
         print(without, *smoothed.warnings, sep="\n", file=sys.stderr)
     if options.output is not None:
         write_table(table, options.output)
         return
-    if failures:
-        if len(rows) == 1:
-            failures.append(trustworthy(scene_of(points[0], config), **how))
-        raise RunError("; ".join(failures))
     if len(rows) > 1:
         print(table.to_string(index=False, float_format=lambda value: f"{value:.4g}"))
         return
+    if failures:
+        failures.append(trustworthy(scene_of(points[0], config), **how))
+        raise RunError("; ".join(failures))
     _show(found)
     if moving is not None:
         print(f"vertical motion of {mass_kg:g} kg: {_words(moving)}")

@@ -174,11 +174,11 @@ def trustworthy(
     ]
     if not given:
         return "at this amplitude no gap is given"
-    first, last = given[0], given[-1]
-    return (
-        f"at this amplitude gaps are given from about {1e6 * gaps_m[first]:.2g} to "
-        f"{1e6 * gaps_m[last]:.2g} µm, for {forces_n[first]:.2g} to {forces_n[last]:.2g} N"
+    gaps, loads = (
+        " to ".join(dict.fromkeys(f"{values[k]:.2g}" for k in (given[0], given[-1])))
+        for values in (1e6 * gaps_m, forces_n)
     )
+    return f"at this amplitude gaps are given of about {gaps} µm, for about {loads} N"
 
 
 @dataclass(frozen=True)
