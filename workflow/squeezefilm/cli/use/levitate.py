@@ -124,7 +124,7 @@ def run(options: argparse.Namespace) -> None:
         write_table(table, options.output)
         return
     if len(rows) > 1:
-        print(table.to_string(index=False, float_format=lambda value: f"{value:.4g}"))
+        print(table.to_string(index=False, na_rep="", float_format="{:.4g}".format))
         return
     if failures:
         failures.append(trustworthy(scene_of(points[0], config), **how))

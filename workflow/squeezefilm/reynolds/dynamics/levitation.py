@@ -105,7 +105,7 @@ def levitate(
     Raises:
         InputError: for a load that is not positive, or one that no gap carries, with the range.
         RunError: where a force near the gap cannot be had to the tolerance, or where the gap says
-            nothing of a real film (``Levitation.untrustworthy``), with the range where it does.
+            nothing of a real film (``Levitation.untrustworthy``).
     """
     if not (isfinite(load_n) and load_n > 0):
         raise InputError(f"load: {load_n:g} N must be a positive force")
@@ -130,20 +130,16 @@ def levitate(
     (chosen,) = decided([near], model_tolerance=model_tolerance, method=method, device=device)
     found, not_included = _with_what_converges(near, chosen, brackets[-1], load_n=load_n, how=how)
     (budget,) = budgets([found.scene], device=device)
-    notes = [*kept_out(scene, method=method)]
+    notes = kept_out(near, method=method)
     for name, reason in not_included.items():
         known = budget.effects[name].usable
         effect = "its first order is in the modelling error" if known else "its effect is unknown"
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
-    found = replace(
-        found,
-        others_m=tuple(rough[:-1]),
-        budget=budget,
-        notes=(*notes, *notes_of(found.scene)),
-    )
-    if found.untrustworthy:
-        reasons = "; ".join([*found.untrustworthy, *notes])
-        raise RunError(f"load: no gap is given for {load_n:g} N: {reasons}")
+    stretched = notes_of(found.scene)
+    found = replace(found, others_m=tuple(rough[:-1]), budget=budget, notes=(*notes, *stretched))
+    if reasons := found.untrustworthy:
+        text = "; ".join([*reasons, *notes])
+        raise RunError(f"load: no gap is given for {load_n:g} N: {text}")
     return found
 
 
@@ -153,7 +149,8 @@ def trustworthy(
     """The gaps, and loads, that are given at a scene's amplitude, roughly and in words."""
     gaps_m = _gaps(scene)
     forces_n = _forces(_at(scene, gaps_m), tolerance=LOOK_TOLERANCE, method="auto", device=device)
-    slopes = np.gradient(forces_n, gaps_m)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = np.gradient(forces_n, gaps_m)
     # Outside the limits even of the equation that has the most of them there is no need to ask.
     open_to_all = replace(scene, gas=replace(scene.gas, inertia="included", heat="none"))
     some = [
