@@ -310,7 +310,7 @@ def test_a_part_levitates_on_a_tilted_film_from_where_it_does_not_touch(monkeypa
         levitation, "solve", lambda some, **rest: looked_at.extend(some) or solve(some, **rest)
     )
     tilted = shaped(film(epsilon=0.3, sigma=2331.0), GapShape(tilt_x_m=6e-6))
-    load_n = 0.02
+    load_n = 0.1
     found = levitation.levitate(
         tilted, load_n=load_n, tolerance=1e-5, model_tolerance=1e-2, device=choose_device()
     )

@@ -6,14 +6,17 @@ from math import pi
 import numpy as np
 import pandas as pd
 import pytest
-from films import film
+import yaml
+from films import PISTON, film
 
 from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.dynamics import levitation
 from squeezefilm.reynolds.dynamics.levitation import levitate
-from squeezefilm.reynolds.dynamics.resonance import MOST_DAMPING, resonance
+from squeezefilm.reynolds.dynamics.resonance import DAMPED, resonance
 
 DEVICE = choose_device()
 SETTINGS = {"tolerance": 1e-6, "model_tolerance": 1e-3, "device": DEVICE}
@@ -53,13 +56,170 @@ def test_a_heavy_mass_swings_on_the_slow_spring_and_a_light_one_on_gas_that_stay
     assert light.frequency_hz == pytest.approx(fast / (2 * pi), rel=0.06)
     assert 0 < light.damping_ratio < 0.1
     assert "tenth" in resonance(found, mass_kg=trapped / vibration**2).reason
-    ratios = [
+    moving = [
         resonance(found, mass_kg=trapped / (rate * vibration / 1e4) ** 2)
         for rate in np.geomspace(1, 1e3, 13)
     ]
-    assert max(each.damping_ratio for each in ratios) > 0.4
-    damped = [each for each in ratios if np.isnan(each.frequency_hz)]
-    assert all(each.damping_ratio > MOST_DAMPING for each in damped)
+    assert max(each.damping_ratio for each in moving if not each.reason) > 0.4
+    assert all(each.reason == DAMPED for each in moving if np.isnan(each.frequency_hz))
+
+
+def study(tmp_path, **sections) -> str:
+    """Nothing but what is used: no screen, and a pad as large as the surface, which cannot move."""
+    values = {
+        "study": "part",
+        "gas": {"inertia": "none", "heat": "none"},
+        "actuator": {
+            "frequency_hz": 43e3,
+            "surface": {"shape": "rectangle", "length_x_m": 0.01, "length_y_m": 0.01},
+            "profile": {"kind": "piston"},
+        },
+        "finger": {"length_x_m": 0.01, "length_y_m": 0.01},
+    } | sections
+    path = tmp_path / "study.yaml"
+    path.write_text(yaml.safe_dump({name: each for name, each in values.items() if each}))
+    return str(path)
+
+
+def levitated(tmp_path, *words: str, **sections) -> pd.DataFrame:
+    output = tmp_path / "levitation.csv"
+    words = [*words, "--config", study(tmp_path, **sections), "--output", str(output)]
+    assert main(["levitate", *words]) == 0
+    return pd.read_csv(output, keep_default_na=False, na_values=[""])
+
+
+def test_a_floating_part_oscillates_at_the_root_of_its_equation_of_motion(tmp_path):
+    """43 kHz under a pad of 10 × 10 mm; the static film has 239 Hz, and real frequencies 264 Hz."""
+    words = ["--load", "0.5N", "--hv", "2um", "--mass", "50g"]
+    row = levitated(tmp_path, *words).iloc[0]
+    assert row["h0_m"] == pytest.approx(9.572e-6, rel=1e-4)
+    assert row["resonance_hz"] == pytest.approx(217.2, rel=1e-3)
+    assert row["damping_ratio"] == pytest.approx(0.604, rel=1e-3)
+
+
+def test_a_mass_that_gas_pressed_out_holds_back_does_not_oscillate():
+    """Slow enough for the gas to leave, on a film whose slow spring is soft."""
+    scene = film(epsilon=0.02, sigma=1000.0, profile=PISTON)
+    (force,) = solve([scene], tolerance=1e-6, device=DEVICE)
+    found = levitate(scene, load_n=force.force_n, **SETTINGS)
+    rate = 3 * scene.actuator.angular_frequency_rad_per_s / 1000.0
+    moving = resonance(found, mass_kg=scene.force_scale_n / scene.h0_m / rate**2)
+    assert np.isnan(moving.frequency_hz)
+    assert moving.reason == DAMPED
+
+
+def test_a_mass_alone_is_its_own_load(tmp_path, capsys):
+    weight, known = (
+        levitated(tmp_path, *words, "--hv", "2um").iloc[0]
+        for words in (["--mass", "50g"], ["--load", "0.4903325N", "--mass", "50g"])
+    )
+    assert weight["load_n"] == pytest.approx(0.05 * 9.80665)
+    pd.testing.assert_series_equal(weight, known)
+    assert weight["resonance_hz"] > 0
+
+
+def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_path):
+    """The gap with inertia and heat of the gas, against that of the equation without them."""
+    words = ["--load", "0.5N", "--hv", "2um"]
+    without, with_both = (
+        levitated(tmp_path, *words, gas=gas).iloc[0]
+        for gas in (
+            {"inertia": "none", "heat": "none"},
+            {"inertia": "included", "heat": "included"},
+        )
+    )
+    moved_m = with_both["h0_m"] - without["h0_m"]
+    ends = ["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]
+    assert moved_m > 1000 * without["h0_error_m"]
+    # What is neglected still, the rim and slip, is in both.
+    lower, upper = without[ends].astype(float) - with_both[ends].astype(float)[::-1].to_numpy()
+    assert lower < moved_m < upper
+    share = without["left_out_most_percent"] / 100
+    stiffness = without["load_n"] / without["stiffness_n_per_m"]
+    assert without[ends[1]] == pytest.approx(share * stiffness, rel=1e-4)
+
+
+DISC = {
+    "gas": {},
+    "actuator": {"frequency_hz": 20e3, "surface_radius_m": 0.03, "profile": {"kind": "piston"}},
+    "finger": {"shape": "ellipse", "length_x_m": 0.03, "length_y_m": 0.03},
+}
+SQUARE = DISC | {"finger": {"length_x_m": 0.0266, "length_y_m": 0.0266}}
+
+
+@pytest.mark.parametrize(
+    ("words", "sections", "reasons"),
+    [
+        (
+            ["--mass", "10g", "--hv", "3um"],
+            DISC,
+            [
+                "modified Reynolds number",
+                "more than a tenth of the gap",
+                "inertia is auto and left",
+            ],
+        ),
+        (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 13.2", "tenth of the gap"]),
+        (
+            ["--mass", "10g", "--hv", "3um"],
+            SQUARE,
+            ["heat is auto and not included", "did not converge", "its effect is unknown"],
+        ),
+    ],
+)
+def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
+    tmp_path, capsys, words, sections, reasons
+):
+    row = levitated(tmp_path, *words, **sections).iloc[0]
+    assert pd.isna(row["h0_m"])
+    assert pd.isna(row["h0_modelling_error_upper_m"])
+    assert all(reason in row["status"] for reason in reasons)
+    assert main(["levitate", *words, "--config", study(tmp_path, **sections)]) == 1
+    said = capsys.readouterr()
+    assert "gap 0" not in said.out
+    assert all(reason in said.err for reason in [*reasons, "gaps are given of about"])
+
+
+def test_the_film_is_solved_without_a_term_that_keeps_newton_from_converging(tmp_path, monkeypatch):
+    def failing(scenes, **how):
+        found = solve(scenes, **how)
+        lost = Solution(status="Newton's method did not converge", method="periodic")
+        pairs = zip(scenes, found, strict=True)
+        return [lost if scene.gas.heat == "included" else each for scene, each in pairs]
+
+    monkeypatch.setattr(levitation, "solve", failing)
+    gases = ({"inertia": "included", "heat": "auto"}, {"inertia": "included", "heat": "none"})
+    open_, without = (
+        levitated(tmp_path, "--load", "0.5N", "--hv", "2um", gas=gas).iloc[0] for gas in gases
+    )
+    assert open_["h0_m"] == pytest.approx(without["h0_m"], rel=1e-9)
+    assert "gas.heat is auto and not included" in open_["note"]
+    assert "did not converge" in open_["note"]
+    assert pd.isna(without["note"])
+
+
+def test_a_table_has_what_auto_keeps_out_and_other_gaps_of_a_load(tmp_path, monkeypatch):
+    found = levitation._brackets
+    second = (4e-6, 4.4e-6)
+    monkeypatch.setattr(levitation, "_brackets", lambda *some: [second, *found(*some)])
+    row = levitated(tmp_path, "--load", "20N", "--hv", "3um", **DISC).iloc[0]
+    assert "gas.inertia is auto and left out: inertia is not known" in row["note"]
+    assert float(row["others_m"]) == pytest.approx((4e-6 * 4.4e-6) ** 0.5, rel=1e-2)
+
+
+def test_a_misspelled_section_is_told_and_one_that_is_not_used_may_be_wrong(tmp_path, capsys):
+    levitated(
+        tmp_path, "--load", "0.5N", "--hv", "2um", screen={"h0_m": "thin"}, positions={"x": 3}
+    )
+    path = study(tmp_path, fingers={"length_x_m": 0.01}, finger={})
+    assert main(["levitate", "--load", "0.5N", "--hv", "2um", "--config", path]) != 0
+    assert "unknown key 'fingers'; did you mean 'finger'?" in capsys.readouterr().err
+
+
+def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(tmp_path):
+    finger = {"length_x_m": 0.01, "length_y_m": 0.01, "gap": {"tilt_x_m": 6e-6}}
+    row = levitated(tmp_path, "--load", "0.5N", "--hv", "1um", finger=finger).iloc[0]
+    assert row["h0_m"] > 4e-6
 
 
 def test_a_resonance_that_is_not_known_says_why():

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from films import film
 from periodic_strip import PeriodicStrip
+from scipy.integrate import solve_ivp
+from scipy.optimize import least_squares
 
 import squeezefilm as sf
 from numerics.analytic import blech_stiffness
@@ -66,15 +68,25 @@ def test_under_a_piston_at_rest_a_moving_finger_has_the_films_linear_stiffness(s
 
 
 @pytest.mark.parametrize("uneven", [0.0, STRIP])
-@pytest.mark.parametrize(("epsilon", "sigma"), [(0.4, 40.0), (0.4, 500.0), (0.8, 500.0)])
-def test_a_moving_finger_over_a_vibration_feels_what_the_full_equation_says(uneven, epsilon, sigma):
-    """On a strip, from slow motion through the corner to that of gas that stays."""
+@pytest.mark.parametrize(
+    ("epsilon", "sigma", "damping"),
+    [(0.4, 40.0, 0.0), (0.4, 500.0, 0.0), (0.8, 500.0, 0.0), (0.4, 500.0, 0.6), (0.8, 500.0, 0.8)],
+)
+def test_a_moving_finger_over_a_vibration_feels_what_the_full_equation_says(
+    uneven, epsilon, sigma, damping
+):
+    """On a strip, from slow motion through the corner to that of gas that stays.
+
+    Steady motion, and motion that dies away with a damping ratio.
+    """
 
     def profile(x):
         return np.sinc(uneven * (x - 0.5))
 
     rates = np.append(0.0, np.array([1.0, 4.0, 10.0, 30.0]) / sigma)
     rates = rates[rates <= 0.1]
+    dies_away = np.sqrt(1 - damping**2) + 1j * damping
+    rates = rates * dies_away
     full = PeriodicStrip(epsilon, sigma, profile, instants=25).stiffness(rates)
     nodes = limit_axis(15).all_nodes
     s = np.repeat(profile(nodes)[:, None], len(nodes), axis=1)
@@ -99,6 +111,68 @@ def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(s
     assert slow == pytest.approx((forces[1] - forces[0]) / (2 * step), rel=1e-4)
     # ψ √(1 − ε²)⁻³ with ψ² = 1 + 3 ε²/2, but for the rim's layer
     assert fast == pytest.approx(1.24**0.5 * 0.84**-1.5, rel=0.02)
+
+
+def oscillation(film: SlowFilm, *, slow: float, scale: float) -> complex:
+    (root,) = [each for each in film.free_motion(slow=slow, scale=scale) if each.imag > 1e-9]
+    return root
+
+
+def test_a_mass_on_a_film_at_rest_oscillates_as_on_blechs_spring_and_damper():
+    """Blech's complex stiffness K(q) = Σ 64/(π⁴m²n²) q/(k² + q), k² = π²(m² + n²), at q = sσ."""
+    sigma, slow = 1e4, 0.3
+    film = piston(epsilon=1e-3, sigma=sigma)
+    odd = np.arange(1, 400, 2)
+    m, n = np.meshgrid(odd, odd)
+
+    def stiffness(q):
+        return np.sum(64 / (pi**4 * m**2 * n**2) * q / (pi**2 * (m**2 + n**2) + q))
+
+    for squeeze in (5.0, 30.0, 300.0):  # of motion with gas that stays
+        scale = (squeeze / sigma) ** 2
+        found = oscillation(film, slow=slow * scale, scale=scale)
+        excess = (found * sigma / squeeze) ** 2 + slow + stiffness(found * sigma)
+        assert abs(excess) < 2e-3 * slow
+        assert found.real < 0
+
+
+def test_a_mass_on_the_averaged_film_moves_in_time_as_its_root_says():
+    """Film of any ψ and moving mass, integrated together after a kick; ε 0.4, σ 500, with slip."""
+    nodes = limit_axis(9).all_nodes - 0.5
+    s = np.sinc(STRIP * np.hypot(*np.meshgrid(nodes, nodes, indexing="ij")))
+    film = slow_film(epsilon=0.4, sigma=500.0, amplitude=s, slip=0.05)
+    at_rest, fast = film.stiffness(np.array([0.0, np.inf])).real
+    scale = (12 / film.sigma) ** 2 / fast
+    root = oscillation(film, slow=scale * at_rest, scale=scale)
+    settled, inner = film.density(film.settled(film.epsilon)), film.inner
+    load = film.mean(settled, film.epsilon)
+
+    def rate(_, state):
+        psi, rise, speed = state[:-2], state[-2], state[-1]
+        there = film.thicker(1 + rise)
+        w = np.empty(inner.size)
+        w[inner] = psi**2 / 2 + film.slip * psi
+        w[~inner] = (1 + rise) ** 2 * there.rim(there.epsilon)
+        thick = film.density(w).reshape(settled.shape) / (1 + rise)
+        force = there.mean(thick, there.epsilon) - load
+        return np.concatenate([film.laplacian @ w / film.sigma, [speed, scale * force]])
+
+    kick = 1e-4
+    time = np.linspace(0, 6 * pi / root.imag, 400)
+    start = np.concatenate([settled.ravel()[inner], [0.0, kick * abs(root)]])
+    moved = solve_ivp(
+        rate, (0, time[-1]), start, method="BDF", t_eval=time, rtol=1e-8, atol=1e-12
+    ).y[-2]
+
+    def left(numbers):  # of an oscillation and two motions of the film that creep
+        decay, frequency, *creep = numbers
+        turning = np.exp(decay * time) * np.exp(1j * frequency * time)
+        parts = np.stack([turning.real, turning.imag, *np.exp(np.outer(creep, time))], axis=1)
+        return parts @ np.linalg.lstsq(parts, moved / kick, rcond=None)[0] - moved / kick
+
+    guess = [0.8 * root.real, 1.2 * root.imag, -5 / film.sigma, -20 / film.sigma]
+    decay, frequency, *_ = least_squares(left, guess, x_scale=np.abs(guess), xtol=1e-14).x
+    assert complex(decay, frequency) == pytest.approx(root, rel=1e-4)
 
 
 def from_rest(film: SlowFilm, periods: np.ndarray) -> np.ndarray:

@@ -2,12 +2,12 @@
 
 For three amplitudes of the screen, the finger at the centre: where the mean force equals the load.
 Dotted: the surface would touch. Grey: the gaps of the study; outside them models are extrapolated,
-simulations are not. Hollow: beyond Re 10, where inertia rules and a first order says nothing.
+simulations are not. No gap is given where its modelling error is more than a tenth of it, or the
+film equation's limits of validity are exceeded. Hollow: beyond Re 10.
 """
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -37,7 +37,7 @@ COLUMNS = (
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:
-    """A row for each load and amplitude; without a gap where none carries the load."""
+    """A row for each load and amplitude; without a gap where none is given (`levitate`)."""
     table = read_columns(inputs["levitation"], columns=("load_n", "hv_m", "h0_m", "status"))
     gaps = micrometres(read_columns(inputs["screen"], columns=("h0_m",))["h0_m"])
     scan = "with the scan's noise in the gap, " * (
@@ -56,23 +56,19 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
 def _note(table: pd.DataFrame, *, scan: str) -> str:
     known = table[table["h0_m"].notna()]
     if known.empty:
-        return f"No gap carries any of the {len(table)} loads."
+        return f"No gap is given for any of the {len(table)} loads."
     within = known[known["modified_reynolds"] <= MOST_REYNOLDS]
     numerical = max(
         (known["h0_error_m"] / known["h0_m"]).max(),
         (known["stiffness_error_n_per_m"] / known["stiffness_n_per_m"].abs()).max(),
     )
     note = (
-        f"A gap was found for {len(known)} of {len(table)} loads. Numerical error {scan}up to "
+        f"A gap is given for {len(known)} of {len(table)} loads. Numerical error {scan}up to "
         f"{100 * float(numerical):.1g} %"
     )
-    first = known[known["above_range"].isna()]
-    ends = first[["left_out_least_percent", "left_out_most_percent"]].abs().to_numpy()
-    if np.isfinite(ends).any():
-        note += (
-            f"; at the {len(first)} gaps where first orders hold the equation leaves out up to "
-            f"{np.nanmax(ends):.2g} % of a force"
-        )
+    ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
+    if (shares := (ends / known["h0_m"]).dropna()).size:
+        note += f"; modelling error up to {100 * float(shares.max()):.2g} % of a gap"
     note += ". Dotted: h0 = hv, contact of an even gap; grey: the study's gaps"
     return note + (f"; hollow: beyond Re {MOST_REYNOLDS:g}." if len(within) < len(known) else ".")
 

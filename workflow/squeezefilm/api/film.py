@@ -58,7 +58,7 @@ class Film:
         given = {"gas": gas, "actuator": actuator, "finger": finger, "solver": solver}
         sections = {name: dict(keys or {}) for name, keys in given.items()}
         place = Path("film")
-        return Film(Config(place, parse_sections(sections, place=place)))
+        return Film(Config(place, parse_sections(sections, sections=SECTIONS, place=place)))
 
     @property
     def device(self) -> Device:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -100,9 +100,26 @@ def load_config(path: Path | str) -> Config:
 
     Raises InputError naming the file, the key, what is wrong with it and what is allowed.
     """
-    path = Path(path)
+    return parse_config(_text_of(path), path=Path(path))
+
+
+def load_sections(path: Path | str, sections: Sequence[str]) -> Config:
+    """Read some sections of a configuration file; the others are not checked and may be missing.
+
+    Raises InputError as ``load_config`` does.
+    """
+    known = schema()["properties"]
+    values = {
+        name: value
+        for name, value in _values_of(_text_of(path), path=Path(path)).items()
+        if name in sections or name not in known
+    }
+    return Config(Path(path), parse_sections(values, sections=sections, place=Path(path)))
+
+
+def _text_of(path: Path | str) -> str:
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        return Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such configuration file") from None
     except UnicodeDecodeError as error:
@@ -111,7 +128,6 @@ def load_config(path: Path | str) -> Config:
         ) from None
     except OSError as error:
         raise InputError(f"{path}: the configuration cannot be read: {error}") from None
-    return parse_config(text, path=path)
 
 
 def parse_config(text: str, *, path: Path) -> Config:
@@ -119,15 +135,7 @@ def parse_config(text: str, *, path: Path) -> Config:
 
     Raises InputError as ``load_config`` does.
     """
-    try:
-        values = yaml.load(text, Loader=_Loader)
-    except (yaml.YAMLError, ValueError) as error:
-        raise InputError(f"{path}: not valid YAML: {_one_line(error)}") from None
-    except RecursionError:
-        raise InputError(f"{path}: nested too deeply") from None
-    if not isinstance(values, dict):
-        raise InputError(f"{path}: a configuration is a mapping of keys to values")
-    values = _checked(values, schema(), path=path)
+    values = _checked(_values_of(text, path=path), schema(), path=path)
     with_defaults = filled(values, schema())
     defaults = _places(with_defaults)
     with naming(path):
@@ -140,7 +148,21 @@ def parse_config(text: str, *, path: Path) -> Config:
     return Config(path=path, sections=whole, origins=origins)
 
 
-def parse_sections(values: dict[str, Any], *, place: Path) -> dict[str, Any]:
+def _values_of(text: str, *, path: Path) -> dict[str, Any]:
+    try:
+        values = yaml.load(text, Loader=_Loader)
+    except (yaml.YAMLError, ValueError) as error:
+        raise InputError(f"{path}: not valid YAML: {_one_line(error)}") from None
+    except RecursionError:
+        raise InputError(f"{path}: nested too deeply") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: a configuration is a mapping of keys to values")
+    return values
+
+
+def parse_sections(
+    values: dict[str, Any], *, sections: Sequence[str], place: Path
+) -> dict[str, Any]:
     """Some sections of a study, checked and filled with defaults as a file's are.
 
     Raises InputError naming the place, the key, what is wrong with it and what is allowed.
@@ -148,13 +170,15 @@ def parse_sections(values: dict[str, Any], *, place: Path) -> dict[str, Any]:
     whole = schema()
     part = {
         **whole,
-        "properties": {name: whole["properties"][name] for name in values},
-        "required": list(values),
+        "properties": {name: whole["properties"][name] for name in sections},
+        "required": [name for name in whole["required"] if name in sections],
     }
     found = dict(filled(_checked(values, part, path=place), part))
     if "gas" in found:
         with naming(place):
             found["gas"] = whole_gas(found["gas"])
+    if "actuator" in found:
+        _check_surface(found["actuator"], path=place)
     return found
 
 
@@ -211,7 +235,8 @@ def _check_relations(values: dict[str, Any], *, path: Path) -> None:
         )
     _check_film_is_thin(values, path=path)
     _check_space(values, path=path)
-    _check_surface(values, path=path)
+    _check_surface(values["actuator"], path=path)
+    _check_positions(values, path=path)
 
 
 def _check_film_is_thin(values: dict[str, Any], *, path: Path) -> None:
@@ -229,15 +254,22 @@ def _check_film_is_thin(values: dict[str, Any], *, path: Path) -> None:
         )
 
 
-def _check_surface(values: dict[str, Any], *, path: Path) -> None:
-    """Refuse two surfaces or none, and positions in a form that is not the surface's."""
-    actuator, positions = values["actuator"], values["positions"]
+def _check_surface(actuator: dict[str, Any], *, path: Path) -> None:
+    """Refuse two surfaces or none, and an axis that a rectangle does not have."""
     if ("surface" in actuator) == ("surface_radius_m" in actuator):
         raise InputError(
             f"{path}: actuator: give surface_radius_m, of a disc, or surface, of a rectangle, "
             "and not both"
         )
-    disc = "surface_radius_m" in actuator
+    if "surface" in actuator and actuator["profile"].get("axisymmetric"):
+        raise InputError(
+            f"{path}: actuator.profile.axisymmetric: a rectangle has no axis; it must be false"
+        )
+
+
+def _check_positions(values: dict[str, Any], *, path: Path) -> None:
+    """Refuse positions in a form that is not the surface's."""
+    positions, disc = values["positions"], "surface_radius_m" in values["actuator"]
     factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
     if positions.keys() - {"points"} != set(factors):
         raise InputError(
@@ -253,10 +285,6 @@ def _check_surface(values: dict[str, Any], *, path: Path) -> None:
             )
     if not disc and values.get("paper"):
         raise InputError(f"{path}: paper: the paper's actuator is a disc; it must be false")
-    if not disc and actuator["profile"].get("axisymmetric"):
-        raise InputError(
-            f"{path}: actuator.profile.axisymmetric: a rectangle has no axis; it must be false"
-        )
 
 
 def _check_space(values: dict[str, Any], *, path: Path) -> None:

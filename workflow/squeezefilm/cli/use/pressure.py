@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> None:
     given = {name: getattr(options, name) for name in OPTIONS}
     if not (given["h0"] and given["hv"]):
         raise InputError("give --h0 and --hv")
-    film = Film(which_study.study_at(options.config).only(SECTIONS))
+    film = Film(which_study.study_at(options.config, SECTIONS))
     field = film.pressure(**given, places=options.places, instants=options.instants)
     if options.output.endswith(".nc"):
         with whole_file(options.output) as path:

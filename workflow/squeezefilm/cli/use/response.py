@@ -80,7 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.study_at(options.config).only(SECTIONS)
+    config = which_study.study_at(options.config, SECTIONS)
     settings = solver_settings(config, outputs=())
     points = points_in(options)
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))

@@ -92,7 +92,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.study_at(options.config).only(SECTIONS)
+    config = which_study.study_at(options.config, SECTIONS)
     settings = solver_settings(
         config, tolerance=options.tolerance, method=options.method, outputs=options.outputs
     )

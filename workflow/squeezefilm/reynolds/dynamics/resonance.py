@@ -1,31 +1,31 @@
 """The vertical motion of a mass that floats on a film: its frequency and its damping.
 
 The film's stiffness rises with the frequency, from that of slow motion, with gas that comes and
-goes through the rim, to that of gas that stays; in between the gas that is pressed out damps. Over
-a frequency Ω it is that of the settled film and what the slow film (slow_film.py) adds to its own
-settled one; without inertia and heat of the gas, which matter at the vibration's frequency.
+goes through the rim, to that of gas that stays; in between the gas that is pressed out damps. So
+free motion exp(st) of a mass m is a root of its equation of motion with the film's stiffness at
+that complex s,
+
+    m s² + k + K(s/ω) − K(0) = 0,   s = −ζ ωₙ ± i ωₙ √(1 − ζ²),
+
+k the stiffness of slow motion of the settled film and K that of the slow film (slow_film.py);
+without inertia and heat of the gas, which matter at the vibration's frequency.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, nan, pi, sqrt
-
-import numpy as np
-from scipy.interpolate import PchipInterpolator
+from math import nan
 
 from squeezefilm.reynolds.dynamics.levitation import Levitation
 from squeezefilm.reynolds.dynamics.response import MOST_MODULATION
 from squeezefilm.reynolds.dynamics.scenes import refused, slow_film_of
 
-# Frequencies at which the stiffness is found, in equal ratios.
-LOOKED_AT = 40
 # Of the slow film's settled force. Up to there the stiffness is within 1 % of the full equation's
 # (on strips, σ 20–2700, ε 0.1–0.8).
 MOST_ERROR = 0.2
-MOST_DAMPING = 1 / sqrt(2)
-"""Damping ratio from which on the motion of an oscillator has no resonance."""
-DAMPED = "no resonance: gas that is pressed out damps the motion away"
+# Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
+LEAST_OSCILLATION = 1e-3
+DAMPED = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class Resonance:
     """Free vertical motion of a mass on a film.
 
     Attributes:
-        frequency_hz: NaN where there is no resonance.
-        damping_ratio: over critical damping, at the resonance, or at the slowest motion where there
-            is none; NaN where it is not known.
-        reason: that there is no resonance or none is known, and why; empty where there is one.
+        frequency_hz: at which it oscillates as it dies away, |Im s|/2π; NaN where there is no
+            oscillation or none is known.
+        damping_ratio: ζ = −Re s/|s|, 1 for critical damping; NaN as the frequency.
+        reason: why there is none or none is known; empty where there is one.
     """
 
     frequency_hz: float
@@ -45,7 +45,7 @@ class Resonance:
 
 
 def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
-    """Of a small motion; the least frequency at which it is not damped away."""
+    """The slowest free oscillation, of a small motion."""
     scene = found.scene
     if not found.stable:
         return Resonance(nan, nan, "no resonance: not stable")
@@ -55,26 +55,18 @@ def resonance(found: Levitation, *, mass_kg: float) -> Resonance:
     film, error = slow_film_of(settled)
     if error > MOST_ERROR:
         return _unknown(f"the slow film's settled force is {error:.0%} off")
-    vibration = scene.actuator.angular_frequency_rad_per_s
-    unit = scene.force_scale_n / scene.h0_m
-    at_rest, fast = film.stiffness(np.array([0.0, inf])).real
-    slowest = sqrt(found.stiffness_n_per_m / mass_kg)
-    fastest = sqrt((found.stiffness_n_per_m + unit * max(fast - at_rest, 0.0)) / mass_kg)
-    most = MOST_MODULATION * vibration
-    too_fast = f"it is faster than {most / (2 * pi):.3g} Hz, a tenth of the vibration"
-    if slowest > most:
-        return _unknown(too_fast)
-    rates = np.geomspace(slowest / 1.1, min(1.1 * fastest, most), LOOKED_AT)
-    stiffness = found.stiffness_n_per_m + unit * (film.stiffness(rates / vibration) - at_rest)
-    excess = PchipInterpolator(rates, mass_kg * rates**2 - stiffness.real)
-    roots = excess.roots(extrapolate=False)
-    if not roots.size:
-        return _unknown(too_fast)
-    ratios = PchipInterpolator(rates, stiffness.imag)(roots) / (2 * mass_kg * roots**2)
-    light = np.flatnonzero(ratios < MOST_DAMPING)
-    if not light.size:
-        return Resonance(nan, float(ratios[0]), DAMPED)
-    return Resonance(float(roots[light[0]] / (2 * pi)), float(ratios[light[0]]))
+    unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
+    roots = film.free_motion(
+        slow=found.stiffness_n_per_m / unit, scale=scene.force_scale_n / scene.h0_m / unit
+    )
+    oscillations = roots[roots.imag > LEAST_OSCILLATION * abs(roots)]
+    if not oscillations.size:
+        return Resonance(nan, nan, DAMPED)
+    root = complex(min(oscillations, key=abs))
+    if abs(root) > MOST_MODULATION:
+        most_hz = MOST_MODULATION * scene.actuator.frequency_hz
+        return _unknown(f"it is faster than {most_hz:.3g} Hz, a tenth of the vibration")
+    return Resonance(root.imag * scene.actuator.frequency_hz, -root.real / abs(root))
 
 
 def _unknown(reason: str) -> Resonance:

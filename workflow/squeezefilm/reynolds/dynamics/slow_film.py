@@ -23,6 +23,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from squeezefilm.reynolds.limits import boundary_layer
+from squeezefilm.reynolds.limits.boundary_layer import all_weights
 from squeezefilm.reynolds.limits.films import Films, films_of
 
 # Step of a difference quotient of the layer's functions, relative to ε.
@@ -119,20 +120,58 @@ class SlowFilm:
     def stiffness(self, modulation: np.ndarray) -> np.ndarray:
         """Fall of the mean force per small rise of ln h0, hv kept, in units of p0 and the area.
 
-        Complex, at motions of the finger of frequencies in units of ω, (n,): the imaginary part
-        damps. A film (1 + δ) h0 thick is one of ε/(1 + δ), σ/(1 + δ)² and Kn/(1 + δ), in whose
-        units ψ is less by 1 + δ and w by its square.
+        At motions exp(iΩT) of the finger, Ω in units of ω, (n,): the imaginary part of the result
+        damps. Ω may be complex, as of a motion that dies away. A film (1 + δ) h0 thick is one of
+        ε/(1 + δ), σ/(1 + δ)² and Kn/(1 + δ), in whose units ψ is less by 1 + δ and w by its square.
         """
         psi = self.density(self.settled(self.epsilon))
-        thick, thin = (1 + STEP, self.thicker(1 + STEP)), (1 - STEP, self.thicker(1 - STEP))
-        rims = [ratio**2 * film.rim(film.epsilon) for ratio, film in (thick, thin)]
-        means = [film.mean(psi / ratio, film.epsilon) for ratio, film in (thick, thin)]
+        thick, thin = (
+            self.thicker(ratio).mean(psi / ratio, self.epsilon / ratio)
+            for ratio in (1 + STEP, 1 - STEP)
+        )
         return -self._change(
             modulation,
             psi,
-            on_rim=(rims[0] - rims[1]) / (2 * STEP),
-            at_once=(means[0] - means[1]) / (2 * STEP),
+            on_rim=self._rim_of_a_thicker(),
+            at_once=(thick - thin) / (2 * STEP),
         )
+
+    def free_motion(self, *, slow: float, scale: float) -> np.ndarray:
+        """All exponents λ of free motion exp(λT) of a mass on the film, in units of ω, complex.
+
+        The roots of λ² + slow + scale (K(−iλ) − K(0)) = 0, K that of ``stiffness``, as eigenvalues:
+        with δ the change of ln h0 and z what δw is more than it would be in slow motion,
+
+            σ ∂z/∂T = (ψ + 6 Kn) ∇²z − σ w₀ ∂δ/∂T,   ∂²δ/∂T² = scale ⟨z⟩ − slow δ,
+
+        w₀ the δw of slow motion for δ = 1, ⟨z⟩ its change of the mean pressure.
+
+        Args:
+            slow: stiffness of slow motion over mass and ω².
+            scale: unit of K, p0 times the area over h0, over mass and ω².
+        """
+        films = self.films
+        psi = self.density(self.settled(self.epsilon))
+        mobility = (psi + self.slip).ravel()[self.inner]
+        inside, on_rim = self.laplacian[:, self.inner], self._rim_of_a_thicker()
+        at_rest = np.linalg.solve(inside, -self.laplacian[:, ~self.inner] @ on_rim)
+        of_mean = np.outer(all_weights(films.x), all_weights(films.y)) / self._root(self.epsilon)
+        count = len(mobility)
+        matrix = np.zeros((count + 2, count + 2))
+        matrix[:count, :count] = mobility[:, None] * inside / self.sigma
+        matrix[:count, -1] = -at_rest
+        matrix[-2, -1] = 1
+        matrix[-1, :count] = scale * of_mean.ravel()[self.inner] / mobility
+        matrix[-1, -2] = -slow
+        return np.linalg.eigvals(matrix)
+
+    def _rim_of_a_thicker(self) -> np.ndarray:
+        """Change of w on the rim per small rise of ln h0."""
+        thick, thin = (
+            ratio**2 * self.thicker(ratio).rim(self.epsilon / ratio)
+            for ratio in (1 + STEP, 1 - STEP)
+        )
+        return np.asarray((thick - thin) / (2 * STEP))
 
     def thicker(self, ratio: float) -> SlowFilm:
         """The same amplitude over a gap that many times as wide."""

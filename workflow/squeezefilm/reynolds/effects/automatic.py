@@ -48,7 +48,7 @@ def decided(
     for k, budget in zip(asked, budgets([found[k] for k in asked], device=device), strict=True):
         for name in open_[k]:
             if _matters(budget, name, model_tolerance):
-                found[k] = _with(found[k], name, "included")
+                found[k] = with_term(found[k], name, "included")
     return found
 
 
@@ -65,7 +65,8 @@ def _choice(scene: Scene, name: str) -> str:
     return str(getattr(scene.gas, name))
 
 
-def _with(scene: Scene, name: str, choice: str) -> Scene:
+def with_term(scene: Scene, name: str, choice: str) -> Scene:
+    """The scene with a term of OPEN ``included``, ``none`` or ``auto``."""
     choices: dict[str, Any] = {name: choice}
     return replace(scene, gas=replace(scene.gas, **choices))
 
@@ -74,13 +75,13 @@ def _closed(scene: Scene) -> Scene:
     """The scene without what is to be decided."""
     for name in OPEN:
         if _choice(scene, name) == "auto":
-            scene = _with(scene, name, "none")
+            scene = with_term(scene, name, "none")
     return scene
 
 
 def _refused(scene: Scene, name: str, term: Term, method: str) -> str:
     """Why a scene that had a term would not be solved by the method; empty where it would."""
-    scene = _with(scene, name, "included")
+    scene = with_term(scene, name, "included")
     if wants_modes(scene):
         return term.refused_in_modes(scene)
     if method == "march":

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from math import isfinite, nan
-from typing import NamedTuple
+from math import isfinite, isnan, nan
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -119,6 +119,12 @@ class Budget:
     @property
     def effects(self) -> dict[str, Effect]:
         return {name: getattr(self, name) for name in NAMES}
+
+    @property
+    def known(self) -> Budget:
+        """The budget as if what is not known in it were nothing."""
+        unknown: Any = {name: NONE for name, each in self.effects.items() if isnan(each.percent)}
+        return replace(self, **unknown)
 
     @property
     def above_range(self) -> list[str]:
