@@ -109,7 +109,9 @@ def test_the_finger_must_lie_on_the_plate(plate, x_m, y_m):
 
 
 def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):
-    config = study(plate, positions={"x_m": [0.005, 0.0095], "y_m": [0, 0.005]})
+    config = study(plate)
+    positions = {"x_m": [0.005, 0.0095], "y_m": [0, 0.005]}
+    config = Config(path=config.path, sections=config.sections | {"positions": positions})
     assert symmetry_of(config) == Mirrors(x=True, y=True)
     mirrored = finger_positions(config)
     assert mirrored[:4] == [(0.0, 0.0), (0.0, 0.005), (0.005, 0.0), (0.005, 0.005)]
