@@ -54,7 +54,7 @@ LIFTED = GapShape(tilt_x_m=8e-6)
             {"h0_um": 24, **IN, "heat": "included"},
             f"Re = 10.4 is above 10 (heat included): {UNKNOWN}",
         ),
-        ({"h0_um": 20, "side_m": 1.5e-3, **IN}, "Re = 7.23 is above 5 (inertia included, σ below"),
+        ({"h0_um": 20, "side_m": 1.5e-3, **IN}, "Re = 7.23 is above 2 (inertia included, σ below"),
         ({"h0_um": 1, "hz": 8e6}, f"h0/λ = 0.0233 is above 0.02: {UNKNOWN}"),
         ({"h0_um": 5, "hz": 8e6}, f"h0/λ = 0.117 is above 0.1: {NOT_APPLICABLE}"),
         ({"h0_um": 5, "hv_um": 4.8}, f"hv/h0 = 0.96 is above 0.95: {UNKNOWN}"),
