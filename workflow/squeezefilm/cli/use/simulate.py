@@ -10,7 +10,7 @@ with all that is known of its force; several make a table, in which `force_error
 a scan too and `left_out_…_percent` is what the film equation leaves out, least and most.
 
 `validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with what
-that means. One point outside them is shown too, with exit status 1; rows of a table are not counted.
+that means. One point outside them is shown too, with exit status 1; rows of a table end with 0.
 
 Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
 largest overpressure times the finger's area. The exit status is 1 when a scene has no force; all
