@@ -1,12 +1,13 @@
 """Limits of validity are exceeded where the film equation ends, and not in the paper's space."""
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pytest
 
 from squeezefilm.film.finger import GapShape
-from squeezefilm.film.validity import NOT_APPLICABLE, OK, UNKNOWN, exceeded, validity
+from squeezefilm.film.validity import LIMITS, NOT_APPLICABLE, OK, UNKNOWN, exceeded, validity
 from squeezefilm.film.vibration.shapes import Piston
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.study import scene_of
@@ -82,3 +83,19 @@ def test_the_papers_space_is_within_the_limits(request, study):
     for gap in gaps:
         for amplitude in amplitudes:
             assert validity(scene_of(ScenePoint("1", gap, amplitude), config)) == OK
+
+
+def test_the_docs_have_the_list(repository):
+    """docs/solver.md has a row for each limit, and no more."""
+    text = (repository / "docs" / "solver.md").read_text(encoding="utf-8")
+    section = text.split("## Limits of validity\n")[1].split("\n## ")[0]
+    rows = [line for line in section.splitlines() if line.startswith("| ")][2:]
+    assert rows == [
+        f"| {each.quantity} {each.symbol} | {each.holds_for} | {bound(each.unknown_above)} | "
+        f"{bound(each.not_above)} | {each.source} |"
+        for each in LIMITS
+    ]
+
+
+def bound(value: float) -> str:
+    return f"{value:.2g}" if value < inf else "–"

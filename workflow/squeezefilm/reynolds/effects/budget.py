@@ -203,7 +203,9 @@ def _told(budget: Budget, scene: Scene, *, basis: str) -> Budget:
         budget,
         inertia=budget.inertia._replace(in_force=with_inertia),
         heat=budget.heat._replace(in_force=with_heat),
-        depth_averaged=Effect(*depth_averaged.error_percent(scene), estimate=True),
+        depth_averaged=Effect(*depth_averaged.error_percent(scene), estimate=True)
+        if budget.status == "ok"
+        else UNKNOWN,
         basis=basis,
     )
 
@@ -362,6 +364,7 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
         heat=UNKNOWN  # a polytropic exponent stands for it
         if scene.gas.polytropic_exponent != 1
         else _effect(percent["heat"], missed=HEAT_MISSED * reynolds),
+        depth_averaged=NONE,  # without inertia and heat
         slip=_effect(
             percent["slip"],
             missed=SLIP_MISSED * 6 * scene.knudsen,

@@ -45,9 +45,9 @@ WITH_HEAT = (
 # Below THICK_SIGMA strips that resolve the profiles were compared up to this Re, and no further.
 MOST_REYNOLDS_THICK = 2.0
 # By how much the change may be off, as a share of the largest at the same Re, for ε → 0 and for
-# each unit of ε: strips that resolve the profiles, piston and sinc, ε 0.02–0.7, σ 1–1e4.
+# each unit of ε: 288 strips that resolve the profiles, piston and sinc, ε 0.02–0.8, σ 0.5–1e4.
 OFF, OFF_PER_EPSILON = 0.7, 1.0
-OFF_THICK, OFF_THICK_PER_EPSILON = 1.5, 5.0
+OFF_THICK, OFF_THICK_PER_EPSILON = 2.0, 5.0
 
 
 def error_percent(scene: Scene) -> tuple[float, float]:
