@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from squeezefilm.film.finger import GapShape
-from squeezefilm.film.validity import LIMITS, NOT_APPLICABLE, OK, UNKNOWN, exceeded, validity
+from squeezefilm.film.validity import (
+    LEAST_INVERSE_KNUDSEN,
+    LIMITS,
+    NOT_APPLICABLE,
+    OK,
+    UNKNOWN,
+    exceeded,
+    validity,
+)
 from squeezefilm.film.vibration.shapes import Piston
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.study import scene_of
@@ -85,13 +93,19 @@ def test_the_papers_space_is_within_the_limits(request, study):
             assert validity(scene_of(ScenePoint("1", gap, amplitude), config)) == OK
 
 
+def test_the_flow_factors_limits_are_one():
+    """In Kn, of the list, and in D, by which the solver refuses a film."""
+    ends = [each.not_above for each in LIMITS if each.symbol == "Kn"]
+    assert ends == pytest.approx([np.sqrt(np.pi) / (2 * LEAST_INVERSE_KNUDSEN)] * 3, rel=1e-4)
+
+
 def test_the_docs_have_the_list(repository):
     """docs/solver.md has a row for each limit, and no more."""
     text = (repository / "docs" / "solver.md").read_text(encoding="utf-8")
     section = text.split("## Limits of validity\n")[1].split("\n## ")[0]
     rows = [line for line in section.splitlines() if line.startswith("| ")][2:]
     assert rows == [
-        f"| {each.quantity} {each.symbol} | {each.holds_for} | {bound(each.unknown_above)} | "
+        f"| {each.quantity} {each.symbol} | {each.films} | {bound(each.unknown_above)} | "
         f"{bound(each.not_above)} | {each.source} |"
         for each in LIMITS
     ]

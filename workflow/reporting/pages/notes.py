@@ -12,9 +12,9 @@ from squeezefilm.film.validity import LIMITS, Limit
 from squeezefilm.io.tables import read_json
 
 
-def reynolds_limit(holds_for: str) -> Limit:
+def reynolds_limit(films: str) -> Limit:
     """The limit of validity in the modified Reynolds number of films of a kind."""
-    return next(each for each in LIMITS if each.symbol == "Re" and each.holds_for == holds_for)
+    return next(each for each in LIMITS if each.symbol == "Re" and each.films == films)
 
 
 @dataclass(frozen=True)
