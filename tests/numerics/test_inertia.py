@@ -26,7 +26,6 @@ from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.flux_points import flux_points
 from squeezefilm.reynolds.periodic.time_modes import slow_part, steps_of, time_modes
 from squeezefilm.reynolds.spectral import axis, period
-from squeezefilm.reynolds.terms.inertia import Inertia
 
 STRIP = Formula("sinc(109.8*x)", surface=Disc(1.0))
 
@@ -385,22 +384,6 @@ def test_the_number_of_a_scene_is_that_of_its_gas() -> None:
     lag = gas.density_kg_per_m3 * 2 * pi * scene.actuator.frequency_hz * scene.h0_m**2
     assert lag / gas.viscosity_pa_s == pytest.approx(3.0)
     assert gas.ambient_pressure_pa == PRESSURE_PA
-
-
-@pytest.mark.parametrize(
-    ("reynolds", "sigma", "said"),
-    [
-        (9.0, 100.0, ""),
-        (12.0, 100.0, "good to 1 % up to Re 10, to 2 % at Re 20 (Re 12)"),
-        (4.0, 5.0, ""),
-        (6.0, 5.0, "hardly compressed, and was 9 % off at Re 10, σ 5 (Re 6, σ 5)"),
-    ],
-)
-def test_one_mode_says_where_it_is_stretched(reynolds: float, sigma: float, said: str) -> None:
-    scene = moving(reynolds, epsilon=0.1, sigma=sigma)
-    assert Inertia.note(scene).endswith(said)
-    assert bool(Inertia.note(scene)) == bool(said)
-    assert Inertia.note(still(scene)) == ""
 
 
 def test_grids_that_agree_by_chance_are_not_believed() -> None:

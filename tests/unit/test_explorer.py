@@ -35,7 +35,7 @@ def _study(study, **changes) -> Study:
         "force_n": 1.0,
         "h0_m": 5e-6,
         "hv_m": 2.2e-6,
-        "inertia": Inertia(1e10, included=False),
+        "inertia": Inertia(1e10, "inertia neglected"),
     }
     return Study(**(values | changes))
 

@@ -7,11 +7,10 @@ import pytest
 
 from reporting.pages.headline import in_short
 from reporting.pages.history import to_markdown as runs_markdown
-from reporting.pages.notes import MOST_REYNOLDS, Inertia
+from reporting.pages.notes import Inertia
 from reporting.pages.page import to_html
 from reporting.pages.summary import to_markdown
 from squeezefilm.cli import main as cli
-from squeezefilm.reynolds.terms import inertia as inertia_term
 from squeezefilm.studies.config import load_config
 
 
@@ -133,7 +132,6 @@ def test_the_runs_that_made_what_stands_are_told(tmp_path):
 
 
 def test_pages_of_a_film_beyond_re_10_say_so_below_their_title(repository, tmp_path):
-    assert MOST_REYNOLDS == inertia_term.MOST_REYNOLDS
     (tmp_path / "a.md").write_text("# Models\n\nA table.\n", encoding="utf-8")
     said = {}
     for name in ("levitation", "plate"):
@@ -144,10 +142,10 @@ def test_pages_of_a_film_beyond_re_10_say_so_below_their_title(repository, tmp_p
     assert "<p><strong>Beyond Re 10: the modified Reynolds number" in said["levitation"]
     assert said["levitation"].index("<h1>Models") < said["levitation"].index("Beyond Re 10")
     assert "Beyond Re" not in said["plate"]
-    gap_m = (10 / 1e10) ** 0.5
-    assert Inertia(1e10, included=False).note(gap_m) == ""
-    assert "leaves it out" in Inertia(1e10, included=False).note(1.01 * gap_m)
-    assert "1 %" in Inertia(1e10, included=True).note(1.01 * gap_m)
+    for kind, most in (("inertia neglected", 3), ("inertia included", 20)):
+        gap_m = (most / 1e10) ** 0.5
+        assert Inertia(1e10, kind).note(gap_m) == ""
+        assert f"{kind}, error unknown above Re {most}" in Inertia(1e10, kind).note(1.01 * gap_m)
 
 
 RECOMMENDED = """\

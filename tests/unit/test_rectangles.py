@@ -11,6 +11,7 @@ import yaml
 from squeezefilm.cli.study.example_scan import EXAMPLES, PLATE, scan_text
 from squeezefilm.film.directions import Mirrors, symmetry_from_dict
 from squeezefilm.film.existence import check_scene
+from squeezefilm.film.validity import validity
 from squeezefilm.film.vibration import legendre
 from squeezefilm.film.vibration.scans import smoothed_scan
 from squeezefilm.film.vibration.shapes import StandingWave, largest_magnitude
@@ -19,7 +20,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
 from squeezefilm.models.force_model import Factors
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import Config, load_config, parse_config
 from squeezefilm.studies.plans import box_of, centred_grid, finger_positions, random_plan
 from squeezefilm.studies.space import Space
@@ -210,9 +210,9 @@ def test_the_committed_scan_is_the_example(repository):
     assert (repository / "config" / "plate.csv").read_text(encoding="utf-8") == text
 
 
-def test_the_part_floats_beyond_a_reynolds_number_of_ten_and_notes_say_so(repository):
+def test_the_part_floats_beyond_a_reynolds_number_of_ten_and_validity_says_so(repository):
     config = load_config(repository / "config" / "levitation.yaml")
     scene = scene_of(ScenePoint("1", 35e-6, 8e-6, x_m=0.004), config)
     assert scene.modified_reynolds > 10
-    with_inertia = replace(scene, gas=replace(scene.gas, inertia="included"))
-    assert any("Re 10" in note for note in notes_of(with_inertia))
+    with_heat = replace(scene, gas=replace(scene.gas, inertia="included", heat="included"))
+    assert "Re = 10.2 is above 10 (heat included): error unknown" in validity(with_heat)

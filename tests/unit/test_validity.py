@@ -1,12 +1,21 @@
 """Limits of validity are exceeded where the film equation ends, and not in the paper's space."""
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pytest
 
 from squeezefilm.film.finger import GapShape
-from squeezefilm.film.validity import NOT_APPLICABLE, OK, UNKNOWN, exceeded, validity
+from squeezefilm.film.validity import (
+    LEAST_INVERSE_KNUDSEN,
+    LIMITS,
+    NOT_APPLICABLE,
+    OK,
+    UNKNOWN,
+    exceeded,
+    validity,
+)
 from squeezefilm.film.vibration.shapes import Piston
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.study import scene_of
@@ -54,7 +63,7 @@ LIFTED = GapShape(tilt_x_m=8e-6)
             {"h0_um": 24, **IN, "heat": "included"},
             f"Re = 10.4 is above 10 (heat included): {UNKNOWN}",
         ),
-        ({"h0_um": 20, "side_m": 1.5e-3, **IN}, "Re = 7.23 is above 5 (inertia included, σ below"),
+        ({"h0_um": 20, "side_m": 1.5e-3, **IN}, "Re = 7.23 is above 2 (inertia included, σ below"),
         ({"h0_um": 1, "hz": 8e6}, f"h0/λ = 0.0233 is above 0.02: {UNKNOWN}"),
         ({"h0_um": 5, "hz": 8e6}, f"h0/λ = 0.117 is above 0.1: {NOT_APPLICABLE}"),
         ({"h0_um": 5, "hv_um": 4.8}, f"hv/h0 = 0.96 is above 0.95: {UNKNOWN}"),
@@ -82,3 +91,25 @@ def test_the_papers_space_is_within_the_limits(request, study):
     for gap in gaps:
         for amplitude in amplitudes:
             assert validity(scene_of(ScenePoint("1", gap, amplitude), config)) == OK
+
+
+def test_the_flow_factors_limits_are_one():
+    """In Kn, of the list, and in D, by which the solver refuses a film."""
+    ends = [each.not_above for each in LIMITS if each.symbol == "Kn"]
+    assert ends == pytest.approx([np.sqrt(np.pi) / (2 * LEAST_INVERSE_KNUDSEN)] * 3, rel=1e-4)
+
+
+def test_the_docs_have_the_list(repository):
+    """docs/solver.md has a row for each limit, and no more."""
+    text = (repository / "docs" / "solver.md").read_text(encoding="utf-8")
+    section = text.split("## Limits of validity\n")[1].split("\n## ")[0]
+    rows = [line for line in section.splitlines() if line.startswith("| ")][2:]
+    assert rows == [
+        f"| {each.quantity} {each.symbol} | {each.films} | {bound(each.unknown_above)} | "
+        f"{bound(each.not_above)} | {each.source} |"
+        for each in LIMITS
+    ]
+
+
+def bound(value: float) -> str:
+    return f"{value:.2g}" if value < inf else "–"

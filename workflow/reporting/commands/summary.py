@@ -11,6 +11,7 @@ from pathlib import Path
 
 from reporting.pages.headline import in_short
 from reporting.pages.summary import to_markdown
+from squeezefilm.film.validity import exceeded
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
@@ -71,7 +72,12 @@ def _notes(config: Config) -> dict[str, list[str]]:
     )
     found = budgets(scenes, device=device)
     return {
-        f"h0 = {1e6 * gap:g} µm": [*names, *notes_of_budget(budget), *notes_of(scene)]
+        f"h0 = {1e6 * gap:g} µm": [
+            *names,
+            *exceeded(scene),
+            *notes_of_budget(budget),
+            *notes_of(scene),
+        ]
         for gap, names, scene, budget in zip(gaps, out, scenes, found, strict=True)
     }
 

@@ -9,7 +9,7 @@ model.js what ``squeezefilm.models.working_point`` does with it, modulation.js r
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -89,7 +89,10 @@ def _data(study: Study) -> dict[str, Any]:
             for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].itertuples(index=False)
         ],
         "position": form_of(next(iter(study.forces.values()))),
-        "inertia": {**asdict(study.inertia), "beyond": study.inertia.beyond},
+        "inertia": {
+            name: getattr(study.inertia, name)
+            for name in ("reynolds_per_h0_square", "most_reynolds", "beyond")
+        },
         "modulation": study.modulation,
         "start": {"h0_m": study.h0_m, "hv_m": study.hv_m, "force_n": study.force_n},
     }

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs, micrometres
-from reporting.pages import notes
+from reporting.pages.notes import reynolds_limit
 from squeezefilm.io.sources import read_columns
 from squeezefilm.studies.config import Config
 
@@ -22,7 +22,7 @@ INPUTS = {
     "screen": "simulations/screen/scenes.csv",
 }
 SECTIONS = ("actuator",)
-MOST_REYNOLDS = notes.MOST_REYNOLDS
+MOST_REYNOLDS = reynolds_limit("inertia neglected").not_above
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
 COLUMNS = (
     "load_n",

@@ -8,48 +8,52 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.film.validity import LIMITS, Limit
 from squeezefilm.io.tables import read_json
 
-MOST_REYNOLDS = 10.0
-"""As terms/inertia.py of the solver has it, which needs OpenCL to be imported."""
+
+def reynolds_limit(films: str) -> Limit:
+    """The limit of validity in the modified Reynolds number of films of a kind."""
+    return next(each for each in LIMITS if each.symbol == "Re" and each.films == films)
 
 
 @dataclass(frozen=True)
 class Inertia:
     """How large the gas's inertia is in a study, for pages that have no scene.
 
-    reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m²; included:
-    whether the study's equation may have it (``auto`` has it where it matters and is allowed).
+    reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m²; kind: of film,
+    as the limits of validity have it (``auto`` has inertia and heat where they matter).
     """
 
     reynolds_per_h0_square: float
-    included: bool
-    most_reynolds: float = MOST_REYNOLDS
+    kind: str
 
     @classmethod
     def of(cls, config: Mapping[str, Any]) -> "Inertia":
         """From a study's sections gas and actuator."""
         gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
+        terms = [name for name in ("heat", "inertia") if gas[name] != "none"]
         return cls(
-            omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"], gas["inertia"] != "none"
+            omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"],
+            f"{terms[0]} included" if "inertia" in terms else "inertia neglected",
         )
 
     def reynolds(self, h0_m: float) -> float:
         return self.reynolds_per_h0_square * h0_m**2
 
     @property
+    def most_reynolds(self) -> float:
+        """The modified Reynolds number above which the error of a force is unknown."""
+        return reynolds_limit(self.kind).unknown_above
+
+    @property
     def beyond(self) -> str:
         """What a modified Reynolds number above most_reynolds means, in words."""
-        most = f"{self.most_reynolds:g}"
-        if not self.included:
-            return (
-                f"above Re {most} the gas's inertia rules the film, and this study's equation "
-                "leaves it out; no error that is stated contains that."
-            )
-        return (
-            f"above Re {most} inertia, by one mode across the gap, is no longer good to 1 % (2 % "
-            "at Re 20, where it was compared); no error that is stated contains that."
-        )
+        limit = reynolds_limit(self.kind)
+        words = f"{self.kind}, error unknown above Re {limit.unknown_above:g}"
+        if limit.not_above < math.inf:
+            words += f"; above Re {limit.not_above:g} the equation does not apply"
+        return words + "."
 
     def note(self, h0_m: float) -> str:
         """A sentence for a study whose gaps reach h0_m; empty up to most_reynolds."""
@@ -59,7 +63,7 @@ class Inertia:
         edge_um = 1e6 * math.sqrt(self.most_reynolds / self.reynolds_per_h0_square)
         return (
             f"Beyond Re {self.most_reynolds:g}: the modified Reynolds number ρωh0²/μ passes it at "
-            f"h0 = {edge_um:.3g} µm and is {reynolds:.3g} at {1e6 * h0_m:.3g} µm; {self.beyond}"
+            f"h0 = {edge_um:.3g} µm and is {reynolds:.3g} at {1e6 * h0_m:.3g} µm ({self.beyond})"
         )
 
 

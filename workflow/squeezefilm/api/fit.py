@@ -78,7 +78,8 @@ class Fit:
 
         ``error_95_n`` and ``error_99_n`` are the half widths of the prediction interval
         (``statement`` says what it is); empty where a point is not validated, and ``note`` says
-        why.
+        why. ``validity`` is ``ok``, or the limits of validity of the film equation that the point's
+        film exceeds.
         Raises InputError naming the place, for values without physical meaning.
         """
         fit = self.model
@@ -93,6 +94,7 @@ class Fit:
             error_99_n=error_99_n,
             error_95_percent=percent,
             **fit.profile_uncertainty_percent,
+            validity=fit.validity(factors),
             note=notes,
         )
 

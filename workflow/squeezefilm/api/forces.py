@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import OK
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.typed_units import with_error
@@ -27,7 +28,6 @@ from squeezefilm.studies.tasks.scan_errors import scan_errors
 
 # Motion out of phase is spoken of where it is more than this share of the noise.
 LEAST_OUT_OF_PHASE = 0.01
-NEARLY_TOUCHING = 0.95
 
 
 @dataclass(frozen=True)
@@ -102,6 +102,11 @@ class Force:
         """``ok``, or by what the error misses the tolerance."""
         return self.solution.status
 
+    @property
+    def validity(self) -> str:
+        """``ok``, or the limits of validity of the film equation that the scene exceeds."""
+        return self.solution.validity
+
     def __float__(self) -> float:
         return self.force_n
 
@@ -137,7 +142,7 @@ class Force:
         )
 
     def _beyond(self) -> list[str]:
-        lines = [f"beyond the equation: {budget_text(self.budget)}"]
+        lines = [f"validity  {self.validity}", f"beyond the equation: {budget_text(self.budget)}"]
         if self.solution.derivatives:
             lines.append(derivatives_text(self.solution.derivatives))
         if self.solution.outputs:
@@ -165,8 +170,8 @@ def force_of(
         [scene], settings=settings, device=device, smoothed=smoothed, derivatives=derivatives
     )
     if not isfinite(force.force_n):
-        near = f"; hv/h0 is {scene.epsilon:.4g}: surface and finger nearly touch"
-        raise RunError(force.status + near * (scene.epsilon > NEARLY_TOUCHING))
+        beyond = f"; validity: {force.validity}" * (force.validity != OK)
+        raise RunError(force.status + beyond)
     return force
 
 
@@ -229,7 +234,8 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
 
     ``force_error_n`` is all that is known of the numbers' error, a scan's part too;
     ``left_out_least_percent`` and ``…_most_percent`` are what the film equation leaves out,
-    first orders and what higher ones may add; ``status`` is ``ok``, or why there is no force.
+    first orders and what higher ones may add; ``status`` is ``ok``, or why there is no force;
+    ``validity`` is ``ok``, or the limits of validity that the scene exceeds.
     Derivatives and outputs that were asked for stand behind.
     """
     left_out = np.array([force.left_out_percent for force in forces]).reshape(-1, 2)
@@ -241,6 +247,7 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
         left_out_most_percent=left_out[:, 1],
         method=[force.solution.method for force in forces],
         status=[force.status for force in forces],
+        validity=[force.validity for force in forces],
         **{name: more[name] for name in map(str, more)},
     )
 

@@ -26,7 +26,7 @@ from squeezefilm.studies.plans import (
     level_values,
 )
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scene_of, surface_of, symmetry_of
+from squeezefilm.studies.study import film_of, scene_of, surface_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
@@ -96,6 +96,7 @@ class Study(Film):
             processes=processes,
         )
         found["directions"] = symmetry_of(config).to_dict()
+        found["film"] = film_of(config, left_out=solved["left_out"])
         if chosen.column_names:
             found["limit_table"] = limit_table_of(config).to_dict()
         found["source"] = {"squeezefilm": __version__, "study": self.name}
@@ -114,7 +115,7 @@ class Study(Film):
     def _simulated(
         self, points: pd.DataFrame, *, limits: bool
     ) -> tuple[pd.DataFrame, pd.DataFrame | None]:
-        """Points with force_n, force_error_n and status, and their physics limits if asked for."""
+        """Points with their forces, and their physics limits if asked for."""
         settings = self._settings(None, None)
         scenes = [scene_of(point, self.config) for point in scene_points(points)]
         solutions = solve(
@@ -126,7 +127,7 @@ class Study(Film):
         )
         columns = {
             name: [getattr(solution, name) for solution in solutions]
-            for name in ("force_n", "force_error_n", "status")
+            for name in ("force_n", "force_error_n", "status", "left_out")
         }
         return points.assign(**columns), with_limits(points, scenes) if limits else None
 

@@ -18,6 +18,7 @@ class Solution:
         force_n: mean force over a period; NaN unless ``status`` is ``ok``.
         force_error_n: estimate of its absolute error.
         status: ``ok``, or what went wrong.
+        validity: ``ok``, or the limits of validity that the scene exceeds (film/validity.py).
         method: name of the method.
         left_out: what the scene did not need.
         nx, ny, nt: collocation points across the finger, or along a radius and around for an
@@ -32,6 +33,7 @@ class Solution:
     force_n: float = nan
     force_error_n: float = nan
     status: str
+    validity: str = ""
     method: str
     left_out: str = ""
     nx: int = 0

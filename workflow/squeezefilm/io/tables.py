@@ -30,7 +30,7 @@ ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", 
 """What a reader of a refinement's rounds may count on; the table has more."""
 WHERE_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 TEXT_COLUMNS = {
-    *("point_id", "origin", "status", "method", "left_out"),
+    *("point_id", "origin", "status", "validity", "method", "left_out"),
     *("derivatives_status", "outputs_status"),
 }
 EITHER_FORM = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"

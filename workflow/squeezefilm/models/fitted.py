@@ -12,6 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.film.directions import Symmetry, symmetry_from_dict
+from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.scene import Actuator, Gas, Scene
+from squeezefilm.film.validity import validity
+from squeezefilm.film.vibration.shapes import Piston
+from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import POLAR
 from squeezefilm.io.tables import read_json
@@ -21,6 +26,7 @@ from squeezefilm.models.prediction_interval import PredictionInterval, measured_
 
 Array = NDArray[np.float64]
 
+FILM_UNKNOWN = "not known: the fit's file does not describe its film"
 NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
 TABLE_SHARE = 0.1
 """Largest error of a table of asymptotic forces over that of a model that uses it."""
@@ -118,6 +124,30 @@ class FittedModel:
     def limit_table(self) -> LimitTable:
         """The limits that the file carries."""
         return LimitTable.from_dict(self.values["limit_table"], place=f"{self.place}: limit_table")
+
+    def validity(self, factors: Factors) -> list[str]:
+        """``ok``, or the limits of validity that each point's film exceeds; FILM_UNKNOWN.
+
+        As if the profile's maximum lay under the whole pad.
+        Raises InputError naming the file, for a film that is none.
+        """
+        if "film" not in self.values:
+            return [FILM_UNKNOWN] * len(factors)
+        try:
+            film = self.values["film"]
+            pad = {**film["finger"], "gap": GapShape(**film["finger"]["gap"])}
+            alike = Scene(
+                *("", 0.0, 0.0, 0.0, 0.0),
+                gas=Gas(**film["gas"]),
+                actuator=Actuator(film["frequency_hz"], Disc(1.0), Piston()),
+                finger=Finger(**pad, speed_x_m_per_s=0.0),
+            )
+        except (KeyError, TypeError) as error:
+            raise InputError(f"{self.place}: 'film' does not describe a film: {error}") from None
+        return [
+            validity(replace(alike, h0_m=gap, hv_m=amplitude))
+            for gap, amplitude in zip(factors.h0_m.tolist(), factors.hv_m.tolist(), strict=True)
+        ]
 
     def validation(self, factors: Factors, force_n: ArrayLike) -> tuple[Array, Array, list[str]]:
         """Errors that hold 95 % and 99 % of new points, and why a point is not validated.

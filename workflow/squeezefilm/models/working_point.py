@@ -26,6 +26,7 @@ def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
         "force_n": force_n,
         **unknown,
         **fit.profile_uncertainty_percent,
+        "validity": "",
         "note": "",
     }
     if model.column_names:
@@ -48,6 +49,7 @@ def working_point(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
         "hv_m": hv_m,
         "hv_error_95_m": error_n / abs(slope) if slope else np.nan,
         "error_95_percent": 100 * error_n / abs(force_n),
+        "validity": fit.validity(near.take([1]))[0],
     }
     return row | known | {"note": note}
 

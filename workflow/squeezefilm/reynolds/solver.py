@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device, choose_device
@@ -140,13 +141,13 @@ def solve(
             report(more)
 
         try:
-            return _solve(
-                decided(some, model_tolerance=model_tolerance, method=method, device=device),
-                tolerance=tolerance,
-                method=method,
-                device=device,
-                report=count,
+            chosen = decided(some, model_tolerance=model_tolerance, method=method, device=device)
+            solutions = _solve(
+                chosen, tolerance=tolerance, method=method, device=device, report=count
             )
+            for scene, solution in zip(chosen, solutions, strict=True):
+                solution.validity = validity(scene)
+            return solutions
         except Exception:
             report(-finished)
             raise

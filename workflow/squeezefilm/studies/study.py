@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -127,6 +127,25 @@ def finger_of(config: Config) -> Finger:
         sides_m = keys["length_x_m"], keys["length_y_m"]
         contour = read_contour(path, sides_m=sides_m, scatter_m=keys.pop("outline")["scatter_m"])
     return Finger(gap=GapShape(**keys.pop("gap")), contour=contour, **keys)
+
+
+def film_of(config: Config, *, left_out: Iterable[str]) -> dict[str, Any]:
+    """The study's film as far as limits of validity go, for a fit's file.
+
+    Args:
+        left_out: of the simulations, a text each; a term that is ``auto`` is included where one of
+            them has it.
+    """
+    gas, solved = dict(config["gas"]), list(left_out)
+    for term in ("inertia", "heat"):
+        if gas[term] == "auto":
+            gas[term] = "none" if all(term in each for each in solved) else "included"
+    keys = ("length_x_m", "length_y_m", "gap")
+    return {
+        "gas": gas,
+        "frequency_hz": config["actuator"]["frequency_hz"],
+        "finger": {key: config["finger"][key] for key in keys},
+    }
 
 
 def symmetry_of(config: Config) -> Symmetry:

@@ -36,11 +36,11 @@ from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.library import model_named
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import symmetry_of
+from squeezefilm.studies.study import film_of, symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation
 
-SECTIONS = ("fit", "models", "actuator", "finger", "screen", "positions")
+SECTIONS = ("gas", "fit", "models", "actuator", "finger", "screen", "positions")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -81,6 +81,7 @@ def run(options: argparse.Namespace) -> None:
             processes=options.processes,
         )
         about["directions"] = symmetry_of(config).to_dict()
+        about["film"] = film_of(config, left_out=forces["left_out"])
         about["source"] = {
             "squeezefilm": __version__,
             "forces_sha256": digest(Path(options.forces)),

@@ -9,6 +9,8 @@ entrance coefficient C = 1; `rim_most_percent` for 1.54), `bearing_percent` and 
 those that the force does not have (`in_force` names the others): from `…_least` to `…_most`, with C
 from 1 to 1.54 and all that higher orders and coarse grids may make. `above_range` names effects too
 large for a first order, `basis` what pad the numbers are of, `status` why there are none.
+`depth_averaged_percent` is the estimated error of inertia and heat that a force has, as averages
+over the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import argparse
 
 import pandas as pd
 
+from squeezefilm.film.validity import validity
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
@@ -49,5 +52,8 @@ def run(options: argparse.Namespace) -> None:
         method=solver["method"],
         device=device,
     )
-    rows = [budget_row(budget) for budget in budgets(scenes, device=device)]
+    rows = [
+        budget_row(budget) | {"validity": validity(scene)}
+        for scene, budget in zip(scenes, budgets(scenes, device=device), strict=True)
+    ]
     write_table(pd.concat([table, pd.DataFrame(rows)], axis=1), options.output)

@@ -6,6 +6,7 @@
 No force is solved for. The expected error is relative, the expected cost in millions of
 floating-point operations. What the Reynolds equation itself leaves out is found on a coarse grid,
 in per cent of the force (`squeezefilm budget` has its columns alone); notes name what is large.
+`validity` is `ok`, or the limits of validity of the film equation that a scene exceeds.
 Where the study has `outputs`, `outputs_refused` says which of them a scene will lack and why.
 """
 
@@ -14,6 +15,7 @@ import argparse
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import OK, validity
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.reynolds.answers.outputs import refusals
@@ -85,6 +87,7 @@ def _row(scene: Scene, explanation: Explanation, budget: Budget) -> dict[str, ob
         "modified_reynolds": scene.modified_reynolds,
         "method": explanation.method,
         "status": explanation.status,
+        "validity": validity(scene),
         "domain": explanation.domain,
         "terms": "; ".join(explanation.terms),
         "nx": explanation.nx,
@@ -127,6 +130,11 @@ def _summary(table: pd.DataFrame, *, tolerance: float) -> str:
             f"  {len(alike)} scenes, such as point {alike['point_id'].iloc[0]}: {status}"
             for status, alike in doubtful.groupby("status", sort=False)
         ]
+    beyond_limits = table[table["validity"] != OK]
+    lines += [
+        f"{len(alike)} scenes, such as point {alike['point_id'].iloc[0]}, are outside: {words}"
+        for words, alike in beyond_limits.groupby("validity", sort=False)
+    ]
     if "outputs_refused" in table:
         lines += [
             f"{len(alike)} scenes, such as point {alike['point_id'].iloc[0]}, lack {refused}"

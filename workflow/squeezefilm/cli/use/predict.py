@@ -10,7 +10,9 @@ was fitted in, any direction may be asked. `error_95_n` is the error that 95 % o
 uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %, measured on
 a validation sample of simulations that no fit used. Outside the declared space, and for a fit
 without such a sample, both are empty and `note` says so. Where the profile was measured, both
-contain the uncertainty of its scan, `profile_uncertainty_percent` of the force.
+contain the uncertainty of its scan, `profile_uncertainty_percent` of the force. `validity` is
+`ok`, or the limits of validity of the film equation that a point exceeds; one point by options
+outside them is shown with exit status 1.
 """
 
 import argparse
@@ -21,8 +23,10 @@ import pandas as pd
 from squeezefilm.api.fit import Fit
 from squeezefilm.api.points import COLUMNS as FACTORS
 from squeezefilm.cli.points import add_point_options, points_in, write_points
-from squeezefilm.io.errors import InputError
+from squeezefilm.film.validity import OK
+from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.sources import read_columns
+from squeezefilm.models.fitted import FILM_UNKNOWN
 from squeezefilm.models.force_model import COLUMNS
 
 
@@ -41,8 +45,14 @@ def run(options: argparse.Namespace) -> None:
         points, place = points_in(options), "predict"
         if not {"h0_m", "hv_m"} <= set(points):
             raise InputError("predict: give --h0 and --hv, or --points")
-    write_points(fit.predict_at(points, place=place), options.output)
+    predicted = fit.predict_at(points, place=place)
+    write_points(predicted, options.output)
     print(fit.statement)
+    if len(predicted) == 1 and not (options.points or options.output):
+        valid = predicted["validity"].iloc[0]
+        print(f"validity  {valid}")
+        if valid not in (OK, FILM_UNKNOWN):
+            raise RunError(f"outside the limits of validity: {valid}")
 
 
 def read_points(path: Path | str) -> pd.DataFrame:

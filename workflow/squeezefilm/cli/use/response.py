@@ -13,7 +13,7 @@ after the surface starts, `release_s` until 5 % is left after it stops, each to 
 By the slow film equation where its error is at most 3 %, else by marching through every period;
 without inertia and heat of the gas. Where `gas: auto` would have them in the force, what they do to
 the gain of slow modulation is said for one scene; `squeezefilm budget` says what they are for the
-force.
+force. `validity` is `ok`, or the limits of validity of that equation that a scene exceeds.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
@@ -91,6 +92,7 @@ def run(options: argparse.Namespace) -> None:
             raise InputError("give a table of scenes, or one scene by --h0 and --hv")
         scene = scene_of(scene_points_of(points)[0], config)
         _show(scene, gains(scene, frequency_hz, device=device, method=options.method))
+        print(f"validity  {_validity(scene)}")
         (chosen,) = decided(
             [scene], model_tolerance=config["solver"]["model_tolerance"], device=device
         )
@@ -108,6 +110,7 @@ def run(options: argparse.Namespace) -> None:
     table = read_scenes(options.scenes)
     with naming(options.scenes):
         scenes = [scene_of(point, config) for point in scene_points(table)]
+    table = table.assign(validity=list(map(_validity, scenes)))
     if options.output is not None:
         write_table(_summaries(table, scenes), options.output)
     if options.gains is not None:
@@ -132,6 +135,11 @@ def _slow_gains(included: Scene, settings: SolverSettings, device: Device) -> st
 
 def _included(scene: Scene, term: str) -> bool:
     return getattr(scene.gas, term) == "included"
+
+
+def _validity(scene: Scene) -> str:
+    """That of the response's equation, which has neither inertia nor heat."""
+    return validity(replace(scene, gas=replace(scene.gas, inertia="none", heat="none")))
 
 
 def _show(scene: Scene, found: Gains) -> None:

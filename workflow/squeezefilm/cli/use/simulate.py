@@ -9,6 +9,9 @@ commas, or evenly spaced ones as first:last:count; every combination is a point.
 with all that is known of its force; several make a table, in which `force_error_n` has the part of
 a scan too and `left_out_…_percent` is what the film equation leaves out, least and most.
 
+`validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with what
+that means. One point outside them is shown too, with exit status 1; rows of a table end with 0.
+
 Tolerance means |error| <= tolerance * |force| + round-off floor, the floor being 1e-14 of the
 largest overpressure times the finger's area. The exit status is 1 when a scene has no force; all
 rows are written nevertheless, each with its status. Of a table of scenes `force_error_n` is the
@@ -34,6 +37,7 @@ from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import OK
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
@@ -141,6 +145,8 @@ def _simulate_points(
         for row, force in enumerate(forces, start=1)
         if (reason := _missing(force.solution))
     ]
+    if len(forces) == 1 and not options.output and forces[0].validity != OK:
+        failures.append(f"outside the limits of validity: {forces[0].validity}")
     if failures and not options.keep_going:
         raise RunError("; ".join(failures))
 

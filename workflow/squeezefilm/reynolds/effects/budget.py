@@ -19,7 +19,7 @@ import numpy as np
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.effects import heat, inertia, rim, sliding, slip
+from squeezefilm.reynolds.effects import depth_averaged, heat, inertia, rim, sliding, slip
 from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import Answers, sensitivity
 from squeezefilm.reynolds.grid import Grid
@@ -69,16 +69,18 @@ class Effect(NamedTuple):
             not known.
         missed_percent: size of what higher orders add; NaN where that is not known.
         in_force: the force has it already.
+        estimate: it is no first order, and may be smaller than what it misses.
     """
 
     percent: float
     missed_percent: float = nan
     in_force: bool = False
+    estimate: bool = False
 
     @property
     def usable(self) -> bool:
         """Whether the first order is more than what it misses."""
-        return not abs(self.missed_percent) > abs(self.percent) / 2
+        return self.estimate or not abs(self.missed_percent) > abs(self.percent) / 2
 
     @property
     def off_percent(self) -> float:
@@ -97,6 +99,7 @@ class Budget:
     Attributes:
         inertia: of the gas.
         heat: of compression and friction, between walls at ambient temperature.
+        depth_averaged: error of inertia and heat as the scene has them (depth_averaged.py).
         slip: rarefaction by Fukui and Kaneko's flow factor, or as the scene has it.
         kinetic: what slip of first order lacks of that flow factor, where the scene has slip.
         rim: loss of pressure where gas streams in; C lies between rim.LEAST and rim.MOST.
@@ -108,6 +111,7 @@ class Budget:
 
     inertia: Effect = UNKNOWN
     heat: Effect = UNKNOWN
+    depth_averaged: Effect = UNKNOWN
     slip: Effect = UNKNOWN
     kinetic: Effect = UNKNOWN
     rim: Effect = UNKNOWN
@@ -197,16 +201,17 @@ def _without(scene: Scene) -> Scene:
 
 
 def _told(budget: Budget, scene: Scene, *, basis: str) -> Budget:
-    """The budget with what the scene's own force has of inertia and heat."""
+    """The budget with what the scene's own force has of inertia and heat, and their error."""
     with_inertia, with_heat = (
         getattr(scene.gas, name) == "included" for name in ("inertia", "heat")
     )
-    if not (with_inertia or with_heat or basis):
-        return budget
     return replace(
         budget,
         inertia=budget.inertia._replace(in_force=with_inertia),
         heat=budget.heat._replace(in_force=with_heat),
+        depth_averaged=Effect(*depth_averaged.error_percent(scene), estimate=True)
+        if budget.status == "ok"
+        else UNKNOWN,
         basis=basis,
     )
 
@@ -365,6 +370,7 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
         heat=UNKNOWN  # a polytropic exponent stands for it
         if scene.gas.polytropic_exponent != 1
         else _effect(percent["heat"], missed=HEAT_MISSED * reynolds),
+        depth_averaged=NONE,  # without inertia and heat
         slip=_effect(
             percent["slip"],
             missed=SLIP_MISSED * 6 * scene.knudsen,

@@ -12,10 +12,13 @@ from squeezefilm.reynolds.effects.budget import Budget, Effect
 
 # Per cent of the force, from which on an effect that is left out is spoken of.
 LEAST_PERCENT = 0.5
+# Per cent of the force, from which on the error of depth-averaged terms is shown.
+LEAST_SHOWN = 0.01
 ABOVE = " (first order, above its range)"
 CALLED = {
     "inertia": "inertia",
     "heat": "heat",
+    "depth_averaged": "the error of depth-averaged terms",
     "slip": "slip",
     "kinetic": "what first-order slip lacks",
     "rim": "the rim's entrance loss",
@@ -40,7 +43,11 @@ def budget_text(budget: Budget) -> str:
     """Every effect and their sum on one line."""
     if budget.status != "ok":
         return f"not known: {budget.status}"
-    shown = [_shown(name, effect) for name, effect in budget.effects.items() if effect.percent != 0]
+    shown = [
+        _shown(name, effect)
+        for name, effect in budget.effects.items()
+        if not (_reach(name, effect) < LEAST_SHOWN if effect.estimate else effect.percent == 0)
+    ]
     least, most = budget.sums(left_out_only=True)
     left_out = "not known" if isnan(least) else f"{_band(least, most)} with higher orders"
     if budget.above_range:
@@ -73,7 +80,7 @@ def budget_row(budget: Budget) -> dict[str, object]:
     row: dict[str, object] = {}
     for name, effect in budget.effects.items():
         row[f"{name}_percent"] = effect.percent
-        if name in ("inertia", "heat", "slip", "kinetic", "rim", "passing"):
+        if name != "bearing":
             row[f"{name}_missed_percent"] = effect.missed_percent
     row["rim_most_percent"] = rim.MOST * budget.rim.percent
     for what, only in (("sum", False), ("left_out", True)):
@@ -92,12 +99,14 @@ ENDS = ("least", "most")
 
 
 def _reach(name: str, effect: Effect) -> float:
-    """Most that an effect may change, in per cent; 0 where it is not known."""
+    """Most that an effect may change, in per cent; NaN where it is not known."""
     size = abs(effect.percent) * (rim.MOST if name == "rim" else 1.0)
-    return 0.0 if isnan(size) else size
+    return size + effect.missed_percent * effect.estimate
 
 
 def _said(name: str, effect: Effect) -> str:
+    if effect.estimate:
+        return f"is {_estimated(effect)} of the force"
     change = "takes" if effect.percent < 0 else "adds"
     size = abs(effect.percent)
     if name == "rim":
@@ -115,11 +124,17 @@ def _shown(name: str, effect: Effect) -> str:
     label = CALLED[name].removeprefix("the ")
     if isnan(effect.percent):
         return f"{label} not known"
+    if effect.estimate:
+        return f"{label} {_estimated(effect)}"
     above = "" if effect.usable else ABOVE
     if name == "rim":
         ends = sorted((rim.LEAST * effect.percent, rim.MOST * effect.percent), key=abs)
         return f"{label} {_band(*ends)}{above}"
     return f"{label} {effect.percent:+.2g} %{', in it' if effect.in_force else ''}{above}"
+
+
+def _estimated(effect: Effect) -> str:
+    return f"about {effect.percent:+.2g} % ± {effect.missed_percent:.1g} %"
 
 
 def _band(first: float, last: float) -> str:

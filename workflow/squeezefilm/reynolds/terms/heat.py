@@ -38,10 +38,6 @@ if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
 
 
-# Beyond this, heat by one mode was more than 0.1 % of the force off on a strip (docs/numerics.md).
-MOST_REYNOLDS = 2.0
-# Of no film of larger Re and ε by one mode a state was found on the strip to check it with.
-CHECKED_REYNOLDS, CHECKED_EPSILON = 10.0, 0.4
 # What a jump of temperature at the walls, over its slope there, adds to the warming and to its lag.
 JUMP_WARMS, JUMP_LAGS = 6.0, 4.0
 
@@ -70,20 +66,6 @@ class Heat(Term):
     @classmethod
     def of(cls, scene: Scene) -> Heat | None:
         return cls() if scene.gas.heat == "included" else None
-
-    @classmethod
-    def note(cls, scene: Scene) -> str:
-        reynolds = scene.modified_reynolds
-        if scene.gas.heat != "included" or reynolds <= MOST_REYNOLDS:
-            return ""
-        without = "" if scene.gas.inertia == "included" else ", less so without inertia"
-        here = f"Re {reynolds:.2g}"
-        if reynolds > CHECKED_REYNOLDS and scene.epsilon >= CHECKED_EPSILON:
-            here += f", ε {scene.epsilon:.2g}: not checked here"
-        return (
-            f"heat by one mode is good to 0.1 % of the force up to Re {MOST_REYNOLDS:g}, to 0.4 % "
-            f"at Re 7{without} ({here})"
-        )
 
     @classmethod
     def put_back(cls, scene: Scene) -> Scene:

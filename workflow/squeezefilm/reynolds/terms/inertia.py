@@ -57,10 +57,6 @@ STEEPENING, LAYERED_SIGMA, SIZE_SHARE = 0.3, 300.0, 0.15
 LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF = 2.5, 1e4, 0.05
 # A velocity at the rim is about ε s/√σ in a film with layers there, and no more than without.
 LEAST_ROOT_SIGMA = 4.0
-# Beyond these one mode across the gap was more than 1 % off the resolved velocity, on a strip
-# (docs/numerics.md): a parabola is too little, or gas is pumped in and out and hardly compressed.
-MOST_REYNOLDS = 10.0
-MOST_REYNOLDS_THICK, THICK_SIGMA = 5.0, 20.0
 
 
 @dataclass(frozen=True)
@@ -87,24 +83,6 @@ class Inertia(Term):
     def put_back(cls, scene: Scene) -> Scene:
         gas = replace(scene.gas, inertia="included", density_kg_per_m3=NEGLIGIBLE)
         return replace(scene, gas=gas)
-
-    @classmethod
-    def note(cls, scene: Scene) -> str:
-        reynolds = scene.modified_reynolds
-        if scene.gas.inertia != "included":
-            return ""
-        if scene.sigma < THICK_SIGMA and reynolds > MOST_REYNOLDS_THICK:
-            return (
-                f"inertia by one mode is good to 1 % up to Re {MOST_REYNOLDS_THICK:g} where the "
-                f"gas is hardly compressed, and was 9 % off at Re 10, σ 5 (Re {reynolds:.2g}, "
-                f"σ {scene.sigma:.2g})"
-            )
-        if reynolds > MOST_REYNOLDS:
-            return (
-                f"inertia by one mode is good to 1 % up to Re {MOST_REYNOLDS:g}, to 2 % at Re 20 "
-                f"(Re {reynolds:.2g})"
-            )
-        return ""
 
     def numbers(self, scene: Scene) -> Numbers:
         reynolds = scene.modified_reynolds

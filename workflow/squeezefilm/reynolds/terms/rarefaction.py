@@ -9,15 +9,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import LEAST_INVERSE_KNUDSEN
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 
 # Poiseuille flow of a rarefied gas over that of a viscous one, as a polynomial in 1/D with the
 # inverse Knudsen number D = √π ρ H / (2 Kn), ρ over its ambient value: Fukui and Kaneko,
 # J. Tribology 112 (1990), 78–83, the branch for D ≥ 5.
 FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
-FUKUI_KANEKO_LEAST_D = 5.0
-# First-order slip is meant for Knudsen numbers up to here (Burgdorfer 1959 for small ones).
-SLIP_MOST_KNUDSEN = 0.1
 
 
 def flow_coefficients(scene: Scene) -> tuple[float, ...]:
@@ -50,15 +48,6 @@ class Rarefaction(Term):
         return cls(scene.gas.rarefaction) if scene.gas.rarefaction != "none" else None
 
     @classmethod
-    def note(cls, scene: Scene) -> str:
-        if scene.gas.rarefaction == "slip" and scene.knudsen > SLIP_MOST_KNUDSEN:
-            return (
-                f"slip of first order is meant for Kn up to {SLIP_MOST_KNUDSEN:g}, fukui-kaneko "
-                f"for up to 0.17 (Kn {scene.knudsen:.2g})"
-            )
-        return ""
-
-    @classmethod
     def put_back(cls, scene: Scene) -> Scene:
         path_m = NEGLIGIBLE * 1e-6
         gas = replace(scene.gas, rarefaction="fukui-kaneko", mean_free_path_m=path_m)
@@ -78,6 +67,6 @@ class Rarefaction(Term):
 
     def refused_state(self, scene: Scene, *, thinnest: float) -> str:
         least = scene.inverse_knudsen * thinnest
-        if self.label != "fukui-kaneko" or not least < FUKUI_KANEKO_LEAST_D:
+        if self.label != "fukui-kaneko" or not least < LEAST_INVERSE_KNUDSEN:
             return ""
-        return f"gas too rarefied: D falls to {least:.2g}, below {FUKUI_KANEKO_LEAST_D:g}"
+        return f"gas too rarefied: D falls to {least:.2g}, below {LEAST_INVERSE_KNUDSEN:g}"

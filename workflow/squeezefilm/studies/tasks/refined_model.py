@@ -20,7 +20,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scene_of, symmetry_of
+from squeezefilm.studies.study import film_of, scene_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
 TYPICAL = 1000
@@ -281,6 +281,9 @@ def _fit_values(
         **fit.to_dict(),
         **describe(model, factors, force, fit, profile_uncertainty=profile_uncertainty),
         "directions": symmetry_of(space.config).to_dict(),
+        "film": film_of(
+            space.config, left_out=[each.left_out for each in space.solutions.values()]
+        ),
         "parameter_ranges": [each.to_dict() for each in ranges],
         "parameter_ranges_note": (
             "95 % profile-likelihood intervals; residuals are the model's lack of fit, the same "

@@ -1,0 +1,123 @@
+"""The estimated error of depth-averaged inertia and heat is that of resolved theory and films."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from numerics.strip.force import strip_force
+from squeezefilm.film.scene import Scene
+from squeezefilm.film.vibration.shapes import Piston
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.effects.budget import NAMES, Budget, Effect, budgets
+from squeezefilm.reynolds.effects.depth_averaged import TABLE, error_percent
+from squeezefilm.reynolds.effects.words import budget_row, budget_text, notes_of_budget
+
+
+def film(scene: Scene, reynolds: float, sigma: float, epsilon: float = 0.1, **gas: str) -> Scene:
+    """A square piston film of given numbers; with inertia, unless said."""
+    its, rate = scene.gas, scene.actuator.angular_frequency_rad_per_s
+    per_gap = its.viscosity_pa_s / scene.h0_m**2
+    its = replace(
+        its,
+        density_kg_per_m3=reynolds * per_gap / rate,
+        ambient_pressure_pa=12 * per_gap * rate * scene.finger.length_x_m**2 / sigma,
+        **({"inertia": "included"} | gas),
+    )
+    actuator = replace(scene.actuator, profile=Piston())
+    return replace(scene, gas=its, actuator=actuator, hv_m=epsilon * scene.h0_m)
+
+
+HEATED = {"heat": "included"}
+
+
+def test_the_tables_nodes_come_back(scene):
+    for row in pd.read_csv(TABLE).itertuples():
+        change, off = error_percent(
+            film(scene, row.reynolds, row.sigma, **(HEATED if row.heat else {}))
+        )
+        assert change == pytest.approx(100 * (row.resolved / row.averaged - 1), rel=1e-9, abs=1e-12)
+        assert off >= 0.7 * abs(change)
+
+
+def test_the_error_falls_to_zero_with_re_and_is_smooth_in_both(scene):
+    assert error_percent(film(scene, 1.0, 600.0, inertia="none")) == (0.0, 0.0)
+    small = [error_percent(film(scene, 10.0**-k, 600.0))[0] for k in (1, 2, 3)]
+    assert small == pytest.approx([1e2 * small[1], small[1], 1e-2 * small[1]])
+    over = np.array([error_percent(film(scene, re, 600.0))[0] for re in np.linspace(1, 20, 400)])
+    assert np.abs(np.diff(over, 2)).max() < 1e-3
+    # Beyond the largest σ of the table the error goes on by 1/√σ, to no more than a tenth more.
+    at_table, beyond, far = (error_percent(film(scene, 10.0, s))[0] for s in (2400, 1e4, 1e8))
+    assert 1 < beyond / at_table < far / at_table < 1.1
+
+
+def test_beyond_what_was_resolved_nothing_is_claimed(scene):
+    for reynolds, sigma, gas in ((20.1, 600.0, {}), (10.1, 600.0, HEATED), (2.1, 19.0, {})):
+        assert np.isnan(error_percent(film(scene, reynolds, sigma, **gas))).all()
+    change, off = error_percent(film(scene, 1.9, 19.0))
+    assert change == 0 < off
+    change, off = error_percent(film(scene, 1.9, 600.0, inertia="none", **HEATED))
+    assert change == 0 < off
+
+
+@pytest.mark.parametrize(("sigma", "gas"), [(100.0, {}), (25.0, HEATED)])
+def test_the_solver_has_the_tables_depth_averaged_forces(scene, sigma, gas):
+    """So that the table is of these terms, and no others."""
+    its = film(scene, 10.0, sigma, epsilon=0.005, **gas)
+    (found,) = solve([its], tolerance=2e-5, method="periodic")
+    table = pd.read_csv(TABLE).set_index(["heat", "reynolds", "sigma"])
+    mean = found.force_n / its.force_scale_n / its.epsilon**2
+    assert mean == pytest.approx(table["averaged"][int(bool(gas)), 10.0, sigma], rel=3e-5)
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "sigma", "reynolds", "heat"),
+    [
+        (0.05, 2.0, 2.0, False),
+        (0.4, 30.0, 8.0, False),
+        (0.2, 300.0, 12.0, False),
+        (0.4, 60.0, 3.0, True),
+    ],
+)
+def test_strips_that_resolve_the_profiles_lie_within_the_estimate(
+    scene, epsilon, sigma, reynolds, heat
+):
+    """Another geometry, profile and amplitude than the table's."""
+    numbers = {"epsilon": epsilon, "sigma": sigma, "reynolds": reynolds}
+    kinds = ("none", "none") if not heat else ("one-mode", "resolved")
+    averaged, resolved = (
+        strip_force(inertia=inertia, heat=kind, **numbers).force
+        for inertia, kind in zip(("one-mode", "resolved"), kinds, strict=True)
+    )
+    gas = HEATED if heat else {}
+    change, off = error_percent(film(scene, reynolds, sigma, epsilon, **gas))
+    assert abs(100 * (resolved / averaged - 1) - change) < off
+
+
+def test_the_budget_has_it_in_words_rows_and_sums(scene):
+    bare, moving, fast = (
+        film(scene, 10.0, 100.0, inertia="none"),
+        film(scene, 10.0, 100.0),
+        film(scene, 21.0, 100.0),
+    )
+    without, found, unknown = budgets([bare, moving, fast])
+    assert without.depth_averaged == (0, 0, False, True)
+    assert "depth-averaged" not in budget_text(without)
+    assert found.depth_averaged.percent == pytest.approx(-0.914, abs=1e-3)
+    assert "error of depth-averaged terms about -0.91 % ± 1 %" in budget_text(found)
+    assert any("the error of depth-averaged terms" in note for note in notes_of_budget(found))
+    assert "depth_averaged" not in budget_row(found)["above_range"]
+    least, most = found.sums(left_out_only=True)
+    nothing = replace(found, depth_averaged=Effect(0.0, 0.0))
+    fewer, more = nothing.sums(left_out_only=True)
+    effect = found.depth_averaged
+    assert least - fewer == pytest.approx(effect.percent - effect.off_percent)
+    assert most - more == pytest.approx(effect.percent + effect.off_percent)
+    assert "error of depth-averaged terms not known" in budget_text(unknown)
+    assert np.isnan(unknown.sums(left_out_only=True)).all()
+    small = Budget(**dict.fromkeys(NAMES, Effect(0.0, 0.0, estimate=True)))
+    small = replace(small, depth_averaged=Effect(-0.004, 0.004, estimate=True))
+    assert "depth-averaged" not in budget_text(small)
