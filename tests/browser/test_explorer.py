@@ -18,7 +18,6 @@ from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors, get_model
 from squeezefilm.models.working_point import amplitude_for_force, gap_for_force
-from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.dynamics.response import gains, response
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
@@ -279,7 +278,7 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results, scr
     for name in ("corner_hz", "static_gain", "prompt_gain"):
         assert shown[name] == pytest.approx(getattr(library, name), rel=1e-6)
     frequency_hz = pd.read_csv(results / "simulations/screen/gains.csv")["frequency_hz"].unique()
-    found = gains(scene, frequency_hz, device=choose_device(), method="slow")
+    found = gains(scene, frequency_hz)
     assert shown["gain"] == pytest.approx(found.gain, rel=1e-6)
     assert shown["phase_deg"] == pytest.approx(found.phase_deg, rel=1e-6)
     levels = [np.unique(screen[name]) for name in ("h0_m", "hv_m")]
@@ -304,7 +303,9 @@ def test_the_error_and_its_sentence_are_the_librarys(explorer):
             errors = fit.interval.error_n(force_n)[0], fit.interval.error_n(force_n, level=0.99)[0]
             said = re.match(r"Validated: 95 % error ([\d.]+) %", explorer.text("validation"))
             assert float(said[1]) == pytest.approx(100 * errors[0] / force_n[0], rel=0.06)
-            assert float(explorer.text("error").removesuffix(" N")) == pytest.approx(errors[1], rel=0.5)
+            assert float(explorer.text("error").removesuffix(" N")) == pytest.approx(
+                errors[1], rel=0.5
+            )
             assert explorer.text("validation").endswith(fit.statement)
 
 
