@@ -8,7 +8,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
 from squeezefilm.reynolds.limits.films import limit_axis
 from squeezefilm.reynolds.limits.forces import boundary_layer_limit
-from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
 
@@ -19,7 +18,7 @@ GAIN = 0.9
 
 def refused(scene: Scene) -> str:
     """Why a scene's response is not known; empty where it is."""
-    if wants_modes(scene):
+    if scene.finger.shape != "rectangle":
         return "the response was derived for rectangular fingers"
     if not scene.finger.gap.flat:
         return "the response was derived for a gap that is even at rest, not tilted or bulging"
