@@ -18,7 +18,6 @@ from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors, get_model
 from squeezefilm.models.working_point import amplitude_for_force, gap_for_force
-from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.dynamics.response import gains, response
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
@@ -279,7 +278,7 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results, scr
     for name in ("corner_hz", "static_gain", "prompt_gain"):
         assert shown[name] == pytest.approx(getattr(library, name), rel=1e-6)
     frequency_hz = pd.read_csv(results / "simulations/screen/gains.csv")["frequency_hz"].unique()
-    found = gains(scene, frequency_hz, device=choose_device(), method="slow")
+    found = gains(scene, frequency_hz)
     assert shown["gain"] == pytest.approx(found.gain, rel=1e-6)
     assert shown["phase_deg"] == pytest.approx(found.phase_deg, rel=1e-6)
     levels = [np.unique(screen[name]) for name in ("h0_m", "hv_m")]

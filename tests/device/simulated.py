@@ -12,17 +12,11 @@ import numpy as np
 
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.march.transient import march
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.problems import problems_of, problems_on
+from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.self_test import ITERATION_TOLERANCE, films
 
-# Films that are marched over a period: which, the scheme, and the steps.
-MARCHES = {
-    "marched explicitly": ("squeeze", "rk4", 40),
-    "marched implicitly": ("sliding", "esdirk4", 8),
-}
-KERNELS = (*films(), *MARCHES)
+KERNELS = tuple(films())
 # What is made wrong in vectors.cl on demand, to see that it is found.
 SCALED = "FOR_EACH(i, count4 / (LANES / 4)) a_lanes[i] *= factor;\n    "
 SOUND = f"{SCALED}SYNC;"
@@ -33,14 +27,7 @@ FAULTS = {
 
 
 def means(device: Device, kernel: str) -> list[float]:
-    """Mean overpressures in units of p0: two films, each on two grids or over a period."""
-    if kernel in MARCHES:
-        name, scheme, steps = MARCHES[kernel]
-        scene, grid = films()[name]
-        across = Grid(8 if not grid.fold_x else 4, 4, 4, grid.fold_x, grid.fold_y)
-        problems = problems_of(_two(scene), across, tolerance=1e-2)
-        numbers = {"periods": 1, "steps_per_period": steps, "scheme": scheme, "device": device}
-        return march(problems=problems, grid=across, **numbers).mean_by_period[:, -1].tolist()
+    """Mean overpressures in units of p0: two films, each on two grids."""
     scene, grid = films()[kernel]
     grids = [Grid(points, 4, 8, grid.fold_x, grid.fold_y) for points in (4, 8)]
     problems = problems_on(_two(scene), dict.fromkeys(grids, ITERATION_TOLERANCE))

@@ -22,7 +22,6 @@ from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.derivatives import moved, with_derivatives
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.modes.galerkin import solve_in_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import problems_of
@@ -144,21 +143,23 @@ def test_halves_are_left_out_only_where_both_parts_and_the_gap_are_even():
 
 
 @pytest.mark.parametrize(
-    ("numbers", "gap"),
+    ("numbers", "gap", "expected"),
     [
-        ({}, GapShape(tilt_x_m=2e-6)),
-        ({"x": 0.1, "aspect": 0.7}, SHAPE),
-        ({"profile": travelling()}, GapShape()),
-        ({"profile": TWO_MODES, "bearing": 5.0, "aspect": 1.3}, SHAPE),
-        ({"profile": TWO_MODES, "rarefaction": "slip", "polytropic_exponent": 1.4}, SHAPE),
+        ({}, GapShape(tilt_x_m=2e-6), 0.04283862),
+        ({"x": 0.1, "aspect": 0.7}, SHAPE, 0.04677095),
+        ({"profile": travelling()}, GapShape(), 0.09073891),
+        ({"profile": TWO_MODES, "bearing": 5.0, "aspect": 1.3}, SHAPE, -0.01909589),
+        (
+            {"profile": TWO_MODES, "rarefaction": "slip", "polytropic_exponent": 1.4},
+            SHAPE,
+            0.04842844,
+        ),
     ],
 )
-def test_the_grid_gives_the_forces_of_the_pad_s_modes(numbers, gap):
-    """Two methods that share no more than the equation."""
+def test_forces_are_those_of_galerkin_s_method_in_the_pad_s_modes(numbers, gap, expected):
+    """Mean overpressures good to 2e-7, by a method that shared the equation alone (cde05ac)."""
     scene = shaped(film(epsilon=0.3, sigma=200.0, **numbers), gap)
-    (modes,) = solve_in_modes([scene], [needs_of(scene)], tolerance=1e-5)
-    assert modes.status == "ok"
-    assert modes.force_n / scene.force_scale_n == pytest.approx(mean(scene), rel=1.1e-5)
+    assert mean(scene) == pytest.approx(expected, rel=1.5e-6)
 
 
 def test_a_gap_that_breathes_keeps_its_mean_square():
@@ -333,15 +334,10 @@ def test_the_budget_is_of_the_scene_itself():
 
 
 def test_what_is_not_derived_for_such_gaps_is_refused():
-    two, tilted = (
-        film(epsilon=0.3, sigma=300.0, profile=TWO_MODES),
-        shaped(film(epsilon=0.3, sigma=300.0)),
-    )
-    for scene, label in ((two, "vibration in two phases"), (tilted, "gap that is shaped at rest")):
-        (march,) = solve([scene], tolerance=1e-3, method="march")
-        assert march.status.startswith("march is for a gap that is even at rest and moves in one")
-        assert march.status.endswith(f"not a {label}")
-        assert refused(scene).startswith("the response was derived for") == (scene is tilted)
+    two = film(epsilon=0.3, sigma=300.0, profile=TWO_MODES)
+    tilted = shaped(film(epsilon=0.3, sigma=300.0))
+    assert refused(tilted).startswith("the response was derived for")
+    assert refused(two) == ""
     for method in ("closed-form", "small-amplitude", "matched-limit"):
         (limit,) = solve([tilted], tolerance=1e-3, method=method)
         assert limit.status.startswith(f"{method} was derived for a gap that is even at rest")

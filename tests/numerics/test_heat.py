@@ -179,7 +179,6 @@ def test_the_mirror_halves_are_left_out_with_heat_too() -> None:
         ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
         ({"bearing": 0.1}, {}, "auto", "heat is not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "heat is not known under this finger"),
-        ({}, {}, "march", "march does not know heat"),
         ({}, {}, "boundary-layer", "boundary-layer does not know heat"),
     ],
 )
@@ -227,7 +226,7 @@ def test_auto_includes_heat_where_a_first_order_says_nothing(scene: Scene) -> No
 
 
 def test_what_is_auto_and_kept_out_by_the_finger_is_named(scene: Scene) -> None:
-    """Under an ellipse nothing decides: its modes know neither term."""
+    """Under an ellipse neither term is supported, so nothing decides."""
     scene = with_gas(scene, heat="auto", inertia="auto")
     assert kept_out(scene) == []
     said = kept_out(replace(scene, finger=replace(scene.finger, shape="ellipse")))

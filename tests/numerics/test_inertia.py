@@ -214,7 +214,6 @@ def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
         ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
         ({"bearing": 0.1}, {}, "auto", "not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "inertia is not known under this finger"),
-        ({}, {}, "march", "march does not know inertia"),
         ({"profile": PISTON}, {}, "closed-form", "closed-form does not know inertia"),
     ],
 )

@@ -369,7 +369,7 @@ def test_errors_hold_over_kinks_of_the_profile(shape: str, epsilon: float, sigma
         assert max(found) < 1, name
 
 
-def test_a_pad_that_is_solved_in_modes_has_the_answers_of_its_state() -> None:
+def test_a_shaped_gap_and_an_ellipse_have_the_answers_of_their_states() -> None:
     """A gap that is all but flat has those of a flat one; an ellipse those of symmetry."""
     flat = film(epsilon=0.4, sigma=100.0, x=0.2)
     shaped = replace(flat, finger=replace(flat.finger, gap=GapShape(bulge_m=1e-12)))

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from films import film
 from physics_facts import (
     ASIDE_N,
     CENTRED_N,
@@ -28,6 +29,7 @@ from numerics.peers.yardstick import (
     periods_to_settle,
 )
 from squeezefilm.io.errors import RunError
+from squeezefilm.reynolds import solve
 
 CENTRED = (True, True)
 ANDERSON = {"tolerance": 1e-7, "anderson_depth": 10}
@@ -199,3 +201,13 @@ def test_marching_gives_the_known_force(peer, settings, rel):
     assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=rel)
     if peer is finite_elements:  # Anderson's mixing takes a tenth of the periods
         assert found.periods <= 20
+
+
+def test_marching_gives_the_periodic_solver_s_force():
+    """F(5 µm, 2.2 µm) to the digits that README promises."""
+    scene = film(epsilon=0.44, sigma=SQUEEZE_5UM)
+    (solution,) = solve([scene], tolerance=1e-8)
+    marched = chebyshev_march.periodic_force(
+        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, points=14, rtol=1e-8, fold=CENTRED
+    )
+    assert marched.force == pytest.approx(solution.force_n / scene.force_scale_n, rel=4e-8)

@@ -211,7 +211,7 @@ def _write_extras(root: Path, config: Path) -> None:
         budget = [f"{folder}/scenes.csv", f"--config={config}", f"--output={folder}/budget.csv"]
         assert cli.main(["budget", *budget]) == 0
     screen = root / "simulations/screen"
-    out = [f"--output={screen}/response.csv", f"--gains={screen}/gains.csv", "--method=slow"]
+    out = [f"--output={screen}/response.csv", f"--gains={screen}/gains.csv"]
     assert cli.main(["response", f"{screen}/scenes.csv", f"--config={config}", *out]) == 0
     out = [f"--like={screen}/forces.csv", f"--output={screen}/levitation.csv", "--tolerance=1e-3"]
     assert cli.main(["levitate", f"--config={config}", *out]) == 0

@@ -1,21 +1,26 @@
 """Gap and pressure along the middle of a finger over a period, for pictures."""
 
+from contextlib import suppress
+
 import numpy as np
 import pandas as pd
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.modes.galerkin import pressure_at
+from squeezefilm.io.errors import RunError
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.pressure import pressure
 
 POINTS, TIMES = 41, 16
 TOLERANCE = 1e-4
 """Of the largest pressure: a picture shows no more."""
 
 
-def cross_section(scene: Scene) -> pd.DataFrame:
+def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
     """The film along y = middle of a finger: a row for each time and place.
 
     x_mm counts from the finger's centre along its own axis, heights from the surface at rest. The
-    pressure is that of the periodic state in the pad's modes, NaN where there is none to show.
+    pressure is that of the periodic state, NaN where there is none to show. The scene's terms must
+    be decided.
     """
     x = (1 - np.cos(np.pi * np.arange(POINTS + 2) / (POINTS + 1))) / 2
     phase = 2 * np.pi * np.arange(TIMES) / TIMES
@@ -23,8 +28,11 @@ def cross_section(scene: Scene) -> pd.DataFrame:
     finger = scene.h0_m + scene.finger.gap.rise_m(x, middle)
     # The gap widens while the surface goes down.
     surface = finger - scene.h0_m * scene.gap(x, middle, phase).T
-    found = pressure_at(scene, x=x, y=middle, instants=TIMES, tolerance=TOLERANCE)
-    pressure = np.full(surface.shape, np.nan) if found is None else found.T
+    overpressure = np.full(surface.shape, np.nan)
+    with suppress(RunError):
+        overpressure = pressure(
+            scene, x=x, y=middle[:1], instants=TIMES, tolerance=TOLERANCE, device=device
+        ).values[:, 0]
     shape = np.ones_like(surface)
     return pd.DataFrame(
         {
@@ -33,6 +41,6 @@ def cross_section(scene: Scene) -> pd.DataFrame:
             "x_mm": (1e3 * scene.finger.length_x_m * (x - 0.5) * shape).ravel(),
             "surface_um": 1e6 * surface.ravel(),
             "finger_um": (1e6 * finger * shape).ravel(),
-            "overpressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * pressure).ravel(),
+            "overpressure_kpa": (1e-3 * scene.gas.ambient_pressure_pa * overpressure).ravel(),
         }
     )

@@ -18,7 +18,7 @@ import pandas as pd
 
 from numerics.any_gap.cases import BULGING, TILTED, travelling
 from numerics.films import Film, balanced_points
-from numerics.peers.fixed_grid import problems_on_grid, solve_on_grid
+from numerics.peers.fixed_grid import solve_on_grid
 from numerics.peers.yardstick import Fold
 from numerics.reference import Reference, reference_force
 from numerics.timing import cold_start, measure
@@ -28,7 +28,6 @@ from squeezefilm.io.progress import say
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.march.settling import transient_force
 
 FILMS = (
     *(
@@ -53,11 +52,10 @@ NUMPY = "NumPy, SciPy"
 PERIODIC = "periodic"
 # Other methods of the solver, each with its own region of validity.
 LADDER = ("fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
-MARCH = "march"
 CHOSEN = "auto"
 # The periodic state of a film with inertia, its inertia left out.
 WITHOUT = "without_inertia"
-OWN = (CHOSEN, PERIODIC, WITHOUT, MARCH, *LADDER)
+OWN = (CHOSEN, PERIODIC, WITHOUT, *LADDER)
 # Of the force that others are held against with inertia or of an ellipse, which no other method
 # knows; and the least tolerance that is held against it.
 REFERENCE_TOLERANCE, LEAST_WITH_INERTIA = 1e-8, 1e-7
@@ -192,9 +190,8 @@ def _paths(film: Film, *, batch: int, rungs: int, device: Device) -> Iterator[It
     yield _fixed(film, path="balanced", batch=batch, device=device, rungs=rungs)
     for method in LADDER:
         yield _limit(film, method, device=device)
-    if not film.scene.plain:  # the march and others' methods know H = 1 + ε s sin T alone
+    if not film.scene.plain:  # others' methods know H = 1 + ε s sin T alone
         return
-    yield _marched(film, rungs=rungs, device=device)
     for method, module in peers().items():
         if getattr(module, "installed", lambda: True)():
             yield _peer(film, method, module, rungs)
@@ -276,22 +273,6 @@ def _limit(film: Film, method: str, *, device: Device) -> Iterator[Rung]:
 
     if np.isfinite(run().force):
         yield Rung(method, "no setting", "", run)
-
-
-def _marched(film: Film, *, rungs: int, device: Device) -> Iterator[Rung]:
-    """The solver's own march in time, to the same tolerances."""
-    for tolerance in _decades(rungs):
-
-        def run(tolerance: float = tolerance) -> Answer:
-            (found,) = transient_force(
-                problems_on=lambda grid: problems_on_grid([film], grid=grid, tolerance=tolerance),
-                grid=_balanced_grid(film, tolerance, fold=film.fold),
-                tolerance=tolerance,
-                device=device,
-            )
-            return Answer(found.mean, found.error, found.status)
-
-        yield Rung(MARCH, "tolerance", f"tolerance={tolerance:.0e}", run)
 
 
 # Other people's methods

@@ -206,7 +206,7 @@ rule plan_response:
         "How the forces of {wildcards.plan} follow a changing amplitude"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm response {input.scenes} --config {input.config} --method slow "
+        "python -m squeezefilm response {input.scenes} --config {input.config} "
         "--frequencies 3Hz,10Hz,30Hz,60Hz,100Hz,150Hz,200Hz,300Hz,500Hz,700Hz,1kHz,2kHz,4kHz "
         "--output {output.response} --gains {output.gains} >{log} 2>&1"
 

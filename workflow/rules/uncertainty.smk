@@ -28,6 +28,7 @@ rule cross_section:
         code=code("cross-section"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/extrapolation/scenes.csv",
+        kernels="<results>/simulations/device.json",
     output:
         "<results>/simulations/extrapolation/film.csv",
     log:
@@ -38,5 +39,6 @@ rule cross_section:
     message:
         "Gap and pressure under the finger over a period"
     shell:
-        "OPENBLAS_NUM_THREADS=1 python -m reporting cross-section {input.scenes} "
+        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
+        "python -m reporting cross-section {input.scenes} "
         "--config {input.config} --output {output} >{log} 2>&1"

@@ -9,10 +9,13 @@ import pandas as pd
 
 from numerics.cross_section import cross_section
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger")
+SECTIONS = ("gas", "actuator", "finger", "solver")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,5 +27,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     points = scene_points(read_scenes(options.scenes))
-    films = [cross_section(scene_of(point, config)) for point in points]
+    with node_cache.one_build_at_a_time():
+        device = choose_device(config["solver"]["device"])
+    scenes = decided(
+        [scene_of(point, config) for point in points],
+        model_tolerance=config["solver"]["model_tolerance"],
+        device=device,
+    )
+    films = [cross_section(scene, device=device) for scene in scenes]
     write_table(pd.concat(films, ignore_index=True), options.output)

@@ -58,12 +58,14 @@ def build(inputs: Inputs, config: Config) -> pd.DataFrame:
     lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
     known = maps[maps["corner_hz"].notna()]
     note = "By the slow film equation with the rim's boundary layer, without inertia and heat. "
-    unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.split(":").str[0]
+    unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.removeprefix("not supported: ")
     if len(known):
         error = 100 * known["error"].max()
         note += f"Its settled forces are up to {error:.2g} % off those of a film without these."
     if len(unknown):
-        note += f" Not known of {len(unknown)} of {len(maps)} films: {unknown.iloc[0]}."
+        note += (
+            f" Not known of {len(unknown)} of {len(maps)} films: {unknown.iloc[0].split(' (')[0]}."
+        )
     return pd.concat(
         [
             maps.assign(layer="plane", prompt_percent=100 * maps["prompt_share"]),

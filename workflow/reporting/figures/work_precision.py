@@ -39,7 +39,6 @@ STYLES: dict[Key, tuple[str, str, str, str]] = {
     ("boundary-layer", "no setting", False): ("black", "*", "", "… with boundary layer"),
     ("small-amplitude", "no setting", False): ("black", "X", "", "limit ε → 0"),
     ("matched-limit", "no setting", False): ("black", "p", "", "both limits matched"),
-    ("march", "tolerance", False): ("#8C510A", "8", "-", "time march, OpenCL"),
     ("periodic_numpy", "balanced", False): (
         style.GREY,
         "D",

@@ -1,4 +1,4 @@
-"""How far a mean overpressure may be off, from two resolutions: of grids, of modes, of a march."""
+"""How far a mean overpressure may be off, from two grids."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import isfinite
 
 import numpy as np
 
-from squeezefilm.reynolds.grid import MOMENTS, Grid
+from squeezefilm.reynolds.grid import Grid
 
 # In a thin layer at the rim all moments change like the force, which may be by little. So much of
 # the mean size of the change counts too: of 120 films (ε 0.02–0.9, σ 0.3–1e5) one, a piston at ε
@@ -72,7 +72,7 @@ class Change:
 
         There an error goes up and down with where the nodes lie beside the kink, and moments agree
         by chance: of 110 forces with kinks along an axis 4 were off by up to 1.35 times their
-        estimate on the grid, and marched by up to 15 times.
+        estimate.
 
         Args:
             of_profile: by which what is missed of the profile falls; 0 for a smooth one.
@@ -147,28 +147,6 @@ def fall_of(before: Change, after: Change, *, step: np.ndarray | float) -> np.nd
         for new, old in ((after.largest, before.largest), (after.size, before.size))
     )
     return np.asarray(np.maximum(np.maximum(moments, sizes), step**MOST_ORDER))
-
-
-def change_between(
-    before: np.ndarray,
-    coarse: Grid,
-    after: np.ndarray,
-    fine: Grid,
-    *,
-    share: np.ndarray | float = SIZE_SHARE,
-) -> Change:
-    """Change of the mean pressure from grid to grid.
-
-    Args:
-        before, after: overpressure in the mean over the period, shapes (..., nx, ny).
-        share: of the change's size that counts as a moment, one or one for each film.
-    """
-    carried = coarse.x.interpolation_to(fine.x) @ before @ coarse.y.interpolation_to(fine.y).T
-    change = (after - carried) * fine.density
-    moments = fine.x.moments(MOMENTS) @ change @ fine.y.moments(MOMENTS).T
-    # As products of matrices, film by film: those of vectors round by how many films there are.
-    size = np.asarray(fine.x.weights[None] @ np.abs(change) @ fine.y.weights[:, None])[..., 0, 0]
-    return Change(np.maximum(np.abs(moments).max(axis=(-2, -1)), share * size), size)
 
 
 def error_text(error: float, *, allowed: float, force: float) -> str:

@@ -8,8 +8,6 @@ from math import log10, nan
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.march import marching
-from squeezefilm.reynolds.modes import galerkin
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.first_grids import first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
@@ -28,12 +26,10 @@ class Explanation:
             solving shows are a tolerance not reached, Newton's failure and a gas too rarefied.
         domain: ``whole``, ``half`` or ``quarter`` of the finger; empty where nothing is solved.
         terms: the terms of the equation that are solved.
-        nx, ny, nt: points across the finger and over the period, on the finest grid expected; for
-            an elliptical finger along a radius and around, for a march steps over the period.
+        nx, ny, nt: points across the finger and over the period, on the finest grid expected.
         left_out: what the scene does not need, with the reasons.
         expected_error: relative; a limit's own estimate, else the tolerance; NaN without a force.
-        expected_mflop: millions of floating-point operations, to within a factor of about two, of
-            a march to the order of magnitude.
+        expected_mflop: millions of floating-point operations, to within a factor of about two.
     """
 
     method: str
@@ -72,12 +68,8 @@ def _explanation(scene: Scene, need: Needs, way: Way, *, tolerance: float) -> Ex
         return Explanation(way.method, status=way.refused)
     if way.limit is not None:
         explanation = _by_limit(need, way.limit, tolerance=tolerance)
-    elif way.method == galerkin.METHOD:
-        explanation = _in_modes(scene, need, tolerance=tolerance)
-    elif way.method == "periodic":
-        explanation = _on_grids(scene, need, tolerance=tolerance)
     else:
-        explanation = _marched(scene, need, tolerance=tolerance)
+        explanation = _on_grids(scene, need, tolerance=tolerance)
     return replace(explanation, terms=("squeeze", *(term.label for term in need.terms)))
 
 
@@ -111,39 +103,8 @@ def _on_grids(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
     )
 
 
-def _marched(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
-    march = marching.plan(scene, need, tolerance=tolerance)
-    return Explanation(
-        method=march.method,
-        domain=_domain(need.fold_x, need.fold_y),
-        nx=march.grid.x.full_points,
-        ny=march.grid.y.full_points,
-        nt=march.steps,
-        left_out=marching.left_out_by(march.choice.left_out, need),
-        expected_error=tolerance,
-        expected_mflop=march.flops / 1e6,
-    )
-
-
 def _domain(fold_x: bool, fold_y: bool) -> str:
     return ("whole", "half", "quarter")[fold_x + fold_y]
-
-
-def _in_modes(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
-    """The way of a scene that is solved in the modes of its pad."""
-    first = galerkin.first_resolution(scene, need, tolerance=tolerance)
-    finest = first.finer
-    work = _iterations_in_modes(scene.closure()) * first.flops
-    return Explanation(
-        method=galerkin.METHOD,
-        domain=_domain(first.pad.fold_x, first.pad.fold_y),
-        nx=finest.pad.points[0],
-        ny=finest.pad.points[1],
-        nt=finest.instants,
-        left_out=need.halves_left_out + need.terms_left_out,
-        expected_error=tolerance,
-        expected_mflop=(work + 6 * finest.flops) / 1e6,
-    )
 
 
 def _expected_flops(
@@ -171,8 +132,3 @@ def _times_under_outline(scene: Scene, need: Needs) -> float:
     0.02–0.9, σ 1–1e5, axes up to 1:3), mostly right within a factor of two.
     """
     return 1 + 0.4 * need.outline.rim * log10(1 + scene.sigma) ** 2 if need.outline else 1.0
-
-
-def _iterations_in_modes(epsilon: float) -> float:
-    """Krylov iterations and Newton steps from rest on the first grid (fitted, ε 0.05–0.95)."""
-    return 8 + 15 * epsilon / (1 - epsilon) ** 0.5

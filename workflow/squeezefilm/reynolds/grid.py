@@ -181,26 +181,6 @@ def _moments(axis: Axis | Around) -> np.ndarray:
 
 
 @lru_cache(maxsize=256)
-def instant_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
-    """The same for the march; what acts along y is transposed, to be multiplied from the right."""
-    values_x, vectors_x, inverse_x = grid.x.modes
-    values_y, vectors_y, inverse_y = grid.y.modes
-    parts = {
-        "laplace_x": grid.x.second_derivative,
-        "laplace_y": grid.y.second_derivative.T / aspect**2,
-        "area": np.outer(grid.x.weights, grid.y.weights),
-        "modes_x": vectors_x,
-        "to_modes_x": inverse_x,
-        "modes_y": vectors_y.T,
-        "to_modes_y": inverse_y.T,
-        "eigenvalues": np.add.outer(values_x, values_y / aspect**2),
-    }
-    for term in terms:
-        parts.update(term.matrices(grid, aspect=aspect))
-    return joined(parts)
-
-
-@lru_cache(maxsize=256)
 def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> Joined:
     """What interpolates a state to a finer grid."""
     matrices = (

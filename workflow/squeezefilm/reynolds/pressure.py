@@ -12,7 +12,6 @@ from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.modes.galerkin import pressure_at, solved_in_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -54,16 +53,14 @@ def pressure(
 ) -> Pressure:
     """The periodic film's overpressure at places x (nx,) and y (ny,) in [0, 1] across the finger.
 
-    ``instants`` are equidistant from phase 0 on. Grids or modes are refined until no value changes
-    by more than ``tolerance`` of the largest. Inertia must be decided (effects/automatic.py).
+    ``instants`` are equidistant from phase 0 on. Grids are refined until no value changes by more
+    than ``tolerance`` of the largest. Inertia must be decided (effects/automatic.py).
     Raises RunError saying why there is no such pressure.
     """
     needs = needs_of(scene)
     (way,) = ways_of([scene], [needs], tolerance=tolerance, method="periodic")
     if way.refused:
         raise RunError(way.refused)
-    if solved_in_modes(scene):
-        return _in_modes(scene, x=x, y=y, instants=instants, tolerance=tolerance)
     if not device.processor:
         check_device(device)
     grid: Grid | None = grid_for(scene, needs, tolerance=tolerance)
@@ -114,19 +111,3 @@ def _at(
     values = np.full((instants, *across.shape), np.nan)
     values[:, inside] = in_time @ found.T
     return values
-
-
-def _in_modes(
-    scene: Scene, *, x: np.ndarray, y: np.ndarray, instants: int, tolerance: float
-) -> Pressure:
-    """The same for a sliding pad that the grid does not know."""
-    across, along = np.meshgrid(x, y)
-    inside = scene.finger.within(across, along)
-    values = np.full((instants, *across.shape), np.nan)
-    found = pressure_at(
-        scene, x=across[inside], y=along[inside], instants=instants, tolerance=tolerance
-    )
-    if found is None:
-        raise RunError(NO_STATE)
-    values[:, inside] = found.T
-    return Pressure(values, float(tolerance * np.ptp(found)))

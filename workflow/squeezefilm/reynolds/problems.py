@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -58,10 +58,6 @@ class Problems:
         """Least gap over h0 in a period."""
         known = "narrowest" in (self.numbers.dtype.names or ())
         return np.asarray(self.numbers["narrowest"]) if known else 1 - self.epsilon
-
-    def some(self, which: np.ndarray) -> Problems:
-        """Some of the scenes."""
-        return replace(self, numbers=self.numbers[which], places=self.places[which])
 
 
 def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:

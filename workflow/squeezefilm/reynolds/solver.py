@@ -20,10 +20,6 @@ from squeezefilm.reynolds.limits import forces as limits
 from squeezefilm.reynolds.limits.domain import unknown_to
 from squeezefilm.reynolds.limits.films import films_of, limit_axis
 from squeezefilm.reynolds.limits.forces import LimitForces, limit_points
-from squeezefilm.reynolds.march import marching
-from squeezefilm.reynolds.march.marching import solve_marching
-from squeezefilm.reynolds.modes import galerkin
-from squeezefilm.reynolds.modes.galerkin import solve_in_modes, solved_in_modes
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile, unseen_profile
@@ -33,7 +29,7 @@ from squeezefilm.reynolds.terms import first_reason, terms_of
 
 # The methods from cheap to dear; the limits know their own error before anything is solved.
 LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
-METHODS = ("auto", *LIMITS, "periodic", "march")
+METHODS = ("auto", *LIMITS, "periodic")
 # The fast limit is not worth choosing: its error estimate needs the boundary layer's correction.
 CHOSEN_LIMITS = tuple(name for name in LIMITS if name != "fast-limit")
 # Below this the matched limit's grid makes it as dear as a periodic state. Without inertia it is so
@@ -123,10 +119,9 @@ def solve(
         model_tolerance: change of a force, relative, from which on a term that is ``auto`` in a
             scene is included.
         method: one of METHODS. ``auto`` takes the first limit whose error estimate holds the
-            tolerance, of those that may by their order, else the periodic state, on a grid or,
-            where that does not know the finger, in its modes (galerkin.py). A limit asked for by
-            name always gives its force; the status then says where its estimate is above the
-            tolerance.
+            tolerance, of those that may by their order, else the periodic state. A limit asked
+            for by name always gives its force; the status then says where its estimate is above
+            the tolerance.
         device: an OpenCL device; the default one if left out.
         report: called with the number of scenes that were finished, as they are; with a negative
             number for those that an unexpected error asks to be solved again.
@@ -197,7 +192,7 @@ def _solve(
 ) -> list[Solution]:
     needs = [needs_of(scene) for scene in scenes]
     solutions: dict[int, Solution] = {}
-    groups: dict[str, list[int]] = defaultdict(list)
+    group: list[int] = []
     ways = ways_of(scenes, needs, tolerance=tolerance, method=method)
     for index, way in enumerate(ways):
         if way.refused:
@@ -206,22 +201,18 @@ def _solve(
             limit = way.limit
             solutions[index] = _limit_solution(scenes[index], needs[index], limit, tolerance)
         else:
-            groups[way.method].append(index)
+            group.append(index)
     report(len(solutions))
-    for name, group in groups.items():
+    if group:
         some, theirs = [scenes[index] for index in group], [needs[index] for index in group]
-        if name == galerkin.METHOD:
-            rest = solve_in_modes(some, theirs, tolerance=tolerance, report=report)
-        else:
-            on_device = solve_periodic if name == "periodic" else solve_marching
-            chosen = device or choose_device()
-            if not chosen.processor:
-                check_device(chosen)
-            try:
-                rest = on_device(some, theirs, tolerance=tolerance, device=chosen, report=report)
-            except Exception:
-                chosen.queue.finish()  # kernels under way write into arrays that this sets free
-                raise
+        chosen = device or choose_device()
+        if not chosen.processor:
+            check_device(chosen)
+        try:
+            rest = solve_periodic(some, theirs, tolerance=tolerance, device=chosen, report=report)
+        except Exception:
+            chosen.queue.finish()  # kernels under way write into arrays that this sets free
+            raise
         solutions.update(zip(group, rest, strict=True))
     return [solutions[index] for index in range(len(scenes))]
 
@@ -242,24 +233,16 @@ def ways_of(
     return [
         Way("periodic" if method == "auto" else method, refused=reason)
         if reason
-        else _way(scene, need, limit_results.get(index), tolerance=tolerance, method=method)
+        else _way(scene, need, limit_results.get(index), method=method)
         for index, (scene, need, reason) in enumerate(zip(scenes, needs, unseen, strict=True))
     ]
 
 
-def _way(
-    scene: Scene, needs: Needs, limit: LimitResult | None, *, tolerance: float, method: str
-) -> Way:
+def _way(scene: Scene, needs: Needs, limit: LimitResult | None, *, method: str) -> Way:
     if limit is not None:
         return Way(limit.method, limit=limit)
     if method in LIMITS:
         return Way(method, refused=unknown_to(method, scene, needs))
-    if method == "march":
-        march = marching.plan(scene, needs, tolerance=tolerance)
-        return Way(march.method, refused=march.refused)
-    if solved_in_modes(scene):
-        refused = galerkin.refused(scene, needs, tolerance=tolerance)
-        return Way(galerkin.METHOD, refused=refused)
     refused = first_reason(term.refused_on_grid(scene) for term in needs.terms)
     return Way("periodic", refused=refused) if refused else ON_GRID
 
@@ -268,7 +251,7 @@ def by_limits(
     scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
 ) -> dict[int, LimitResult]:
     """The scenes that a limit solves, by index: to the tolerance if ``auto``, else at any error."""
-    if method in ("periodic", "march"):
+    if method == "periodic":
         return {}
     results: dict[int, LimitResult] = {}
     # A limit's promise, an inequality, is asked first: it is cheap and mostly not given.

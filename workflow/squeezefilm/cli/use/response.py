@@ -10,17 +10,22 @@ through the rim: `prompt_gain` is what is left of the gain above the corner, `co
 passes modulation at any frequency, with another size. `rise_s` is until the force stays within 5 %
 after the surface starts, `release_s` until 5 % is left after it stops, each to about two periods.
 
-By the slow film equation where its error is at most 3 %, else by marching through every period;
-without inertia and heat of the gas. Where `gas: auto` would have them in the force, what they do to
-the gain of slow modulation is said for one scene; `squeezefilm budget` says what they are for the
-force. `validity` is `ok`, or the limits of validity of that equation that a scene exceeds.
+By the film equation averaged over a period of the vibration, without inertia and heat of the gas;
+films whose averaged settled force is more than 3 % off are not supported. What the averaged
+equation neglects is stated as a change in %: first-order slip by the same equation with slip,
+inertia and heat by the periodic forces' gain for slow modulation (their effect on corner and
+settling times is not known). `validity` is `ok`, or the limits of validity that a scene
+exceeds under this equation.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import asdict, replace
-from math import isfinite
+from functools import partial
+from math import isnan
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -36,22 +41,26 @@ from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import (
-    METHODS,
+    CHANGED,
     MOST_MODULATION,
     Gains,
     gains,
-    not_slow,
     response,
+    slip_changes,
     steps_of,
 )
-from squeezefilm.reynolds.dynamics.scenes import refused
-from squeezefilm.reynolds.dynamics.slow_gain import slow_gain
-from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes
 from squeezefilm.runs import node_cache
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of
 
 SECTIONS = ("gas", "actuator", "finger", "solver")
+CALLED = {
+    "gain": "gain for slow modulation",
+    "corner": "corner",
+    "rise": "settling after start",
+    "release": "after stop",
+}
 FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
@@ -73,7 +82,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="QUANTITY",
         help=f"of the modulation: several with commas, or first:last:count; {FREQUENCIES}",
     )
-    parser.add_argument("--method", choices=METHODS, default="auto", help="of gain and phase")
     parser.add_argument(
         "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
     )
@@ -91,17 +99,8 @@ def run(options: argparse.Namespace) -> None:
         if len(points) != 1 or not {"h0_m", "hv_m"} <= set(points):
             raise InputError("give a table of scenes, or one scene by --h0 and --hv")
         scene = scene_of(scene_points_of(points)[0], config)
-        _show(scene, gains(scene, frequency_hz, device=device, method=options.method))
+        _show(scene, gains(scene, frequency_hz), _neglected([scene], settings, device)[0])
         print(f"validity  {_validity(scene)}")
-        (chosen,) = decided(
-            [scene], model_tolerance=config["solver"]["model_tolerance"], device=device
-        )
-        if lacking := [each for each in ("inertia", "heat") if _included(chosen, each)]:
-            print(
-                f"note: {' and '.join(lacking)} would be in this force (gas: auto): "
-                + _slow_gains(chosen, settings, device)
-                + "; how much they change the rest of the response is not known"
-            )
         return
     if len(points.columns):
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
@@ -112,29 +111,19 @@ def run(options: argparse.Namespace) -> None:
         scenes = [scene_of(point, config) for point in scene_points(table)]
     table = table.assign(validity=list(map(_validity, scenes)))
     if options.output is not None:
-        write_table(_summaries(table, scenes), options.output)
+        write_table(_summaries(table, scenes, settings, device), options.output)
     if options.gains is not None:
-        rows = _all_gains(table, scenes, frequency_hz, device=device, method=options.method)
-        write_table(rows, options.gains)
+        write_table(_all_gains(table, scenes, frequency_hz), options.gains)
     if options.steps is not None:
         write_table(_all_steps(table, scenes), options.steps)
 
 
-def _slow_gains(included: Scene, settings: SolverSettings, device: Device) -> str:
-    """What terms do to the gain of slow modulation, in words."""
-    without = replace(included, gas=replace(included.gas, inertia="none", heat="none"))
-    try:
-        gain, other = (
-            slow_gain(scene, tolerance=settings.tolerance, method=settings.method, device=device)
-            for scene in (included, without)
-        )
-    except RunError as error:
-        return f"their part in the gain for slow modulation is not known ({error})"
-    return f"with them the gain for slow modulation is {gain} instead of {other}"
-
-
-def _included(scene: Scene, term: str) -> bool:
-    return getattr(scene.gas, term) == "included"
+def _neglected(
+    scenes: list[Scene], settings: SolverSettings, device: Device
+) -> list[dict[str, float]]:
+    """Changes in % of the scenes' responses by what the averaged film neglects, by columns."""
+    by_gas = gain_changes(scenes, tolerance=settings.tolerance, device=device)
+    return [slip_changes(scene) | row for scene, row in zip(scenes, by_gas, strict=True)]
 
 
 def _validity(scene: Scene) -> str:
@@ -142,80 +131,94 @@ def _validity(scene: Scene) -> str:
     return validity(replace(scene, gas=replace(scene.gas, inertia="none", heat="none")))
 
 
-def _show(scene: Scene, found: Gains) -> None:
+def _show(scene: Scene, found: Gains, neglected: dict[str, float]) -> None:
     one = response(scene)
-    if isfinite(one.rise_s):
-        # The phase in which a vibration starts moved the rise by up to 1.6 periods.
-        start_s = 2 / scene.actuator.frequency_hz
-        corner_hz = float(f"{one.corner_hz:.2g}")
+    # The phase in which a vibration starts moved the rise by up to 1.6 periods.
+    start_s = 2 / scene.actuator.frequency_hz
+    corner_hz = float(f"{one.corner_hz:.2g}")
+    print(
+        f"gain {one.static_gain:.3f} ± {100 * one.error:.2g} % for slow modulation, about "
+        f"{one.prompt_gain:.2f} far above the corner at about {corner_hz:g} Hz"
+    )
+    for what, share, seconds in (
+        ("start", one.prompt_share, one.rise_s),
+        ("stop", one.lasting_share, one.release_s),
+    ):
         print(
-            f"gain {one.static_gain:.3f} ± {100 * one.error:.2g} % for slow modulation, about "
-            f"{one.prompt_gain:.2f} far above the corner at about {corner_hz:g} Hz"
+            f"{what}: {share:.0%} of the force {'at once' if what == 'start' else 'is left'}, "
+            f"settled to 5 % after {1e3 * seconds:.2g} ms ± {1e3 * start_s:.1g} ms"
         )
-        for what, share, seconds in (
-            ("start", one.prompt_share, one.rise_s),
-            ("stop", one.lasting_share, one.release_s),
-        ):
-            print(
-                f"{what}: {share:.0%} of the force {'at once' if what == 'start' else 'is left'}, "
-                f"settled to 5 % after {1e3 * seconds:.2g} ms ± {1e3 * start_s:.1g} ms"
-            )
+    print(pd.DataFrame(asdict(found)).to_string(index=False, float_format="{:.4g}".format))
+    print("error: relative to the gain, without effects that the averaged film neglects:")
+    for line in _neglected_lines(scene, neglected):
+        print(f"  {line}")
+
+
+def _neglected_lines(scene: Scene, changes: dict[str, float]) -> list[str]:
+    """A line for each effect that the averaged film neglects."""
+    by_slip = {what: changes[f"slip_{what}_percent"] for what in CHANGED}
+    if scene.gas.rarefaction == "slip":
+        slip = "slip: included"
+    elif isnan(by_slip["gain"]):
+        slip = f"slip: not known, Kn {scene.knudsen:.2g} is above the range of first-order slip"
     else:
-        print("rise, release and corner: not known, the film is not slow against its vibration")
-    rows = pd.DataFrame(asdict(found)).drop(columns="method")
-    print(rows.to_string(index=False, float_format=lambda value: f"{value:.4g}"))
-    print(f"by {found.method}; error is relative; without inertia and heat of the gas")
+        slip = "slip: " + ", ".join(
+            f"{CALLED[what]} {change:+.2g} %" for what, change in by_slip.items()
+        )
+    lines = [slip]
+    for name in NEGLECTED:
+        change, error = (changes[f"{name}_gain{end}_percent"] for end in ("", "_error"))
+        gain = "not known" if isnan(change) else f"{change:+.2g} ± {error:.1g} %"
+        lines.append(f"{name}: gain for slow modulation {gain}, corner and settling not known")
+    return lines
 
 
-def _summaries(table: pd.DataFrame, scenes: list[Scene]) -> pd.DataFrame:
-    rows = []
+def _summaries(
+    table: pd.DataFrame, scenes: list[Scene], settings: SolverSettings, device: Device
+) -> pd.DataFrame:
+    rows: list[dict[Any, Any]] = []
     with progress_bar(len(scenes), unit="scene", name="response") as bar:
         for scene in scenes:
-            found = {} if (reason := refused(scene)) else asdict(response(scene))
-            if found and not isfinite(found["static_gain"]):
-                reason = not_slow(found["error"])
-            rows.append({**found, "status": reason or "ok"})
+            rows.append(_or_reason(partial(response, scene)))
             bar.update(1)
+    known = [k for k, row in enumerate(rows) if row["status"] == "ok"]
+    neglected = _neglected([scenes[k] for k in known], settings, device)
+    for k, changes in zip(known, neglected, strict=True):
+        rows[k] |= changes
     return pd.concat([table, pd.DataFrame(rows)], axis=1)
 
 
-def _all_gains(
-    table: pd.DataFrame,
-    scenes: list[Scene],
-    frequency_hz: np.ndarray,
-    *,
-    device: Device,
-    method: str,
-) -> pd.DataFrame:
+def _or_reason(find: Callable[[], Any], **unknown: Any) -> dict[Any, Any]:
+    """What is found, with status ``ok``; or what is unknown, with the reason as its status."""
+    try:
+        return {**asdict(find()), "status": "ok"}
+    except (InputError, RunError) as error:
+        return {**unknown, "status": str(error)}
+
+
+def _all_gains(table: pd.DataFrame, scenes: list[Scene], frequency_hz: np.ndarray) -> pd.DataFrame:
     parts = []
     for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
         slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz
         for some in (frequency_hz[slow], frequency_hz[~slow]):
-            if not some.size:
-                continue
-            try:
-                found = asdict(gains(scene, some, device=device, method=method))
-                status = "ok"
-            except InputError as error:
+            if some.size:
                 unknown = dict.fromkeys(("gain", "phase_deg", "error"), np.nan)
-                found = {"frequency_hz": some, **unknown, "method": ""}
-                status = _reason(error, scene)
-            parts.append(pd.DataFrame(row | found | {"status": status}))
+                found = _or_reason(
+                    partial(gains, scene, some),
+                    frequency_hz=some,
+                    **unknown,
+                )
+                parts.append(pd.DataFrame(row | found))
     return pd.concat(parts, ignore_index=True)
 
 
 def _all_steps(table: pd.DataFrame, scenes: list[Scene]) -> pd.DataFrame:
     """A scene whose steps are not known keeps a row, with the reason."""
-    parts = []
-    for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
-        try:
-            found = {**asdict(steps_of(scene)), "status": "ok"}
-        except InputError as error:
-            unknown = {name: [np.nan] for name in ("time_s", "rising_n", "falling_n")}
-            found = {**unknown, "status": _reason(error, scene)}
-        parts.append(pd.DataFrame(row | found))
-    return pd.concat(parts, ignore_index=True)
-
-
-def _reason(error: InputError, scene: Scene) -> str:
-    return str(error).removeprefix(f"point {scene.point_id}: ")
+    unknown = {name: [np.nan] for name in ("time_s", "rising_n", "falling_n")}
+    return pd.concat(
+        [
+            pd.DataFrame(row | _or_reason(partial(steps_of, scene), **unknown))
+            for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True)
+        ],
+        ignore_index=True,
+    )

@@ -18,13 +18,12 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import OUTPUTS, Outputs, Solution, checked_outputs
 from squeezefilm.reynolds.answers.numbers import answered
 from squeezefilm.reynolds.answers.refused import formula_refusals
-from squeezefilm.reynolds.answers.samples import in_modes, on_grid
+from squeezefilm.reynolds.answers.samples import on_grid
 from squeezefilm.reynolds.answers.stiffness import static_stiffness
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.modes.galerkin import solved_in_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.changes import margin_of
 from squeezefilm.reynolds.periodic.first_grids import grid_for
@@ -140,8 +139,6 @@ def _from_states(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
     for index, (scene, need, way) in enumerate(zip(scenes, needs, ways, strict=True)):
         if way.refused:
             found[index] = _refused(way.refused)
-        elif solved_in_modes(scene):
-            found[index] = _of_modes(scene, tolerance=tolerance)
         else:
             first = grid_for(scene, need, tolerance=tolerance)
             waiting.append(_Progress(index, scene, need, first))
@@ -159,17 +156,6 @@ def _from_states(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
                     found[progress.index] = output
         waiting = further
     return [found[index] for index in range(len(scenes))]
-
-
-def _of_modes(scene: Scene, *, tolerance: float) -> Outputs:
-    films = in_modes(scene, tolerance=tolerance)
-    if films is None:
-        return _refused(NO_STATE)
-    # No pressure changed by more, at last.
-    left = left_after(UNKNOWN_FALL) * tolerance * (films[1].largest - films[1].least)
-    return answered(
-        *films, factor=float(left_after(UNKNOWN_FALL)), left=float(left), tolerance=tolerance
-    ).outputs
 
 
 def _groups(

@@ -15,10 +15,8 @@ import numpy as np
 from squeezefilm.film.outlines import Outline
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.answers.rim_momentum import momentum_out
-from squeezefilm.reynolds.answers.rules import pad_rule
 from squeezefilm.reynolds.effects.fields import lines_of
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.modes.galerkin import pressure_at
 from squeezefilm.reynolds.spectral import axis, period
 
 # Distance of the points whose gaps' difference is a slope, of the finger's length: waves as long as
@@ -26,9 +24,6 @@ from squeezefilm.reynolds.spectral import axis, period
 STEP = 3e-4
 # Points each way of a closer look at an extreme, how much closer each is, and how many there are.
 LOOK, CLOSER, LOOKS = 9, 3.0, 8
-# Points along a radius or a side, and instants, of a film that is solved in modes.
-FEW, MANY, INSTANTS = 24, 36, 48
-
 # Of a field, what rounding leaves of an odd one that is made even.
 ROUNDED = 1e-9
 
@@ -217,27 +212,3 @@ def _extreme(
             centre = [float(each[k]) for each, k in zip(look, nearest, strict=True)]
         reach = [each / CLOSER for each in reach]
     return found
-
-
-def in_modes(scene: Scene, *, tolerance: float) -> tuple[Sample, Sample] | None:
-    """A film that is solved in modes, by two rules of quadrature; None where it has no state."""
-    rules = [pad_rule(scene.finger.shape, points) for points in (FEW, MANY)]
-    x, y = (np.concatenate([rule[k] for rule in rules]) for k in (0, 1))
-    found = pressure_at(scene, x=x, y=y, instants=INSTANTS, tolerance=tolerance)
-    if found is None:
-        return None
-    few = len(rules[0][0])
-    first, second = (
-        Sample(
-            scene,
-            x=rule[0],
-            y=rule[1],
-            weights=rule[2],
-            overpressure=values,
-            largest=max(float(values.max()), 0.0),  # the rim's
-            least=min(float(values.min()), 0.0),
-            images=(np.arange(len(values)),),
-        )
-        for rule, values in zip(rules, (found[:few], found[few:]), strict=True)
-    )
-    return first, second

@@ -1,26 +1,24 @@
 """How the mean force follows the amplitude: gain and phase, rise and release.
 
-By the slow film (slow_film.py) or, where that is too coarse, by marching through every period. Part
-of the force follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
+By the slow film (slow_film.py), where its settled force is good enough. Part of the force follows
+at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from math import inf, pi
+from dataclasses import dataclass, replace
+from math import inf, nan, pi
 
 import numpy as np
 from scipy.optimize import brentq
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import InputError
-from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.dynamics import modulated_march
-from squeezefilm.reynolds.dynamics.scenes import refused, slow_film_of
+from squeezefilm.film.validity import LIMITS
+from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.reynolds.dynamics.scenes import POINTS, film_on, refused, slow_film_of
 from squeezefilm.reynolds.dynamics.slow_film import SlowFilm
 
-METHODS = ("auto", "slow", "march")
-# Relative error of the settled force up to which ``auto`` takes the slow film.
+# Relative error of the settled force up to which the slow film's numbers are given.
 SLOW_ERROR = 0.03
 # What the slow film leaves out of a gain, per square of the modulation over the vibration: about
 # twice what the worst of 19 random films needed (ε 0.05–0.85, σ 130–8000, aspects 0.6–2.5).
@@ -30,6 +28,13 @@ MOST_MODULATION = 0.1
 # What is left of the way when a film counts as settled.
 LEFT = 0.05
 INSTANTS = 240
+# Numbers of a response whose change by a neglected effect is said, by what their columns call them.
+CHANGED = {
+    "gain": "static_gain",
+    "corner": "corner_hz",
+    "rise": "rise_s",
+    "release": "release_s",
+}
 
 
 @dataclass(frozen=True)
@@ -41,14 +46,12 @@ class Gains:
         gain: its size, 2 or a little more for a modulation that is slow enough.
         phase_deg: of the force behind the amplitude where it is negative.
         error: of ``gain``, relative, and of the phase in radians.
-        method: ``slow`` or ``march``.
     """
 
     frequency_hz: np.ndarray
     gain: np.ndarray
     phase_deg: np.ndarray
     error: np.ndarray
-    method: str
 
 
 @dataclass(frozen=True)
@@ -89,11 +92,12 @@ class Steps:
     falling_n: np.ndarray
 
 
-def gains(scene: Scene, frequency_hz: np.ndarray, *, device: Device, method: str = "auto") -> Gains:
+def gains(scene: Scene, frequency_hz: np.ndarray) -> Gains:
     """Gain and phase of a scene's force at some modulation frequencies.
 
-    Raises InputError for a scene whose response is not known, a method that does not hold, or a
-    frequency that is not slow against the vibration.
+    Raises:
+        InputError: for a frequency that is not slow against the vibration.
+        RunError: saying why the scene is not supported.
     """
     frequency_hz = np.asarray(frequency_hz, dtype=float)
     vibration_hz = scene.actuator.frequency_hz
@@ -103,61 +107,48 @@ def gains(scene: Scene, frequency_hz: np.ndarray, *, device: Device, method: str
             f"a modulation's frequency must lie above 0 and up to {most:g} Hz, a tenth of the "
             "vibration's"
         )
-    film, error = _slow(scene, method)
-    if method == "march" or (method == "auto" and error > SLOW_ERROR):
-        if scene.two_phases:
-            raise InputError(
-                f"point {scene.point_id}: the march is of vibrations in one phase only, and "
-                + not_slow(error)
-            )
-        found, errors = modulated_march.gains(scene, frequency_hz / vibration_hz, device=device)
-        return _gains(frequency_hz, found, errors, "march")
+    film, error = _slow(scene)
     modulations = frequency_hz / vibration_hz
     found = film.response(modulations)
-    return _gains(frequency_hz, found, error + HASTE * modulations**2, "slow")
+    return Gains(
+        frequency_hz=frequency_hz,
+        gain=np.abs(found),
+        phase_deg=np.degrees(np.angle(found)),
+        error=error + HASTE * modulations**2,
+    )
 
 
 def response(scene: Scene) -> Response:
-    """A scene's response in a few numbers; NaN where the slow film does not hold.
+    """A scene's response in a few numbers.
 
-    Raises InputError for a scene whose response is not known.
+    Raises RunError saying why the scene is not supported.
     """
-    film, error = _slow(scene, "slow")
-    if error > SLOW_ERROR:
-        unknown = {each.name: float("nan") for each in fields(Response)}
-        return Response(**{**unknown, "error": error})
-    static, prompt = film.response(np.array([0.0, inf])).real
-    rate = scene.actuator.angular_frequency_rad_per_s
-    steps = _steps(film)
-    settled = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
-    return Response(
-        static_gain=float(static),
-        prompt_gain=float(prompt),
-        corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
-        prompt_share=float(steps.rising[0] / settled),
-        rise_s=_crossing(steps.time, np.abs(steps.rising / settled - 1)) / rate,
-        lasting_share=float(steps.falling[0] / settled),
-        release_s=_crossing(steps.time, np.abs(steps.falling / settled)) / rate,
-        error=error,
-    )
+    return _response(scene, *_slow(scene))
 
 
-def not_slow(error: float) -> str:
-    """Why the slow film's numbers are not given, of one whose settled force is good to an error."""
-    return (
-        "the film is not slow against its vibration: the slow film's settled force is good "
-        f"to {error:.2g} of it, and {SLOW_ERROR:g} is allowed"
-    )
+def slip_changes(scene: Scene) -> dict[str, float]:
+    """Changes in % of a supported scene's response with first-order slip, by their columns.
+
+    From the slow equation with and without slip on the coarsest grid: 0 where the scene has slip,
+    NaN above the Knudsen numbers that slip of first order is meant for.
+    """
+    pairs = [(nan, nan)] * len(CHANGED)
+    slipping = replace(scene, gas=replace(scene.gas, rarefaction="slip"))
+    if not any(limit.exceeded(slipping) for limit in LIMITS if limit.symbol == "Kn"):
+        both = [_response(each, *film_on(each, POINTS[0])) for each in (scene, slipping)]
+        pairs = [(getattr(both[0], name), getattr(both[1], name)) for name in CHANGED.values()]
+    return {
+        f"slip_{what}_percent": 100 * (after / before - 1)
+        for what, (before, after) in zip(CHANGED, pairs, strict=True)
+    }
 
 
 def steps_of(scene: Scene) -> Steps:
     """The mean force after start and stop of a scene's vibration, by the slow film.
 
-    Raises InputError for a scene whose response is not known, or where the slow film does not hold.
+    Raises RunError saying why the scene is not supported.
     """
-    film, error = _slow(scene, "slow")
-    if error > SLOW_ERROR:
-        raise InputError(f"point {scene.point_id}: {not_slow(error)}")
+    film, _ = _slow(scene)
     steps, scale = _steps(film), scene.force_scale_n
     time_s = steps.time / scene.actuator.angular_frequency_rad_per_s
     return Steps(time_s, steps.rising * scale, steps.falling * scale)
@@ -172,17 +163,33 @@ class _Steps:
     falling: np.ndarray
 
 
-def _slow(scene: Scene, method: str) -> tuple[SlowFilm, float]:
-    if method not in METHODS:
-        raise InputError(f"method {method!r}: unknown; allowed are {', '.join(METHODS)}")
+def _slow(scene: Scene) -> tuple[SlowFilm, float]:
     if reason := refused(scene):
-        raise InputError(f"point {scene.point_id}: {reason}")
-    return slow_film_of(scene)
+        raise RunError(f"not supported: {reason}")
+    film, error = slow_film_of(scene)
+    if error > SLOW_ERROR:
+        raise RunError(
+            "not supported: the film is not slow against its vibration (error of the averaged "
+            f"film's settled force: {100 * error:.2g} %, at most {100 * SLOW_ERROR:g} % is allowed)"
+        )
+    return film, error
 
 
-def _gains(frequency_hz: np.ndarray, gain: np.ndarray, error: np.ndarray, method: str) -> Gains:
-    phase_deg = np.degrees(np.angle(gain))
-    return Gains(frequency_hz, np.abs(gain), phase_deg, error, method)
+def _response(scene: Scene, film: SlowFilm, error: float) -> Response:
+    static, prompt = film.response(np.array([0.0, inf])).real
+    rate = scene.actuator.angular_frequency_rad_per_s
+    steps = _steps(film)
+    settled = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
+    return Response(
+        static_gain=float(static),
+        prompt_gain=float(prompt),
+        corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
+        prompt_share=float(steps.rising[0] / settled),
+        rise_s=_crossing(steps.time, np.abs(steps.rising / settled - 1)) / rate,
+        lasting_share=float(steps.falling[0] / settled),
+        release_s=_crossing(steps.time, np.abs(steps.falling / settled)) / rate,
+        error=error,
+    )
 
 
 def _corner(film: SlowFilm, static: float, prompt: float) -> float:

@@ -8,7 +8,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
 from squeezefilm.reynolds.limits.films import limit_axis
 from squeezefilm.reynolds.limits.forces import boundary_layer_limit
-from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
 
@@ -19,7 +18,7 @@ GAIN = 0.9
 
 def refused(scene: Scene) -> str:
     """Why a scene's response is not known; empty where it is."""
-    if wants_modes(scene):
+    if scene.finger.shape != "rectangle":
         return "the response was derived for rectangular fingers"
     if not scene.finger.gap.flat:
         return "the response was derived for a gap that is even at rest, not tilted or bulging"
@@ -35,26 +34,30 @@ def refused(scene: Scene) -> str:
 def slow_film_of(scene: Scene) -> tuple[SlowFilm, float]:
     """The slow film on a grid that shows all that it can, and its relative error at rest.
 
-    The error is that of the settled force, by the boundary-layer limit: it may be infinite. A
-    finer grid is taken as long as it makes the error smaller by a tenth.
+    A finer grid is taken as long as it makes the error smaller by a tenth.
     """
-    slip = sum(dict(term.limit_numbers(scene)).get("slip", 0.0) for term in terms_of(scene))
-    best: tuple[SlowFilm, float] | None = None
-    for points in POINTS:
-        nodes = limit_axis(points).all_nodes
-        amplitude = scene.phasor(*np.meshgrid(nodes, nodes, indexing="ij"))
-        film = slow_film(
-            epsilon=scene.epsilon,
-            sigma=scene.sigma,
-            amplitude=amplitude,
-            aspect=scene.aspect,
-            slip=slip,
-        )
-        limit = boundary_layer_limit(film.films)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            error = float(np.abs(limit.error / limit.mean)[0])
-        if best is not None and not error < GAIN * best[1]:
+    best = film_on(scene, POINTS[0])
+    for points in POINTS[1:]:
+        finer = film_on(scene, points)
+        if not finer[1] < GAIN * best[1]:
             break
-        best = film, error
-    assert best is not None
+        best = finer
     return best
+
+
+def film_on(scene: Scene, points: int) -> tuple[SlowFilm, float]:
+    """The slow film on one grid, and its relative error at rest.
+
+    The error is that of the settled force, by the boundary-layer limit: it may be infinite.
+    """
+    nodes = limit_axis(points).all_nodes
+    film = slow_film(
+        epsilon=scene.epsilon,
+        sigma=scene.sigma,
+        amplitude=scene.phasor(*np.meshgrid(nodes, nodes, indexing="ij")),
+        aspect=scene.aspect,
+        slip=sum(dict(term.limit_numbers(scene)).get("slip", 0.0) for term in terms_of(scene)),
+    )
+    limit = boundary_layer_limit(film.films)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return film, float(np.abs(limit.error / limit.mean)[0])

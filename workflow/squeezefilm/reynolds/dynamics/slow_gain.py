@@ -5,46 +5,77 @@ It has whatever terms the scene has, unlike the response to faster modulation (r
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import nan
+from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import RunError
+from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.answers.stiffness import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
 
 # Of the forces that the quotient is made of: their errors count fifty times in it.
 TOLERANCE = 1e-4
+# Terms of the gas that the averaged film neglects.
+NEGLECTED = ("inertia", "heat")
 
 
 @dataclass(frozen=True)
 class SlowGain:
-    """Relative change of the force per relative change of the amplitude, and its error."""
+    """Relative change of the force per relative change of the amplitude, and its error; or NaN."""
 
     gain: float
     error: float
 
-    def __str__(self) -> str:
-        return f"{self.gain:.4g} ± {self.error:.1g}"
 
+def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> list[SlowGain]:
+    """By difference quotients of forces; the scenes' terms must be decided.
 
-def slow_gain(scene: Scene, *, tolerance: float, device: Device, method: str = "auto") -> SlowGain:
-    """By a difference quotient of forces; the scene's terms must be decided.
-
-    Raises RunError with the reason where an amplitude within 2 % has no force.
+    NaN where an amplitude within 2 % has no force.
     """
-    amplitudes_m = scene.hv_m * (1 + STEP * np.array([0, *AROUND]))
-    solutions = solve(
-        [replace(scene, hv_m=float(hv_m)) for hv_m in amplitudes_m],
+    factors = 1 + STEP * np.array([0, *AROUND])
+    forces = solve(
+        [replace(scene, hv_m=float(scene.hv_m * each)) for scene in scenes for each in factors],
         tolerance=min(tolerance, TOLERANCE),
         device=device,
-        method=method,
     )
-    if bad := next((each.status for each in solutions if each.status != "ok"), None):
-        raise RunError(bad)
+    count = len(factors)
+    return [_gain(forces[k * count : (k + 1) * count], each.hv_m) for k, each in enumerate(scenes)]
+
+
+def _gain(solutions: Sequence[Solution], hv_m: float) -> SlowGain:
+    if any(each.status != "ok" for each in solutions):
+        return SlowGain(nan, nan)
     forces, errors = np.array([(each.force_n, each.force_error_n) for each in solutions]).T
-    slope, error = quotient(forces[1:], errors[1:], scene.hv_m)
-    gain = -slope * scene.hv_m / forces[0]
-    return SlowGain(gain, abs(gain) * errors[0] / abs(forces[0]) + error * scene.hv_m / forces[0])
+    slope, error = quotient(forces[1:], errors[1:], hv_m)
+    gain = -slope * hv_m / forces[0]
+    return SlowGain(gain, abs(gain) * errors[0] / abs(forces[0]) + error * hv_m / forces[0])
+
+
+def gain_changes(
+    scenes: Sequence[Scene], *, tolerance: float, device: Device
+) -> list[dict[str, float]]:
+    """Changes in % of the gain of slow modulation with each of NEGLECTED, by their columns.
+
+    NaN where a force is not found with it.
+    """
+    choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED)]
+    without = [replace(each, gas=replace(each.gas, inertia="none", heat="none")) for each in scenes]
+    found = slow_gains(
+        [replace(one, gas=replace(one.gas, **choice)) for one in without for choice in choices],
+        tolerance=tolerance,
+        device=device,
+    )
+    changes = []
+    for first in range(0, len(found), len(choices)):
+        base, *others = found[first : first + len(choices)]
+        row = {}
+        for name, other in zip(NEGLECTED, others, strict=True):
+            row[f"{name}_gain_percent"] = 100 * (other.gain / base.gain - 1)
+            row[f"{name}_gain_error_percent"] = 100 * (other.error + base.error) / base.gain
+        changes.append(row)
+    return changes

@@ -9,7 +9,7 @@ from typing import Any
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.effects.budget import Budget, budgets
-from squeezefilm.reynolds.modes.galerkin import wants_modes
+from squeezefilm.reynolds.terms import first_reason, terms_of
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.term import Term
@@ -81,14 +81,10 @@ def _closed(scene: Scene) -> Scene:
 
 def _refused(scene: Scene, name: str, term: Term, method: str) -> str:
     """Why a scene that had a term would not be solved by the method; empty where it would."""
-    scene = with_term(scene, name, "included")
-    if wants_modes(scene):
-        return term.refused_in_modes(scene)
-    if method == "march":
-        return term.refused_by_march(scene)
+    scene = with_term(_closed(scene), name, "included")
     if method not in ("auto", "periodic"):
         return "" if term.knows_limit(method) else f"the limit {method} does not know it"
-    return term.refused_on_grid(scene)
+    return first_reason(each.refused_on_grid(scene) for each in terms_of(scene))
 
 
 def _matters(budget: Budget, name: str, model_tolerance: float) -> bool:

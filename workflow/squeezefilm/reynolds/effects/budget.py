@@ -23,7 +23,6 @@ from squeezefilm.reynolds.effects import depth_averaged, heat, inertia, rim, sli
 from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import Answers, sensitivity
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import Batch, launch
@@ -218,9 +217,9 @@ def _told(budget: Budget, scene: Scene, *, basis: str) -> Budget:
 
 def _on_a_grid(scene: Scene) -> Scene:
     """The scene, or one like it with the flat rectangle inside its pad."""
-    if not wants_modes(scene):
-        return scene
     finger = scene.finger
+    if finger.shape == "rectangle":
+        return scene
     flat = replace(
         finger,
         shape="rectangle",

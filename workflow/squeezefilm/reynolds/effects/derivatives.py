@@ -22,7 +22,6 @@ from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import sensitivity
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.modes.galerkin import wants_modes
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import Batch, launch
@@ -93,7 +92,7 @@ def with_derivatives(
 
 def _grids(scene: Scene, needs: Needs, *, tolerance: float) -> tuple[Grid, Grid] | str:
     """The two grids of a scene, or why it has no derivatives."""
-    if wants_modes(scene):
+    if scene.finger.shape != "rectangle":
         return "derivatives are known of rectangular pads alone"
     if unknown := [term.label for term in needs.terms if not isinstance(term, KNOWN)]:
         return f"derivatives are not known with {unknown[0]}: its adjoint is not"

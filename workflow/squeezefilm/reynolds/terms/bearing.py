@@ -12,10 +12,6 @@ from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
-    from squeezefilm.reynolds.modes.pad_modes import PadModes
-
-# Neither the march nor the modes precondition it: beyond this, steps or iterations become many.
-LARGEST_UNPRECONDITIONED = 30.0
 
 
 @dataclass(frozen=True)
@@ -26,8 +22,7 @@ class Bearing(Term):
     ABSENT = LeftOut("bearing term", "the finger is at rest")
     BREAKS = "x"
     OVER_PERIOD = "terms/bearing_over_period.cl"
-    AT_INSTANT = "terms/bearing_at_instant.cl"
-    HOOKS = ("residual", "response", "rate", "rate_response")
+    HOOKS = ("residual", "response")
 
     @classmethod
     def of(cls, scene: Scene) -> Bearing | None:
@@ -60,18 +55,7 @@ class Bearing(Term):
             vectors[k], inverse[k] = basis * scale, basis.T / scale
         return {"modes_x": vectors, "to_modes_x": inverse, "triangle": triangle}
 
-    def explicit_rate(self, numbers: np.ndarray, grid: Grid) -> np.ndarray:
-        return numbers["bearing"] * np.abs(np.linalg.eigvals(grid.x.first_derivative)).max()
-
-    def in_modes(self, scene: Scene, modes: PadModes, mass: np.ndarray) -> np.ndarray:
-        return modes.project_on_slopes(scene.bearing_number * mass, None)
-
-    def refused_in_modes(self, scene: Scene) -> str:
-        if abs(scene.bearing_number) <= LARGEST_UNPRECONDITIONED:
-            return ""
-        return f"bearing numbers up to {LARGEST_UNPRECONDITIONED:g} only under this finger"
-
-    def refused_by_march(self, scene: Scene) -> str:
-        if abs(scene.bearing_number) <= LARGEST_UNPRECONDITIONED:
-            return ""
-        return f"march takes bearing numbers up to {LARGEST_UNPRECONDITIONED:g}"
+    def refused_on_grid(self, scene: Scene) -> str:
+        if scene.finger.shape != "rectangle":
+            return "not supported: a sliding pad that is not a rectangle"
+        return ""

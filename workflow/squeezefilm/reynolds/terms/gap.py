@@ -73,12 +73,6 @@ class AnyGap(Term):
     def knows_limit(self, name: str) -> bool:
         return name != "closed-form"
 
-    def refused_by_march(self, scene: Scene) -> str:
-        return f"march is for a gap that is even at rest and moves in one phase, not a {self.label}"
-
-    def refused_in_modes(self, scene: Scene) -> str:
-        return ""
-
 
 def _preconditioners(scene: Scene, count: int) -> dict[str, tuple[float, ...]]:
     """Diffusivities, in units of an even film's, and the first's part of rows (gap_over_period.cl).

@@ -56,6 +56,3 @@ class SmoothOutline(Term):
             if getattr(scene.gas, name) == "included":
                 return f"{name} is not known under this finger"
         return ""
-
-    def refused_in_modes(self, scene: Scene) -> str:
-        return ""

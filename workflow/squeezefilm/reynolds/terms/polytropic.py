@@ -29,6 +29,3 @@ class Polytropic(Term):
 
     def stiffness(self, scene: Scene) -> float:
         return scene.gas.polytropic_exponent
-
-    def refused_in_modes(self, scene: Scene) -> str:
-        return ""

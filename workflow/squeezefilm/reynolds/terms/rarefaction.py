@@ -62,9 +62,6 @@ class Rarefaction(Term):
     def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
         return {"slip": sum(flow_coefficients(scene)[1:])}
 
-    def refused_in_modes(self, scene: Scene) -> str:
-        return ""
-
     def refused_state(self, scene: Scene, *, thinnest: float) -> str:
         least = scene.inverse_knudsen * thinnest
         if self.label != "fukui-kaneko" or not least < LEAST_INVERSE_KNUDSEN:

@@ -15,18 +15,15 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 
-if TYPE_CHECKING:  # for types alone: both ask the terms
+if TYPE_CHECKING:  # for types alone: grids ask the terms
     from squeezefilm.reynolds.grid import Grid
-    from squeezefilm.reynolds.modes.pad_modes import PadModes
 
 # Where kernels add what terms have to say: to the residual of film_over_period.cl and its response
-# to a change of the mass, to the rate and its response of film_at_instant.cl, and, for unknowns of
-# their own, to a step of Newton's method and to the way from grid to grid (periodic.cl).
+# to a change of the mass, and, for unknowns of their own, to a step of Newton's method and to the
+# way from grid to grid (periodic.cl).
 HOOKS = {
     "residual": "(g, film, mass, work, out)",
     "response": "(g, film, mass, work, out)",
-    "rate": "(g, film, mass, work, out)",
-    "rate_response": "(g, film, mass, work, out)",
     "step": "(g, film, step, share)",
     "carry": "(g, film, coarser, coarse)",
 }
@@ -54,8 +51,8 @@ class Term:
         label: what ``explain`` calls it.
         ABSENT: what is said of a scene that does not have it, if anything is.
         BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
-        OVER_PERIOD, AT_INSTANT: OpenCL source of its lines for the periodic state and the march.
-        HOOKS: those of HOOKS that these sources fill, by functions ``HOOK_NAME``.
+        OVER_PERIOD: OpenCL source of its lines for the periodic state.
+        HOOKS: those of HOOKS that this source fills, by functions ``HOOK_NAME``.
         IN_SINGLE: whether its lines in the linear system work in single precision too.
         UNKNOWN_FIELDS: fields that the periodic state solves for beside the pressure.
         OWN_FIELDS: room that its lines need beside that, in fields.
@@ -74,7 +71,6 @@ class Term:
     ABSENT: ClassVar[LeftOut | None] = None
     BREAKS: ClassVar[str] = ""
     OVER_PERIOD: ClassVar[str] = ""
-    AT_INSTANT: ClassVar[str] = ""
     HOOKS: ClassVar[tuple[str, ...]] = ()
     IN_SINGLE: ClassVar[bool] = False
     UNKNOWN_FIELDS: ClassVar[int] = 0
@@ -153,25 +149,9 @@ class Term:
         """
         return {}
 
-    def explicit_rate(self, numbers: np.ndarray, grid: Grid) -> np.ndarray | float:
-        """What it adds to σ times the largest rate that explicit steps must follow."""
-        return 0.0
-
-    def in_modes(self, scene: Scene, modes: PadModes, mass: np.ndarray) -> np.ndarray | float:
-        """What it adds to the balance of every mode (galerkin.py); linear in the mass Hρ."""
-        return 0.0
-
     def refused_on_grid(self, scene: Scene) -> str:
         """Why the periodic state is not solved for a scene that has it; empty where it is."""
         return ""
-
-    def refused_in_modes(self, scene: Scene) -> str:
-        """Why the modes of a pad cannot solve a scene that has it; empty where they can."""
-        return f"{self.label} is not known under this finger"
-
-    def refused_by_march(self, scene: Scene) -> str:
-        """Why a scene that has it cannot be marched; empty where it can."""
-        return f"march does not know {self.label}"
 
     def refused_state(self, scene: Scene, *, thinnest: float) -> str:
         """Why a state found lies outside its range, given the smallest ρ H; else empty."""

@@ -1,1 +1,0 @@
-"""The film marched through time on the device."""
