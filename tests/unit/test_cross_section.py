@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from numerics.cross_section import cross_section
+from reporting.cross_section import cross_section
 from squeezefilm.film.finger import GapShape
 from squeezefilm.reynolds.modes.galerkin import pressure_at
 from squeezefilm.reynolds.solver import solve

@@ -1,4 +1,4 @@
-# Accuracy and run time of the solver: `snakemake numerics`. Not part of the whole paper.
+# Accuracy, run time and stability of the solver: `snakemake verification`. Not part of the paper.
 
 # Times are taken with nothing else running: such a rule asks for all cores.
 ALONE = workflow.cores or 1
@@ -28,25 +28,8 @@ rule work_precision:
     message:
         "Error against run time of the solver and of other methods"
     shell:
-        "{params.blas} python -m numerics work-precision {input.fit} "
+        "{params.blas} python -m verification work-precision {input.fit} "
         "--config {input.config} --output {output} >{log} 2>&1"
-
-
-rule equal_error:
-    input:
-        code=code("equal-error"),
-        table="<results>/numerics/work_precision.csv",
-    output:
-        "<results>/numerics/equal_error.csv",
-    log:
-        "<logs>/numerics/equal_error.log",
-    localrule: True
-    conda:
-        "../../envs/numerics.yaml"
-    message:
-        "How many times less time the solver takes at equal error"
-    shell:
-        "python -m numerics equal-error {input.table} --output {output} >{log} 2>&1"
 
 
 rule stability:
@@ -60,7 +43,7 @@ rule stability:
     benchmark:
         "<benchmarks>/numerics/stability.tsv"
     conda:
-        "../../envs/numerics.yaml"
+        "../../envs/simulate.yaml"
     resources:
         mem_mb=2000,
         runtime=30,
@@ -69,25 +52,23 @@ rule stability:
     message:
         "Stiff and extreme films, each with a verdict"
     shell:
-        "{params.blas} POCL_MAX_PTHREAD_COUNT={threads} python -m numerics stability "
+        "{params.blas} POCL_MAX_PTHREAD_COUNT={threads} python -m verification stability "
         "--config {input.config} --output {output} >{log} 2>&1"
 
 
-rule left_out:
+rule ablation:
     input:
-        code=code("left-out"),
+        code=code("ablation"),
         config=ancient(CONFIG_FILE),
-        scenes=expand(
-            "<results>/simulations/{plan}/scenes.csv", plan=["screen", "four_factor_control"]
-        ),
+        scenes=expand("<results>/simulations/{plan}/scenes.csv", plan=["screen", "four_factor"]),
     output:
-        "<results>/numerics/left_out.csv",
+        "<results>/numerics/ablation.csv",
     log:
-        "<logs>/numerics/left_out.log",
+        "<logs>/numerics/ablation.log",
     benchmark:
-        "<benchmarks>/numerics/left_out.tsv"
+        "<benchmarks>/numerics/ablation.tsv"
     conda:
-        "../../envs/numerics.yaml"
+        "../../envs/simulate.yaml"
     threads: ALONE
     resources:
         mem_mb=2000,
@@ -96,140 +77,17 @@ rule left_out:
     message:
         "What leaving things out saves, and that it costs no accuracy"
     shell:
-        "{params.blas} python -m numerics left-out {input.scenes} --config {input.config} "
+        "{params.blas} python -m verification ablation {input.scenes} --config {input.config} "
         "--output {output} >{log} 2>&1"
 
 
-rule resolved_strip:
-    input:
-        code=code("resolved-strip"),
-        config=ancient(CONFIG_FILE),
-    output:
-        table="<results>/numerics/resolved_strip.csv",
-        limits="<results>/numerics/resolved_strip_limits.csv",
-    log:
-        "<logs>/numerics/resolved_strip.log",
-    benchmark:
-        "<benchmarks>/numerics/resolved_strip.tsv"
-    conda:
-        "../../envs/numerics.yaml"
-    resources:
-        mem_mb=1000,
-    params:
-        blas=ONE_BLAS_THREAD,
-    message:
-        "The film equations on a strip beside one resolved across the gap"
-    shell:
-        "{params.blas} python -m numerics resolved-strip --config {input.config} "
-        "--output {output.table} --limits {output.limits} >{log} 2>&1"
-
-
-rule roofline:
-    input:
-        code=code("roofline"),
-        config=ancient(CONFIG_FILE),
-    output:
-        "<results>/numerics/roofline.csv",
-    log:
-        "<logs>/numerics/roofline.log",
-    benchmark:
-        "<benchmarks>/numerics/roofline.tsv"
-    conda:
-        "../../envs/numerics.yaml"
-    threads: ALONE
-    resources:
-        mem_mb=2000,
-    message:
-        "The solver's kernels beside the limits of the device"
-    shell:
-        "python -m numerics roofline --config {input.config} --output {output} >{log} 2>&1"
-
-
-rule cost:
-    input:
-        code=code("cost"),
-        config=ancient(CONFIG_FILE),
-    output:
-        "<results>/numerics/cost.csv",
-    log:
-        "<logs>/numerics/cost.log",
-    benchmark:
-        "<benchmarks>/numerics/cost.tsv"
-    conda:
-        "../../envs/numerics.yaml"
-    threads: ALONE
-    resources:
-        mem_mb=4000,
-        runtime=30,
-    params:
-        blas=ONE_BLAS_THREAD,
-    message:
-        "Run time and memory against the size of the problem"
-    shell:
-        "{params.blas} python -m numerics cost --config {input.config} "
-        "--output {output} >{log} 2>&1"
-
-
-rule conditioning:
-    input:
-        code=code("conditioning"),
-        config=ancient(CONFIG_FILE),
-        screen="<results>/simulations/screen/forces.csv",
-        design="<results>/simulations/two_factor_design/forces.csv",
-        fit="<results>/fits/screen.json",
-        searches="<results>/designs/two_factor_searches.csv",
-    output:
-        "<results>/numerics/conditioning.csv",
-    log:
-        "<logs>/numerics/conditioning.log",
-    conda:
-        "../../envs/fit.yaml"
-    resources:
-        runtime=30,
-    params:
-        blas=ONE_BLAS_THREAD,
-    message:
-        "How force errors move the fit and the design"
-    shell:
-        "{params.blas} python -m numerics conditioning {input.screen} {input.design} "
-        "{input.fit} {input.searches} --config {input.config} --output {output} >{log} 2>&1"
-
-
-rule paper_signature:
-    input:
-        code=code("paper-signature"),
-        config=ancient(CONFIG_FILE),
-        screen="<results>/simulations/screen/forces.csv",
-        design="<results>/simulations/two_factor_design/forces.csv",
-        extrapolation="<results>/simulations/extrapolation/forces.csv",
-    output:
-        table="<results>/numerics/paper_signature.csv",
-        points="<results>/numerics/paper_signature_points.csv",
-    log:
-        "<logs>/numerics/paper_signature.log",
-    conda:
-        "../../envs/numerics.yaml"
-    resources:
-        mem_mb=2000,
-        runtime=30,
-    params:
-        blas=ONE_BLAS_THREAD,
-    message:
-        "Which numerical shortcuts would give the errors that the paper reports"
-    shell:
-        "{params.blas} python -m paper paper-signature {input.screen} {input.design} "
-        "{input.extrapolation} --config {input.config} --output {output.table} "
-        "--points {output.points} >{log} 2>&1"
-
-
-rule numerics:
+rule verification:
     input:
         expand(
             "<results>/{place}.{format}",
             place=[place for place in STAGES if place.startswith("numerics/")],
             format=["csv", "png", "svg"],
         ),
-        "<results>/numerics/roofline.csv",
-        "<results>/numerics/equal_error.csv",
+        "<results>/numerics/ablation.csv",
     message:
         "Accuracy, run time and stability of the solver are known"

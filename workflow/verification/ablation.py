@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -125,7 +126,7 @@ def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
     """Of the plain equation, on 24 × 24 × 16 points of the whole finger."""
     forces = []
     for scene in scenes:
-        numbers = {"epsilon": scene.epsilon, "sigma": scene.sigma, "tolerance": tolerance}
-        state = periodic_state(amplitude=scene.amplitude, **numbers)
+        numbers: dict[str, Any] = {"epsilon": scene.epsilon, "sigma": scene.sigma}
+        state = periodic_state(**numbers, amplitude=scene.amplitude, tolerance=0.01 * tolerance)
         forces.append(scene.force_scale_n * state.force)
     return forces, [math.nan] * len(forces)

@@ -1,33 +1,19 @@
-"""The yardsticks against analytic limits, against each other, and by order of convergence.
+"""The other methods against known forces, against each other, and by order of convergence.
 
 Reference values are those of the film on the unit square: s = 1 (a piston) or the centred sinc.
 """
 
 import math
-import os
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-from physics_facts import (
-    ASIDE_N,
-    CENTRED_N,
-)
+from physics_facts import ASIDE_N, CENTRED_N
 
-from numerics.peers import (
-    chebyshev_march,
-    finite_elements,
-    freefem,
-    method_of_lines,
-    numpy_periodic,
-)
-from numerics.peers.yardstick import (
-    Amplitude,
-    FloatArray,
-    periods_to_settle,
-)
 from squeezefilm.io.errors import RunError
+from verification import chebyshev_march, finite_elements, numpy_periodic
+from verification.marching import Amplitude, FloatArray, periods_to_settle
 
 CENTRED = (True, True)
 ANDERSON = {"tolerance": 1e-7, "anderson_depth": 10}
@@ -50,10 +36,9 @@ def piston(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def periodic(epsilon: float, sigma: float, amplitude: Amplitude = sinc, **more: Any) -> float:
-    """The force by the yardstick in NumPy."""
-    return numpy_periodic.periodic_force(
-        epsilon=epsilon, sigma=sigma, amplitude=amplitude, **more
-    ).force
+    """The force by the periodic state in NumPy."""
+    numbers = {"epsilon": epsilon, "sigma": sigma, "amplitude": amplitude}
+    return numpy_periodic.periodic_state(**numbers, **more).force
 
 
 def orders(values: list[float], exact: float) -> FloatArray:
@@ -91,10 +76,9 @@ def test_impossible_tolerance_is_reported():
         periodic(0.4, 20, nx=4, ny=4, nt=4, tolerance=1e-30)
 
 
-# The marching peers, at sigma = 20 where a few periods settle the film
+# Time marching, at sigma = 20 where a few periods settle the film
 
 SETTLED = periods_to_settle(sigma=20, tolerance=1e-9)
-SETTLED_AT_5UM = periods_to_settle(sigma=SQUEEZE_5UM, tolerance=1e-4)
 SCENE: dict[str, Any] = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
 
 
@@ -106,11 +90,6 @@ def converged():
 def elements(**given: Any) -> float:
     settings = SCENE | {"cells": 4, "steps": 64, "periods": SETTLED, "fold": CENTRED}
     return finite_elements.periodic_force(**settings | given).force
-
-
-def volumes(**given: Any) -> float:
-    settings = SCENE | {"cells": 8, "rtol": 1e-7, "periods": SETTLED, "fold": CENTRED}
-    return method_of_lines.periodic_force(**settings | given).force
 
 
 def chebyshev(**given: Any) -> float:
@@ -129,11 +108,6 @@ def test_biquadratic_elements_are_of_fourth_order_in_space():
     assert orders(found, fine)[0] > 3.2
 
 
-def test_finite_volumes_are_of_second_order_in_space(converged):
-    found = [volumes(cells=cells) for cells in (4, 8, 16)]
-    assert orders(found, converged) == pytest.approx(2, abs=0.25)
-
-
 def test_chebyshev_march_converges_spectrally(converged):
     errors = [abs(chebyshev(points=points, rtol=1e-8) - converged) for points in (3, 6, 9)]
     assert errors[1] < errors[0] / 50
@@ -143,33 +117,11 @@ def test_chebyshev_march_converges_spectrally(converged):
 def test_folding_changes_nothing():
     coarse: dict[Callable[..., float], dict[str, float]] = {
         elements: {"cells": 2, "steps": 8, "periods": 3},
-        volumes: {"cells": 3, "rtol": 1e-9, "periods": 2},
         chebyshev: {"points": 4, "rtol": 1e-8},
     }
-    for peer, settings in coarse.items():
-        folded, whole = (peer(**settings, fold=each) for each in (CENTRED, (False, False)))
-        assert whole == pytest.approx(folded, rel=1e-6), peer.__name__
-
-
-@pytest.mark.skipif(not freefem.installed(), reason="needs FreeFEM")
-@pytest.mark.parametrize("fold", [CENTRED, (False, True), (False, False)])
-def test_freefem_gives_what_the_same_scheme_gives(fold):
-    """Triangles and another rule for the gap's powers: not the same, but nearer with each cell."""
-    settings = [{"steps": 8, "periods": 3, "cells": cells, "fold": fold} for cells in (2, 4)]
-    apart = [
-        freefem.periodic_force(**SCENE, **each).force / elements(**each) - 1 for each in settings
-    ]
-    assert abs(apart[0]) < 1e-2
-    assert abs(apart[1]) < abs(apart[0]) / 8
-
-
-def test_a_freefem_that_fails_says_so(tmp_path, monkeypatch):
-    program = tmp_path / freefem.PROGRAM
-    program.write_text("#!/bin/sh\necho no licence\nexit 1\n", encoding="utf-8")
-    program.chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
-    with pytest.raises(RunError, match="FreeFEM stopped: no licence"):
-        freefem.periodic_force(**SCENE)
+    for method, settings in coarse.items():
+        folded, whole = (method(**settings, fold=each) for each in (CENTRED, (False, False)))
+        assert whole == pytest.approx(folded, rel=1e-6), method.__name__
 
 
 def test_finite_elements_agree_on_the_bearing_term():
@@ -180,22 +132,21 @@ def test_finite_elements_agree_on_the_bearing_term():
     assert exact < 0.98 * periodic(0.4, 200.0)
 
 
-# The force of the paper's largest extrapolation, by three other methods
+# The force of the paper's largest extrapolation, by two other methods
 
 
 @pytest.mark.parametrize(
-    ("peer", "settings", "rel"),
+    ("method", "settings", "rel"),
     [
         (finite_elements, {"cells": 6, "steps": 32, "periods": 60} | ANDERSON, 2e-5),
         (chebyshev_march, {"points": 10, "rtol": 1e-5}, 1e-5),
-        (method_of_lines, {"cells": 12, "rtol": 1e-5, "periods": SETTLED_AT_5UM}, 3e-4),
     ],
-    ids=["finite elements", "Chebyshev march", "method of lines"],
+    ids=["finite elements", "Chebyshev march"],
 )
-def test_marching_gives_the_known_force(peer, settings, rel):
-    found = peer.periodic_force(
+def test_marching_gives_the_known_force(method, settings, rel):
+    found = method.periodic_force(
         epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, fold=CENTRED, **settings
     )
     assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=rel)
-    if peer is finite_elements:  # Anderson's mixing takes a tenth of the periods
+    if method is finite_elements:  # Anderson's mixing takes a tenth of the periods
         assert found.periods <= 20
