@@ -15,7 +15,7 @@ BLOCK_LINE = re.compile(rf"^    (?:\$ )?({STARTS}(?![\w:=-]).*)$", re.MULTILINE)
 INLINE = re.compile(rf"(?<!`)`((?:{PROGRAMS}) [^`]+)`(?!`)")
 NAMES = {
     "squeezefilm": re.compile(r"squeezefilm ([a-z][a-z-]*)"),
-    "numerics": re.compile(r"python -m numerics ([a-z][a-z-]*)"),
+    "verification": re.compile(r"python -m verification ([a-z][a-z-]*)"),
     "snakemake": re.compile(r"snakemake ([a-z][a-z0-9_ ]*)"),
 }
 """Commands that a text may only name, such as `squeezefilm budget`, `snakemake refine optimal`."""
@@ -42,7 +42,7 @@ SMALLER = {
         "make report CONFIG=config/mine.yaml REPORT=results/mine.html"
     ),
     "make resume CONFIG=config/quick.yaml": "make resume CONFIG=config/mine.yaml",
-    "snakemake numerics --configfile config/quick.yaml": "snakemake numerics",
+    "snakemake verification --configfile config/quick.yaml": "snakemake verification",
 }
 """What is run in the place of a command: the same recipe for a study that is made already."""
 
@@ -86,12 +86,6 @@ BY_HAND = {
     "podman build .": "needs a container engine and a registry",
     "make lock": "takes the newest versions of all packages from the network",
     "python -m squeezefilm.reynolds.limits.inertial_layer": "makes a committed table anew",
-    "python -m numerics inertia --config config/paper.yaml --output TABLE.csv"
-    " --seed 41 --tolerance 1e-4": "solves hundreds of films twice",
-    "python -m numerics auto-terms --config config/paper.yaml --output TABLE.csv": (
-        "solves hundreds of films with and without each term"
-    ),
-    "python -m numerics estimates --output TABLE.csv": "solves hundreds of films twice",
 }
 """Commands that nothing runs, and why."""
 

@@ -63,7 +63,7 @@ def test_what_is_named_is_there(repository, texts):
     figures = {path.stem for path in repository.glob("workflow/*/figures/*.py")}
     known = {
         "squeezefilm": commands_of(installed()),
-        "numerics": commands_of(("numerics.commands",)),
+        "verification": commands_of(("verification.commands",)),
         "snakemake": targets | figures,
     }
     for text in texts:

@@ -1,6 +1,6 @@
 """What the Reynolds equation leaves out, again: another state, other forms, no adjoint.
 
-The state is that of the NumPy solver of the numerics stage, on the whole square; each effect is
+The state is that of the NumPy solver of verification/, on the whole square; each effect is
 solved for by itself with GMRES of SciPy; inertia is in the form that weighting the momentum
 equation with z(H − z) gives, before mass conservation is used. Isothermal, viscous gas, unit
 square, velocities and fluxes on the nodes with the rim. Notation as in the papers: P, H, m = Pū.
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from numerics.peers.numpy_periodic import chebyshev_grid, periodic_state
+from verification.numpy_periodic import chebyshev_grid, periodic_state
 
 Amplitude = Callable[[np.ndarray, np.ndarray], np.ndarray]
 

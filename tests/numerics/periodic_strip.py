@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from numerics.peers.numpy_periodic import ChebyshevGrid, chebyshev_grid
+from verification.numpy_periodic import ChebyshevGrid, chebyshev_grid
 
 
 @dataclass(frozen=True)

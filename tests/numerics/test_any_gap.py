@@ -4,11 +4,9 @@ from dataclasses import dataclass, replace
 from math import cos, log, pi, sin
 
 import numpy as np
-import pandas as pd
 import pytest
 from films import PISTON, AsTheGap, film, mean_overpressure, periodic_state
 
-from squeezefilm.cli.main import main
 from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.scene import Scene
@@ -202,21 +200,6 @@ def test_films_of_many_gaps_share_what_is_known_of_their_place():
     thicker = [replace(each, h0_m=each.h0_m + 1e-6) for each in even]
     expected = [mean_overpressure(each, points=16, instants=12) for each in thicker]
     assert forces == pytest.approx(expected, rel=1e-6)
-
-
-def test_what_shaped_gaps_cost_is_measured(tmp_path, capsys):
-    """Where the grids are the same, what costs more is iterations alone."""
-    output = str(tmp_path / "costs.csv")
-    options = ["--output", output, "--films", "1", "--repeats", "1"]
-    assert main(["gap-costs", *options], packages=("numerics.commands",)) == 0
-    assert "seconds_over_same_part" in capsys.readouterr().out
-    table = pd.read_csv(output).set_index(["kind", "place"])
-    assert (table["refused"] == 0).all()
-    tilted = table.loc[("tilted by 0.2", "centred")]
-    assert tilted["work_over_plain"] > 1.5 * tilted["work_over_same_part"]
-    assert table.loc[("tilted by 0.2", "off centre")]["work_over_plain"] == pytest.approx(
-        table.loc[("tilted by 0.2", "off centre")]["work_over_same_part"]
-    )
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from stored_strip import strip_force
 
-from numerics.strip.force import strip_force
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.shapes import Piston
 from squeezefilm.reynolds import solve
@@ -87,11 +87,8 @@ def test_strips_that_resolve_the_profiles_lie_within_the_estimate(
 ):
     """Another geometry, profile and amplitude than the table's."""
     numbers = {"epsilon": epsilon, "sigma": sigma, "reynolds": reynolds}
-    kinds = ("none", "none") if not heat else ("one-mode", "resolved")
-    averaged, resolved = (
-        strip_force(inertia=inertia, heat=kind, **numbers).force
-        for inertia, kind in zip(("one-mode", "resolved"), kinds, strict=True)
-    )
+    equations = ("one_mode_of_heat", "resolved_heat") if heat else ("one_mode", "resolved")
+    averaged, resolved = (strip_force(equation, **numbers) for equation in equations)
     gas = HEATED if heat else {}
     change, off = error_percent(film(scene, reynolds, sigma, epsilon, **gas))
     assert abs(100 * (resolved / averaged - 1) - change) < off

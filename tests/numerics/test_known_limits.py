@@ -6,11 +6,11 @@ import pytest
 from films import PISTON, SINC, film, limit, mean_overpressure
 from physics_facts import SINC_FAST, SINC_SECOND_ORDER, slow_piston
 
-from numerics import analytic
-from numerics.films import Film
-from numerics.peers.numpy_periodic import periodic_force
 from squeezefilm.film.vibration.shapes import Profile
 from squeezefilm.reynolds.limits.forces import fast_limit, small_amplitude
+from verification import analytic
+from verification.films import Film
+from verification.numpy_periodic import periodic_state
 
 
 def on_grid(
@@ -22,7 +22,7 @@ def on_grid(
 
 def in_numpy(epsilon: float, sigma: float, **settings: float) -> float:
     amplitude = Film("", epsilon, sigma).amplitude
-    return periodic_force(epsilon=epsilon, sigma=sigma, amplitude=amplitude, **settings).force
+    return periodic_state(epsilon=epsilon, sigma=sigma, amplitude=amplitude, **settings).force
 
 
 def at_rest(force: Callable[[float], float]) -> float:

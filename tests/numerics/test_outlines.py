@@ -9,7 +9,6 @@ from films import PISTON, film
 from scipy.special import ive, ivp
 from skfem import MeshTri2
 
-from numerics.peers import finite_elements
 from squeezefilm.film.contour import read_contour
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.outlines import ellipse
@@ -19,6 +18,7 @@ from squeezefilm.reynolds.answers.outputs import _from_states
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.pressure import pressure
 from squeezefilm.reynolds.solver import solve
+from verification import finite_elements
 
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=20.0, crest_m=0.001)
 TURN = 2 * np.pi * np.arange(120) / 120

@@ -15,11 +15,7 @@ from derivative_errors import drawn
 from films import H0_M, LENGTH_M, PISTON, PRESSURE_PA, film
 from output_errors import ASKED, shares, with_inertia
 from physics_facts import piston_response
-from scipy.interpolate import BarycentricInterpolator
 
-from numerics.strip.film import StripFilm
-from numerics.strip.force import StripOnGrid, grid_for
-from numerics.strip.resolved import ResolvedFilm
 from squeezefilm.cli.main import main
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.scene import Scene
@@ -128,42 +124,6 @@ def test_thrust_is_the_shear_at_the_finger_s_wall(name: str) -> None:
     for thrust, along in (("thrust_x", slope.x), ("thrust_y", slope.y)):
         shear = -unit * float(fields.mean(fields.gap * along)[0]) / 2
         assert found.value[thrust] == pytest.approx(shear, rel=1e-5, abs=1e-8 * unit)
-
-
-@pytest.mark.parametrize(
-    ("epsilon", "sigma", "reynolds", "share", "off"),
-    [
-        (0.4, 2331.0, 0.45, 0.017, 3e-6),
-        (0.2, 583.0, 1.81, 0.074, 2e-5),
-        (0.2, 146.0, 7.23, 0.304, 4e-4),
-    ],
-)
-def test_the_wall_of_a_strip_takes_half_of_what_pressure_gives_and_the_rim_lets_out(
-    epsilon: float, sigma: float, reynolds: float, share: float, off: float
-) -> None:
-    """Of gas with inertia, its velocity resolved across the gap, from the rim to the middle."""
-    strip = StripFilm(epsilon=epsilon, sigma=sigma, reynolds=reynolds)
-    solved = StripOnGrid(strip, grid_for(strip))
-    equation = ResolvedFilm(strip, solved.grid)
-    start = equation.from_averaged(*solved._still.unpacked(solved._rest))
-    fields = equation.fields(equation.solve(start, tolerance=solved.tolerance).state)
-    x, across = solved.grid.x, solved.grid.zeta
-    gap, velocity = equation.height[:, :, 0], fields.velocity
-
-    def over_half(odd: np.ndarray) -> float:
-        """The integral from the rim to the middle of what is odd about it."""
-        (whole, *_) = np.linalg.lstsq(x.even, odd, rcond=None)
-        there = BarycentricInterpolator(
-            np.concatenate([x.x, 1 - x.x[::-1]]), np.concatenate([whole, whole[::-1]])
-        )
-        return float(there(0.5) - whole[0])
-
-    shear = over_half(((velocity @ across.even.T)[:, :, 0] / gap).mean(axis=0))
-    slope = (fields.mass[..., 0] / gap) @ x.even.T
-    by_pressure = -6 / strip.sigma * over_half((gap * slope).mean(axis=0))
-    out = np.mean(gap[:, 0] * 6 / 5 * (velocity[:, 0] @ across.weights) ** 2)
-    assert shear == pytest.approx(by_pressure + reynolds * out / 2, rel=off)
-    assert by_pressure / shear - 1 == pytest.approx(share, rel=0.02)
 
 
 @pytest.mark.parametrize("rarefaction", ["none", "slip"])

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from numerics.cross_section import cross_section
+from reporting.cross_section import cross_section
 from squeezefilm.reynolds.device import choose_device
 
 DEVICE = choose_device()

@@ -13,7 +13,7 @@ from squeezefilm.runs.code import WORKFLOW, Code
 
 CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
 CODE = Code()
-PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
+PACKAGES = ("squeezefilm", "verification", "reporting", "paper")
 DISTRIBUTION = {
     "markdown_it": "markdown-it-py",
     "mpl_toolkits": "matplotlib",

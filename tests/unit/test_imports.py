@@ -211,7 +211,7 @@ for command in sys.argv[1:]:
 @pytest.fixture(scope="session")
 def loaded_by_each(repository):
     """The files of ours that a process has loaded when a command has told its options."""
-    packages = ("squeezefilm", "numerics", "reporting", "paper")
+    packages = ("squeezefilm", "verification", "reporting", "paper")
     done = subprocess.run(
         [sys.executable, "-c", LOADED_BY_EACH % (packages,), *COMMANDS],
         cwd=repository / "workflow",

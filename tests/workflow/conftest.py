@@ -15,7 +15,7 @@ import pytest
 HERE = Path(__file__).resolve().parent
 PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")
 QUICK = ("--configfile", "config/quick.yaml")
-EVERYTHING = ("paper", "numerics", "models", "optimal", "refine", "sweep")
+EVERYTHING = ("paper", "verification", "models", "optimal", "refine", "sweep")
 
 
 def copy_checkout(source: Path, target: Path, *more: str) -> Path:

@@ -34,7 +34,7 @@ from .conftest import (
 
 WORKFLOW = Path("workflow")
 LIBRARY = WORKFLOW / "squeezefilm"
-PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
+PACKAGES = ("squeezefilm", "verification", "reporting", "paper")
 REPOSITORY = Path(__file__).resolve().parents[2]
 CODE = sorted(
     path.relative_to(REPOSITORY)

@@ -12,7 +12,7 @@ import os
 import sys
 import uuid
 
-PACKAGES = ("squeezefilm", "numerics", "reporting", "paper")
+PACKAGES = ("squeezefilm", "verification", "reporting", "paper")
 
 opened: set[str] = set()
 sections: set[str] = set()

@@ -7,7 +7,7 @@ import argparse
 
 import pandas as pd
 
-from numerics.cross_section import cross_section
+from reporting.cross_section import cross_section
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided

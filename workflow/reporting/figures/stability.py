@@ -1,14 +1,14 @@
-"""Stiff and extreme films: every case with its verdict, and what each check found.
+"""Stiff and extreme films: verdicts, and the worst deviation that a check found, over its bound.
 
-A row for each film, a column for each check that the solver does not know of, and the verdict:
-solved, unchecked (solved, but no check can be had), refused for a documented reason, or failed.
-Single precision is no check but a warning: what the same algorithm would lose in float32. The films
-are the same for every study.
+Over amplitude and squeeze number, and of films with inertia over its number Re. The checks know
+nothing of the solver; films of one place stand one above the other, white those without a check.
+The films are the same for every study.
 """
 
 import matplotlib as mpl
-import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
@@ -17,95 +17,59 @@ from reporting.figures.parts import style
 INPUTS = {
     "table": "numerics/stability.csv",
 }
-CHECKS = {
-    "method_difference": "chosen\nmethod",
-    "limit_difference": "from its\nlimit",
-    "defect": "defect,\nforce",
-    "state_defect": "defect,\npressure",
-    "mass_balance": "mass\nbalance",
-    "piston_identity": r"$\langle H^3P^2\rangle$",
-    "scrambled_difference": "sums\nreordered",
-    "finer_difference": "finer\ngrid",
-    "single_precision_difference": "single\nprecision",
-}
-VERDICTS = {
-    "solved": ("o", style.GREEN, "full"),
-    "unchecked": ("o", style.GREEN, "none"),
-    "refused": ("s", style.GREY, "full"),
-    "failed": ("X", style.VERMILLION, "full"),
-}
-SMALLEST, LARGEST = 1e-16, 1.0
-ROW_IN = 0.135
+MARKERS = {"solved": "o", "unchecked": "D", "refused": "s", "failed": "X"}
+EPSILON_TICKS = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99)
+LARGEST_EPSILON = 0.998
+APART = 0.25
+"""Of films in one place, in decades of σ."""
 
 
 def draw(data: pd.DataFrame) -> Figure:
-    """A row per case, a column per check, coloured by the size of the difference found."""
-    style.check_known(VERDICTS, data["verdict"], what="verdict")
-    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.35 + ROW_IN * len(data))
-    axes = figure.subplots()
-    values = data.reindex(columns=list(CHECKS)).to_numpy(dtype=float)
-    shown = np.clip(values, SMALLEST, LARGEST)
-    colours = mpl.colormaps["cividis"].with_extremes(bad="white")
-    image = axes.imshow(
-        np.ma.masked_invalid(shown),
-        aspect="auto",
-        norm=LogNorm(SMALLEST, LARGEST),
-        cmap=colours,
-        interpolation="nearest",
-    )
-    for (row, column), value in np.ndenumerate(values):
-        if np.isfinite(value) or value == np.inf:
-            axes.text(
-                column,
-                row,
-                "lost" if value >= 0.3 else _short(value),
-                ha="center",
-                va="center",
-                fontsize=5.2,
-                color="black" if value > 1e-7 else "white",
-            )
-    extra = len(CHECKS)
-    for row, (pressure, iterations) in enumerate(
-        zip(data["lowest_pressure"], data["krylov_iterations"], strict=True)
-    ):
-        for column, text in (
-            (extra, f"{pressure:.2f}" if np.isfinite(pressure) else ""),
-            (extra + 1, f"{iterations:.0f}" if np.isfinite(iterations) else ""),
-        ):
-            axes.text(column, row, text, ha="center", va="center", fontsize=5.2)
-    for verdict, (marker, colour, fill) in VERDICTS.items():
-        rows = np.flatnonzero(data["verdict"] == verdict)
-        axes.plot(
-            np.full(len(rows), extra + 2),
-            rows,
-            marker,
-            color=colour,
-            fillstyle=fill,
-            markersize=4,
-            label=f"{verdict} ({len(rows)})",
-        )
-    axes.set_xlim(-0.5, extra + 2.5)
-    axes.set_ylim(len(data) - 0.5, -0.5)
-    axes.set_xticks(
-        range(extra + 3),
-        [*CHECKS.values(), "lowest\npressure", "Krylov\niterations", "verdict"],
-        fontsize=6,
-    )
-    axes.xaxis.tick_top()
-    axes.set_yticks(range(len(data)), data["case"].tolist(), fontsize=5.6)
-    axes.tick_params(length=0)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
-    bar = figure.colorbar(image, ax=axes, pad=0.01, fraction=0.025, aspect=40)
-    bar.set_label("relative difference found by the check")
-    figure.legend(loc="outside upper right", ncols=len(VERDICTS))
-    style.add_note(figure, data)
+    """Left the films without inertia over (ε, σ), right those with it over (Re, σ)."""
+    style.check_known(MARKERS, data["verdict"], what="verdict")
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.4)
+    left, right = figure.subplots(1, 2, width_ratios=(3, 2), sharey=True)
+    moving = data["reynolds"] > 0
+    shown = _films(left, data[~moving].assign(x=data["epsilon"].clip(upper=LARGEST_EPSILON)))
+    left.set_xscale("logit")
+    left.set_xticks(EPSILON_TICKS, [f"{tick:g}" for tick in EPSILON_TICKS])
+    left.set_xlim(4e-4, 0.9988)
+    left.set_xlabel("excursion ratio ε (–); contact at the right edge")
+    left.set_ylabel("squeeze number σ (–)")
+    left.set_title("(a) without inertia")
+    _films(right, data[moving].sort_values("epsilon", kind="stable").assign(x=data["reynolds"]))
+    right.set_xscale("log")
+    right.set_xlim(0.2, 120)
+    right.set_xlabel("modified Reynolds number Re (–)")
+    right.set_title("(b) with inertia, ε rising upwards")
+    bar = figure.colorbar(shown, ax=(left, right), pad=0.01, aspect=40)
+    bar.set_label("worst deviation over what is allowed (–)")
+    for verdict, count in data["verdict"].value_counts().items():
+        marker = MARKERS[str(verdict)]
+        left.plot([], [], marker, color="0.4", linestyle="", label=f"{verdict} ({count})")
+    figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=4)
     return figure
 
 
-def _short(value: float) -> str:
-    """One digit and an exponent: 2e-6."""
-    if value == 0:
-        return "0"
-    mantissa, _, exponent = f"{value:.0e}".partition("e")
-    return f"{mantissa}e{int(exponent)}"
+def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
+    """Dots coloured by the worst deviation, those of one place apart; the last of them."""
+    place = films.groupby(["x", "sigma"])
+    rank = place.cumcount() - (place["x"].transform("size") - 1) / 2
+    films = films.assign(y=films["sigma"] * 10 ** (APART * rank))
+    for verdict, marker in MARKERS.items():
+        some = films[films["verdict"] == verdict]
+        dots = axes.scatter(
+            some["x"],
+            some["y"],
+            c=some["worst_over_allowed"],
+            marker=marker,
+            s=26,
+            cmap=mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white"),
+            norm=LogNorm(1e-4, 1.0, clip=True),
+            plotnonfinite=True,
+            edgecolors="0.3",
+            linewidths=0.6,
+        )
+    axes.set_yscale("log")
+    axes.grid(True)
+    return dots

@@ -4,7 +4,8 @@ The momentum equation integrated over gap, pad and period says that both walls t
 ⟨∫h∇p⟩ and what leaves over the rim, ⟨∮ρ h β ū ū·n⟩, β = 6/5 for a parabola across the gap; and each
 gives half, for the flow is even about the middle of the gap. On a strip with the velocity resolved
 across the gap that was true of the shear at the wall to 2e-6, 1e-5 and 3e-4 of it at Re 0.45, 1.8
-and 7.2 (tests/numerics/test_outputs.py), where what leaves is 1.7, 7 and 30 % of the shear.
+and 7.2, where what leaves is 1.7, 7 and 30 % of the shear (tests/numerics/test_outputs.py at the
+git tag verification-2026-11).
 """
 
 from __future__ import annotations

@@ -1,0 +1,62 @@
+"""Random scenes over gap, frequency, excursion and position, and what ``auto`` leaves out."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.positions import cartesian
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.effects.automatic import decided
+
+H0_M = (1e-6, 30e-6)
+FREQUENCY_HZ = (5e3, 1e5)
+EPSILON = (0.01, 0.8)
+
+
+def random_scenes(
+    like: Scene, *, count: int, seed: int, most_reynolds: float, inertia: str, heat: str = "none"
+) -> list[Scene]:
+    """Gap, excursion and position are uniform, the frequency is so in its logarithm.
+
+    like: of gas, finger and profile; its surface bounds the positions.
+    """
+    random = np.random.default_rng(seed)
+    farthest_m = min(like.actuator.surface.half_m) - like.finger.reach_m
+    scenes: list[Scene] = []
+    while len(scenes) < count:
+        h0_m, epsilon = random.uniform(*H0_M), random.uniform(*EPSILON)
+        place = cartesian(random.uniform(0, farthest_m), random.uniform(0, 45))
+        frequency_hz = math.exp(random.uniform(*np.log(FREQUENCY_HZ)))
+        scene = replace(
+            like,
+            point_id=str(len(scenes) + 1),
+            h0_m=h0_m,
+            hv_m=epsilon * h0_m,
+            **place,
+            gas=replace(like.gas, inertia=inertia, heat=heat),
+            actuator=replace(like.actuator, frequency_hz=frequency_hz),
+        )
+        if scene.modified_reynolds < most_reynolds:
+            scenes.append(scene)
+    return scenes
+
+
+def moved_by_leaving_out(
+    scenes: Sequence[Scene], *, term: str, model_tolerance: float
+) -> np.ndarray:
+    """How far including a term moves the forces of the scenes that ``auto`` leaves it out of.
+
+    term: ``inertia`` or ``heat``; the other is as ``auto`` has it. Forces are solved to 1e-4.
+    """
+    choices = decided(scenes, model_tolerance=model_tolerance, device=choose_device())
+    without = [scene for scene in choices if getattr(scene.gas, term) == "none"]
+    beside = [replace(each, gas=replace(each.gas, **{term: "included"})) for each in without]
+    left_out, included = (
+        np.array([each.force_n for each in solve(some, tolerance=1e-4, method="periodic")])
+        for some in (without, beside)
+    )
+    return np.abs(included / left_out - 1)

@@ -1,0 +1,164 @@
+"""The other methods against known forces, against each other, and by order of convergence.
+
+Reference values are those of the film on the unit square: s = 1 (a piston) or the centred sinc.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from films import film
+from physics_facts import ASIDE_N, CENTRED_N
+
+from squeezefilm.io.errors import RunError
+from squeezefilm.reynolds import solve
+from verification import chebyshev_march, finite_elements, numpy_periodic
+from verification.marching import Amplitude, FloatArray, periods_to_settle
+
+CENTRED = (True, True)
+ANDERSON = {"tolerance": 1e-7, "anderson_depth": 10}
+SQUEEZE_5UM = 12 * 1.81e-5 * 2 * math.pi * 43_270 * 0.01**2 / (101_325 * 5e-6**2)
+NEWTON = 101_325 * 0.01**2  # p0 l0^2
+
+
+def sinc(x: FloatArray, y: FloatArray) -> FloatArray:
+    """The paper's profile under the centred finger."""
+    return np.sinc(109.8 * 0.01 * np.hypot(x - 0.5, y - 0.5))
+
+
+def sinc_off_centre(x: FloatArray, y: FloatArray) -> FloatArray:
+    """The same under a finger moved by 2.9 mm along X."""
+    return np.sinc(109.8 * np.hypot(0.01 * (x - 0.5) + 0.0029, 0.01 * (y - 0.5)))
+
+
+def piston(x: FloatArray, y: FloatArray) -> FloatArray:
+    return np.ones_like(x)
+
+
+def periodic(epsilon: float, sigma: float, amplitude: Amplitude = sinc, **more: Any) -> float:
+    """The force by the periodic state in NumPy."""
+    numbers = {"epsilon": epsilon, "sigma": sigma, "amplitude": amplitude}
+    return numpy_periodic.periodic_state(**numbers, **more).force
+
+
+def orders(values: list[float], exact: float) -> FloatArray:
+    """Observed orders of convergence of values that each halve the step of the one before."""
+    error = np.abs(np.array(values) - exact)
+    return np.log2(error[:-1] / error[1:])
+
+
+# The periodic state in NumPy
+
+
+@pytest.mark.parametrize("sigma", [5.0, 200.0])
+def test_piston_keeps_the_mean_of_h3_p2_everywhere(sigma):
+    epsilon = 0.4
+    state = numpy_periodic.periodic_state(epsilon=epsilon, sigma=sigma, amplitude=piston)
+    mean = (state.gap**3 * state.pressure**2).mean(axis=0)
+    assert mean == pytest.approx(1 + 1.5 * epsilon**2, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "profile", "newtons"),
+    [(0.44, sinc, CENTRED_N), (0.4, sinc_off_centre, ASIDE_N)],
+)
+def test_periodic_force_converges_spectrally_to_the_known_force(epsilon, profile, newtons):
+    errors = [
+        abs(periodic(epsilon, SQUEEZE_5UM, profile, nx=n, ny=n, nt=nt) * NEWTON / newtons - 1)
+        for n, nt in ((12, 8), (20, 12), (28, 16))
+    ]
+    assert errors[1] < errors[0] / 20
+    assert errors[2] < 1e-7
+
+
+def test_impossible_tolerance_is_reported():
+    with pytest.raises(RunError, match="no convergence"):
+        periodic(0.4, 20, nx=4, ny=4, nt=4, tolerance=1e-30)
+
+
+# Time marching, at sigma = 20 where a few periods settle the film
+
+SETTLED = periods_to_settle(sigma=20, tolerance=1e-9)
+SCENE: dict[str, Any] = {"epsilon": 0.4, "sigma": 20.0, "amplitude": sinc}
+
+
+@pytest.fixture(scope="module")
+def converged():
+    return periodic(**SCENE, nx=32, ny=32, nt=32, tolerance=1e-12)
+
+
+def elements(**given: Any) -> float:
+    settings = SCENE | {"cells": 4, "steps": 64, "periods": SETTLED, "fold": CENTRED}
+    return finite_elements.periodic_force(**settings | given).force
+
+
+def chebyshev(**given: Any) -> float:
+    settings = SCENE | {"points": 8, "rtol": 1e-7, "fold": CENTRED}
+    return chebyshev_march.periodic_force(**settings | given).force
+
+
+def test_crank_nicolson_is_of_second_order_in_time(converged):
+    found = [elements(cells=6, steps=steps) for steps in (16, 32, 64)]
+    assert orders(found, converged) == pytest.approx(2, abs=0.2)
+
+
+def test_biquadratic_elements_are_of_fourth_order_in_space():
+    fine = elements(cells=12, steps=16)
+    found = [elements(cells=cells, steps=16) for cells in (2, 4)]
+    assert orders(found, fine)[0] > 3.2
+
+
+def test_chebyshev_march_converges_spectrally(converged):
+    errors = [abs(chebyshev(points=points, rtol=1e-8) - converged) for points in (3, 6, 9)]
+    assert errors[1] < errors[0] / 50
+    assert errors[2] < 1e-7 * converged
+
+
+def test_folding_changes_nothing():
+    coarse: dict[Callable[..., float], dict[str, float]] = {
+        elements: {"cells": 2, "steps": 8, "periods": 3},
+        chebyshev: {"points": 4, "rtol": 1e-8},
+    }
+    for method, settings in coarse.items():
+        folded, whole = (method(**settings, fold=each) for each in (CENTRED, (False, False)))
+        assert whole == pytest.approx(folded, rel=1e-6), method.__name__
+
+
+def test_finite_elements_agree_on_the_bearing_term():
+    exact = periodic(0.4, 200.0, bearing=20.0, nx=32)
+    settings = {"sigma": 200.0, "bearing": 20.0, "cells": 6, "fold": (False, True)}
+    coarse, fine = (elements(**settings, **ANDERSON, periods=40, steps=n) for n in (32, 64))
+    assert (4 * fine - coarse) / 3 == pytest.approx(exact, rel=1e-4)
+    assert exact < 0.98 * periodic(0.4, 200.0)
+
+
+# The force of the paper's largest extrapolation, by two other methods
+
+
+@pytest.mark.parametrize(
+    ("method", "settings", "rel"),
+    [
+        (finite_elements, {"cells": 6, "steps": 32, "periods": 60} | ANDERSON, 2e-5),
+        (chebyshev_march, {"points": 10, "rtol": 1e-5}, 1e-5),
+    ],
+    ids=["finite elements", "Chebyshev march"],
+)
+def test_marching_gives_the_known_force(method, settings, rel):
+    found = method.periodic_force(
+        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, fold=CENTRED, **settings
+    )
+    assert found.force * NEWTON == pytest.approx(CENTRED_N, rel=rel)
+    if method is finite_elements:  # Anderson's mixing takes a tenth of the periods
+        assert found.periods <= 20
+
+
+def test_marching_gives_the_periodic_solver_s_force():
+    """F(5 µm, 2.2 µm) to the digits that README promises."""
+    scene = film(epsilon=0.44, sigma=SQUEEZE_5UM)
+    (solution,) = solve([scene], tolerance=1e-8)
+    marched = chebyshev_march.periodic_force(
+        epsilon=0.44, sigma=SQUEEZE_5UM, amplitude=sinc, points=14, rtol=1e-8, fold=CENTRED
+    )
+    assert marched.force == pytest.approx(solution.force_n / scene.force_scale_n, rel=4e-8)

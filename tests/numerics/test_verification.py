@@ -1,0 +1,231 @@
+"""The reference and the checks of verification/ are right, and the checks catch faults."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from films import saying
+from physics_facts import SINC_CONVERGED, SPRING_AT_20
+
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.device import choose_device
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.layout import Joined
+from squeezefilm.reynolds.periodic import launch as periodic
+from squeezefilm.reynolds.periodic import profiles
+from squeezefilm.reynolds.periodic.states import States
+from squeezefilm.reynolds.terms import Terms
+from verification.cases import SAMPLE, beyond, cases
+from verification.films import PISTON, Film
+from verification.numpy_periodic import periodic_state
+from verification.reference import reference_force
+from verification.stability import stability
+from verification.state_checks import check_state
+from verification.work_precision import (
+    BATCH,
+    FILMS,
+    METHODS,
+    SOLVER,
+    with_times_less,
+    work_precision,
+)
+
+Fields = dict[str, np.ndarray]
+
+
+@pytest.mark.parametrize(
+    ("film", "force"),
+    [
+        *((Film("", 0.44, sigma), force) for sigma, force in SINC_CONVERGED.items()),
+        (Film("", 1e-3, 20.0, profile=PISTON), 1.25e-6 * SPRING_AT_20),
+    ],
+)
+def test_the_reference_gives_known_forces_within_its_uncertainty(film, force):
+    found = reference_force(
+        epsilon=film.epsilon, sigma=film.sigma, gap=film.scene.gap, fold=film.fold
+    )
+    assert found.force == pytest.approx(force, rel=1e-5 if film.profile is PISTON else 1e-9)
+    assert 0 < found.uncertainty < 1e-11
+
+
+@pytest.mark.parametrize("kind", ["travelling wave, σ = 20", "tilted, σ = 20", "bulging, σ = 20"])
+def test_the_reference_has_the_solver_s_forces_of_any_gap(kind):
+    """Elements and the weak form beside collocation: nothing is shared but the equation."""
+    (film,) = (case.film for case in cases() if case.film.name == kind)
+    scene = film.scene
+    found = reference_force(
+        epsilon=scene.closure(), sigma=film.sigma, gap=scene.gap, fold=film.fold, degree=14
+    )
+    (solution,) = solve([scene], tolerance=1e-8, method="periodic")
+    assert solution.force_n / scene.force_scale_n == pytest.approx(found.force, rel=1e-8)
+
+
+def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not():
+    film = Film("", 0.4, 20.0, profile=PISTON)
+    state = periodic_state(epsilon=film.epsilon, sigma=film.sigma, amplitude=film.amplitude, nt=24)
+    overpressure = np.moveaxis(state.pressure - 1, 0, -1)
+    good = check_state(film, overpressure)
+    assert good.force == pytest.approx(state.force, rel=1e-12)
+    assert good.defect < 1e-6
+    assert good.mass_balance < 1e-5
+    spoilt = check_state(film, overpressure * 1.01)
+    assert min(spoilt.defect, spoilt.state_defect) > 2e-3
+
+
+# Faults are put into the solver, and the cases that they touch must turn red, no others.
+
+CASES = {
+    "sinc": "sinc, σ = 2331, ε = 0.1",
+    "piston": "piston, σ = 20, ε = 0.5",
+    "sliding": "sliding, Λ = 100, σ = 583",
+    "small": "sinc, σ = 1, ε = 0.001",
+    "tilted": "tilted, σ = 20",
+    "two phases": "travelling wave, σ = 20",
+}
+
+
+def red() -> set[str]:
+    chosen = [case for case in cases() if case.film.name in CASES.values()]
+    table = stability(chosen, device=choose_device())
+    failed = set(table.loc[table["verdict"] == "failed", "case"])
+    return {name for name, case in CASES.items() if case in failed}
+
+
+def test_a_sound_solver_fails_no_case():
+    assert red() == set()
+
+
+def spoil_fields(change: Callable[[Fields], None]) -> Callable[..., Fields]:
+    """The profile's fields by name, changed before the kernel sees them."""
+    sound = profiles.profile_fields
+
+    def spoilt(*args: Any, **options: Any) -> Fields:
+        fields = sound(*args, **options)
+        change(fields)
+        return fields
+
+    return spoilt
+
+
+def drop_curvature(fields: Fields) -> None:
+    fields["laplacian"] = 0 * fields["laplacian"]
+
+
+def drop_quadrature(fields: Fields) -> None:
+    for parts in fields.values():
+        parts[:, 1:2] *= 0
+
+
+def level_rest(fields: Fields) -> None:
+    for parts in fields.values():
+        parts[:, 2:] *= 0
+
+
+def turn_slope(fields: Fields) -> None:
+    if "slope_x" in fields:
+        fields["slope_x"] = -fields["slope_x"]
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (drop_curvature, {"sinc", "sliding", "small", "tilted", "two phases"}),
+        (turn_slope, {"sliding"}),
+        (drop_quadrature, {"two phases"}),
+        (level_rest, {"tilted"}),
+    ],
+    ids=["dropped term", "wrong sign", "one phase", "even gap"],
+)
+def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
+    monkeypatch.setattr(profiles, "profile_fields", spoil_fields(change))
+    monkeypatch.setattr(profiles, "_kept", {})
+    assert red() == expected
+
+
+def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch):
+    sound = periodic.grid_matrices
+
+    def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+        matrices = sound(grid, aspect=aspect, terms=terms)
+        values, at = matrices.values.copy(), matrices.starts[matrices.names.index("sine")]
+        values[at : at + grid.nt] *= -1
+        return replace(matrices, values=values)
+
+    monkeypatch.setattr(periodic, "grid_matrices", spoilt)
+    monkeypatch.setattr(periodic, "_of_grids", periodic._of_grids.__wrapped__)  # kept no longer
+    assert red() == set(CASES)
+
+
+def test_single_precision_turns_the_small_film_red(monkeypatch):
+    """The state kept in float32, as a kernel with `float` for `double` would."""
+
+    sound = periodic.Launch.states
+
+    def rounded(states: States, grid: Grid) -> States:
+        pressure = (1 + states.overpressure).astype(np.float32).astype(float) - 1
+        weights = np.outer(grid.x.weights, grid.y.weights)
+        mean = np.einsum("bxyt,xy->b", pressure, weights) / grid.nt
+        means = pressure.mean(axis=-1)
+        rough = replace(states, kept=pressure[:, None], mean_in_time=means)
+        return saying(rough, mean=mean)
+
+    def spoilt(landing: periodic.Launch) -> list[list[States]]:
+        return [
+            [rounded(states, grid) for states, grid in zip(stages, batch.grids, strict=True)]
+            for stages, batch in zip(sound(landing), landing.batches, strict=True)
+        ]
+
+    monkeypatch.setattr(periodic.Batch, "returns", lambda batch, stage: True)
+    monkeypatch.setattr(periodic.Launch, "states", spoilt)
+    assert red() == {"small"}
+
+
+def test_what_is_refused_must_be_documented():
+    assert beyond(Film("", 0.4, 583.0)) == ""
+    assert "contact" in beyond(Film("", 1.0, 583.0))
+    assert "bearing" in beyond(Film("", 0.4, 583.0, bearing=1e4))
+    chosen = [case for case in cases() if case.film.name in ("contact", "tilted until it touches")]
+    table = stability(chosen, device=choose_device())
+    assert set(table["verdict"]) == {"refused"}
+    assert table["reason"].str.startswith("contact: ").all()
+
+
+def test_a_sample_of_the_cases_has_some_of_every_group():
+    assert {case.group for case in cases()} == {case.group for case in cases()[SAMPLE]}
+
+
+def test_every_method_comes_near_the_reference():
+    table = work_precision(
+        (FILMS[1],), repeats=1, batch=2, longest_seconds=0.1, rungs=2, device=choose_device()
+    )
+    assert set(table["method"]) == {SOLVER, BATCH, *METHODS}
+    assert set(table["status"]) == {"ok"}
+    assert table.groupby("method")["relative_error"].min().max() < 0.05
+    claimed = table[np.isfinite(table["estimated_error"])]
+    assert set(claimed["method"]) == {SOLVER, BATCH}
+    assert (claimed["relative_error"] <= claimed["estimated_error"]).all()
+    assert (table["reference_uncertainty"] < 1e-9).all()
+    assert (table["cpu_seconds"] > 0).all()
+
+
+def test_at_equal_error_the_cheapest_run_that_is_no_worse_counts():
+    def row(method: str, error: float, seconds: float, status: str = "ok") -> dict[str, object]:
+        numbers = {"relative_error": error, "cpu_seconds": seconds, "reference_uncertainty": 1e-12}
+        return {"film": "film", "method": method, "status": status, **numbers}
+
+    table = pd.DataFrame(
+        [
+            row(SOLVER, 1e-3, 0.001),
+            row(SOLVER, 1e-5, 0.004),
+            row(SOLVER, 1e-7, 0.002),
+            row(SOLVER, 1e-8, 0.001, status="refused"),  # does not count
+            row("other", 2e-5, 1.0),
+            row("other", 1e-9, 9.0),  # nothing of ours is as good
+        ]
+    )
+    found = with_times_less(table)
+    assert found["times_less"].to_list() == pytest.approx([np.nan] * 4 + [500, np.nan], nan_ok=True)
+    assert found["times_less_in_a_batch"].isna().all()

@@ -1,1 +1,0 @@
-"""Travelling waves, tilted and bulging rectangles, ellipses: extreme films of theirs."""

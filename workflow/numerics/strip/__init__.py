@@ -1,1 +1,0 @@
-"""The film under an infinitely long strip, from the Reynolds equation to resolved profiles."""

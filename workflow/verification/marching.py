@@ -1,0 +1,86 @@
+"""What the other methods share: their equation, a graded mesh, marching to the periodic state.
+
+Each of them solves the isothermal Reynolds equation on the unit square X, Y in [0, 1],
+
+    div(H^3 P grad P) = Lambda d(HP)/dX + sigma d(HP)/dT,     P = 1 on the rim,
+    H = 1 + epsilon s(X, Y) sin T,
+
+and returns the mean force of the periodic state, the integral of <P> - 1 over the square,
+in units of p0 l0^2: force in newtons = force * p0 * l0**2.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+Amplitude = Callable[[FloatArray, FloatArray], FloatArray]
+"""The profile s at normalised positions X, Y, arrays of one shape in and out."""
+Fold = tuple[bool, bool]
+"""Whether s is even about X = 1/2 and about Y = 1/2, so that half of that side will do."""
+
+
+@dataclass(frozen=True)
+class Marched:
+    """A mean force in p0 l0^2, after how many periods, and what the last one still changed."""
+
+    force: float
+    periods: int
+    change: float
+
+
+def graded_edges(*, cells: int, folded: bool) -> FloatArray:
+    """Cell edges on [0, 1], or on [0, 1/2] if folded, closing up towards the rim as a cosine.
+
+    cells: in each half of the side, so that a folded mesh is half of the whole one.
+    The smooth map from a uniform mesh keeps a scheme's order, and the first cell shrinks as
+    1/cells^2, which puts cells into the layer of width sqrt(2/sigma) without knowing sigma.
+    """
+    part = np.arange((cells if folded else 2 * cells) + 1) / cells
+    return np.asarray((1 - np.cos(math.pi / 2 * part)) / 2)
+
+
+def periods_to_settle(*, sigma: float, tolerance: float) -> int:
+    """Periods from rest until the transient has decayed to `tolerance` of its start.
+
+    The slowest mode is sin(pi X) sin(pi Y): it decays as exp(-2 pi^2 T / sigma).
+    """
+    return 1 + math.ceil(sigma * math.log(1 / tolerance) / (4 * math.pi**3))
+
+
+def march_to_periodic(
+    period: Callable[[FloatArray], tuple[FloatArray, float]],
+    start: FloatArray,
+    *,
+    periods: int,
+    tolerance: float = 0.0,
+    anderson_depth: int = 0,
+) -> Marched:
+    """Repeat the period map until the state repeats itself.
+
+    period: maps the state at T = 0 to the state at T = 2 pi and the mean force in between.
+    periods: how often the map is applied at most; tolerance: stop before that once no entry
+    of the state changes by more than this over a period.
+    anderson_depth: 0 marches in time; above 0, Anderson mixing with so many earlier periods
+    (D. G. Anderson, J. ACM 12, 1965; in the form of Walker and Ni, SIAM J. Numer. Anal. 49,
+    2011) finds the fixed point of the map instead.
+    """
+    state = start
+    images: list[FloatArray] = []
+    residuals: list[FloatArray] = []
+    for count in range(1, periods + 1):  # noqa: B007 - returned
+        image, force = period(state)
+        residual = image - state
+        change = float(np.abs(residual).max())
+        if change <= tolerance:
+            break
+        images = [*images, image][-anderson_depth - 1 :]
+        residuals = [*residuals, residual][-anderson_depth - 1 :]
+        state = image
+        if len(images) > 1:
+            weights = np.linalg.lstsq(np.diff(residuals, axis=0).T, residual, rcond=None)[0]
+            state = image - np.diff(images, axis=0).T @ weights
+    return Marched(force, count, change)

@@ -1,0 +1,177 @@
+"""A reference of the mean force that shares neither discretisation nor code with any method.
+
+Scheme: Legendre spectral elements in space, in the weak form of
+
+    div(H^3 grad u) = sigma d(HP)/dT,     u = (P^2 - 1)/2,     P = sqrt(1 + 2 u),
+
+with Gauss-Lobatto nodes, two elements per half side, the outer one narrow for the layer at the
+rim; an odd number of instants with trigonometric interpolation in time; Newton's method with
+GMRES on the weak form. Where the solver under test collocates strong derivatives of other
+variables on Chebyshev points, here an integral identity is met in another basis.
+
+Uncertainty: the change from a coarser computation, in space and time at once, and round-off.
+Source: Karniadakis and Sherwin, Spectral/hp Element Methods, 2005, chapters 2 and 4.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.linalg import eigh
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from squeezefilm.io.errors import RunError
+from verification.marching import FloatArray, Fold
+
+Gap = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
+
+NEWTON_STEPS = 30
+KRYLOV_ITERATIONS = 300
+ROUND_OFF = 1e-13  # of the force, in units of p0 l0^2
+TOLERANCE = 1e-12  # of Newton's method, on a mass perturbation
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A mean force in units of p0 l0^2 and how far it may be from the truth."""
+
+    force: float
+    uncertainty: float
+
+
+def reference_force(
+    *,
+    epsilon: float,
+    sigma: float,
+    gap: Gap,
+    fold: Fold = (False, False),
+    degree: int = 18,
+) -> Reference:
+    """The mean force of a film without bearing term, with its uncertainty.
+
+    Args:
+        epsilon: largest excursion over the gap at rest.
+        gap: H at x, y in [0, 1] across the finger, any common shape, and at phases, one more
+            dimension, as a scene's.
+        degree: of the elements; the coarser computation has 4 less and four fifths of the instants.
+
+    Raises RunError when Newton's method does not converge.
+    """
+    ratio = epsilon / (1 + math.sqrt(1 - epsilon**2))
+    instants = 20 + math.ceil(1.3 * math.log(1e-12) / math.log(ratio))
+    coarse, fine = (
+        _mean_force(sigma=sigma, gap=gap, fold=fold, degree=d, instants=nt + 1 - nt % 2)
+        for d, nt in ((degree - 4, instants * 4 // 5), (degree, instants))
+    )
+    return Reference(force=fine, uncertainty=abs(fine - coarse) + ROUND_OFF)
+
+
+class _Side:
+    """Spectral elements along one side: global nodes that carry unknowns, and element nodes."""
+
+    def __init__(self, *, degree: int, folded: bool) -> None:
+        half = np.array([0.0, 0.09, 0.5])
+        edges = half if folded else np.concatenate([half, 1 - half[-2::-1]])
+        nodes, weights, derivative = lobatto(degree)
+        count = degree * (len(edges) - 1) + 1
+        gather = np.zeros(((degree + 1) * (len(edges) - 1), count))
+        slope = np.zeros_like(gather)
+        self.element_weights = np.zeros(len(gather))
+        x = np.zeros(count)
+        for e, (left, right) in enumerate(pairwise(edges)):
+            rows = slice(e * (degree + 1), (e + 1) * (degree + 1))
+            columns = slice(e * degree, (e + 1) * degree + 1)
+            gather[rows, columns] = np.eye(degree + 1)
+            slope[rows, columns] = derivative * 2 / (right - left)
+            self.element_weights[rows] = weights * (right - left) / 2
+            x[columns] = left + (right - left) * (nodes + 1) / 2
+        free = slice(1, None if folded else -1)
+        self.x, self.gather, self.slope = x[free], gather[:, free], slope[:, free]
+        self.mass = self.gather.T @ self.element_weights
+        self.element_x = gather @ x
+        stiffness = self.slope.T @ (self.element_weights[:, None] * self.slope)
+        self.values, self.modes = eigh(stiffness, np.diag(self.mass))
+
+
+def lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gauss-Lobatto-Legendre nodes on [-1, 1], weights, and the derivative matrix."""
+    series = np.zeros(degree + 1)
+    series[-1] = 1
+    inner = np.sort(np.real(legendre.legroots(legendre.legder(series))))
+    for _ in range(3):  # polish the eigenvalues of the companion matrix
+        first, second = legendre.legder(series), legendre.legder(series, 2)
+        inner = inner - legendre.legval(inner, first) / legendre.legval(inner, second)
+    nodes = np.concatenate([[-1.0], inner, [1.0]])
+    at_nodes = legendre.legval(nodes, series)
+    weights = 2 / (degree * (degree + 1) * at_nodes**2)
+    gap = nodes[:, None] - nodes + np.eye(degree + 1)
+    derivative = at_nodes[:, None] / at_nodes / gap
+    np.fill_diagonal(derivative, 0)
+    np.fill_diagonal(derivative, -derivative.sum(axis=1))
+    return nodes, weights, derivative
+
+
+def _mean_force(*, sigma: float, gap: Gap, fold: Fold, degree: int, instants: int) -> float:
+    x, y = (_Side(degree=degree, folded=folded) for folded in fold)
+    phase = 2 * math.pi * np.arange(instants) / instants
+
+    def gap_at(x_nodes: FloatArray, y_nodes: FloatArray) -> FloatArray:
+        return gap(*np.meshgrid(x_nodes, y_nodes, indexing="ij"), phase)
+
+    height = gap_at(x.x, y.x)
+    conductance_x = (
+        x.element_weights[:, None, None] * y.mass[:, None] * gap_at(x.element_x, y.x) ** 3
+    )
+    conductance_y = (
+        x.mass[:, None, None] * y.element_weights[:, None] * gap_at(x.x, y.element_x) ** 3
+    )
+    area = x.mass[:, None, None] * y.mass[:, None]
+    i_k = 1j * np.arange(instants // 2 + 1)
+
+    def rate(mass: FloatArray) -> FloatArray:
+        return np.fft.irfft(i_k * np.fft.rfft(mass), n=instants)
+
+    def diffusion(u: FloatArray) -> FloatArray:
+        along_x = np.tensordot(x.slope.T, conductance_x * np.tensordot(x.slope, u, 1), 1)
+        along_y = np.matmul(y.slope.T, conductance_y * np.matmul(y.slope, u))
+        return np.asarray(along_x + along_y)
+
+    u = np.zeros_like(height)
+    for _ in range(NEWTON_STEPS):
+        pressure = np.sqrt(1 + 2 * u)
+        overpressure = 2 * u / (1 + pressure)
+        symbol = (
+            np.mean(height**2 * pressure) * (x.values[:, None] + y.values)[:, :, None] + sigma * i_k
+        )
+        to_u = pressure / height
+
+        def precondition(r: FloatArray, symbol: FloatArray = symbol) -> FloatArray:
+            modes = np.matmul(y.modes.T, np.tensordot(x.modes.T, r, 1))
+            modes = np.fft.irfft(np.fft.rfft(modes) / symbol, n=instants)
+            return np.asarray(np.matmul(y.modes, np.tensordot(x.modes, modes, 1)))
+
+        def product(flat: FloatArray, to_u: FloatArray = to_u) -> FloatArray:
+            w = flat.reshape(height.shape)
+            return precondition(diffusion(to_u * w) + sigma * area * rate(w)).ravel()
+
+        # H P = H + H p, and the rate of H is known.
+        squeeze = rate(height * overpressure) + rate(height)
+        right = -precondition(diffusion(u) + sigma * area * squeeze).ravel()
+        size = float(np.linalg.norm(right) / math.sqrt(right.size))
+        if size < TOLERANCE:
+            return float(2 ** sum(fold) * np.sum(area[:, :, 0] * overpressure.mean(axis=-1)))
+        w, _ = gmres(
+            LinearOperator((right.size, right.size), matvec=product, dtype=float),
+            right,
+            rtol=min(0.1, max(0.1 * size, 0.3 * TOLERANCE / size)),
+            restart=KRYLOV_ITERATIONS,
+            maxiter=1,
+        )
+        change = to_u * w.reshape(height.shape)
+        while np.any(2 * change < -0.9 * pressure**2):  # keep P^2 positive
+            change /= 2
+        u = u + change
+    raise RunError(f"reference: no convergence at sigma = {sigma:g} (residual {size:.1e})")
