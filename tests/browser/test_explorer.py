@@ -304,7 +304,9 @@ def test_the_error_and_its_sentence_are_the_librarys(explorer):
             errors = fit.interval.error_n(force_n)[0], fit.interval.error_n(force_n, level=0.99)[0]
             said = re.match(r"Validated: 95 % error ([\d.]+) %", explorer.text("validation"))
             assert float(said[1]) == pytest.approx(100 * errors[0] / force_n[0], rel=0.06)
-            assert float(explorer.text("error").removesuffix(" N")) == pytest.approx(errors[1], rel=0.5)
+            assert float(explorer.text("error").removesuffix(" N")) == pytest.approx(
+                errors[1], rel=0.5
+            )
             assert explorer.text("validation").endswith(fit.statement)
 
 

@@ -171,8 +171,7 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(reposit
     text = "\n".join(in_short(tmp_path, config))
     assert (
         "limit_1, 0.9 % off over 32 points of the validation sample, at one of all 48 simulations "
-        "there 3 %\n"
-        in text
+        "there 3 %\n" in text
     )
     assert "25 %. No model compared holds the study's ±15 %" in text
     assert "| limit_1 | 0 | 0 | 1.33 | 6.3 % |" in text

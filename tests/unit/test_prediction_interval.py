@@ -171,7 +171,9 @@ def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(limit_fit):
     validated = fit.validated(factors, force_n=force_n, force_error_n=0 * force_n, ranges=RANGES)
     assert validated.interval is not None
     coarse = {**fit.values["limit_table"]}
-    wrong = [value * (1 + 1e-3 * (-1) ** i) for i, value in enumerate(coarse["coefficients"]["limit_n"])]
+    wrong = [
+        value * (1 + 1e-3 * (-1) ** i) for i, value in enumerate(coarse["coefficients"]["limit_n"])
+    ]
     coarse["coefficients"] = coarse["coefficients"] | {"limit_n": wrong}
     fit = fit_of({**fit.values, "limit_table": coarse}, place="here")
     with pytest.raises(InputError, match="table of asymptotic forces is too coarse"):
