@@ -40,10 +40,15 @@ def parallel_map(
             return list(pool.map(_run, items))
         except BrokenProcessPool:
             raise RunError("one of the processes that shared the work was killed") from None
+        except KeyboardInterrupt:  # the pool would wait for the tasks that have begun
+            for process in multiprocessing.active_children():
+                process.kill()
+            raise
 
 
 def _end_with_parent() -> None:
-    """Have the system kill this process when the one that forked it dies, however that comes."""
+    """Leave Ctrl-C to the process that forked this one, and be killed when that one dies."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
