@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+from squeezefilm.io.atomic import read_text
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.studies.derived import ENDS, whole_gas, with_derived
@@ -101,17 +102,7 @@ def load_config(path: Path | str) -> Config:
     Raises InputError naming the file, the key, what is wrong with it and what is allowed.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such configuration file") from None
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: the configuration cannot be read: byte {error.start + 1} is no text in UTF-8"
-        ) from None
-    except OSError as error:
-        raise InputError(f"{path}: the configuration cannot be read: {error}") from None
-    return parse_config(text, path=path)
+    return parse_config(read_text(path, what="configuration file"), path=path)
 
 
 def parse_config(text: str, *, path: Path) -> Config:
