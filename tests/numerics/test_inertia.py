@@ -123,7 +123,7 @@ def test_small_motion_has_the_second_order_force(
 def test_the_middle_of_a_long_finger_is_the_strip(
     epsilon: float, sigma: float, reynolds: float, force: float
 ) -> None:
-    """physics.md, T10; and the strip's own solver, which shares nothing with this one."""
+    """Forces by two programs written apart, marching and harmonic balance; and the strip's own."""
     ends = [
         moving(reynolds, epsilon=epsilon, sigma=sigma, profile=STRIP, aspect=aspect)
         for aspect in (4.0, 8.0)
@@ -136,7 +136,7 @@ def test_the_middle_of_a_long_finger_is_the_strip(
 
 
 def test_forces_of_the_paper_s_finger(scene: Scene) -> None:
-    """physics.md, T10: found by another program."""
+    """Forces by a program written apart from this solver."""
     included = replace(scene, gas=replace(scene.gas, inertia="included"))
     wide = replace(included, h0_m=10e-6, hv_m=2e-6)
     solved = solve([included, wide], tolerance=1e-5)

@@ -49,7 +49,7 @@ def forces(epsilon: float, reynolds: float, sigma: float, **given: Any) -> dict[
     }
 
 
-# Known forces: the paper's profile, by a march and by a harmonic balance written for T10
+# Known forces: the paper's profile, by a march and by a harmonic balance written apart
 
 
 @pytest.mark.parametrize(

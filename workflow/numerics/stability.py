@@ -149,19 +149,18 @@ def limit_of(film: Film) -> Limit | None:
     piston = film.profile is PISTON
     if at_rest and piston and eps <= 1e-2:
         force = analytic.piston_small_amplitude(epsilon=eps, sigma=sigma, aspect=film.aspect)
-        return Limit("T4, T1: piston, ε → 0", force, 3 * eps**2 + TOLERANCE)
+        return Limit("piston, ε → 0 (Blech 1983)", force, 3 * eps**2 + TOLERANCE)
     if at_rest and square and eps <= 1e-2:
         force = analytic.small_amplitude(epsilon=eps, sigma=sigma, amplitude=film.amplitude)
-        return Limit("T5: ε → 0", force, 3 * eps**2 + TOLERANCE)
+        return Limit("ε → 0", force, 3 * eps**2 + TOLERANCE)
     # The film of the smallest gap is the one with the largest local squeeze number.
     local = sigma / (1 - eps) ** 3 if eps < 1 else math.inf
     if at_rest and square and piston and local <= 0.1:
         force = analytic.piston_slow(epsilon=eps, sigma=sigma)
-        return Limit("T6: σ → 0", force, local + TOLERANCE)
+        return Limit("σ → 0", force, local + TOLERANCE)
     if film.bearing == 0 and square and sigma >= 1e5:
         force = analytic.fast(epsilon=eps, amplitude=film.scene.magnitude, knudsen=film.knudsen)
-        name = "T7, T14: σ → ∞" if film.scene.two_phases else "T7: σ → ∞"
-        name = "T8: σ → ∞ with slip" if film.knudsen else name
+        name = "σ → ∞ with slip" if film.knudsen else "σ → ∞"
         return Limit(name, force, 3 / math.sqrt(sigma) + TOLERANCE)
     return None
 

@@ -48,8 +48,8 @@ SLIDING_TOLERANCE = 1e-8
 # Numbers of a field, all scenes together: more fall out of the caches. And of a launch's states.
 MOST_NUMBERS, MOST_LAUNCHED = 2**16, 2**22
 # What the first order misses, as a share of it for each unit of the modified Reynolds number:
-# inertia by one mode at Re 0.03–12, ε up to 0.9, heat by a resolved temperature at 0.2–1.8 (T10,
-# T11).
+# inertia by one mode at Re 0.03–12, ε up to 0.9, heat by a temperature resolved across the gap at
+# 0.2–1.8.
 INERTIA_MISSED = 1 / 6
 HEAT_MISSED = 1 / 3
 # Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
