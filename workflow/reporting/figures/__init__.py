@@ -30,6 +30,7 @@ from squeezefilm.io.found import modules_in
 from squeezefilm.io.sources import read_columns
 
 ENTRY_POINTS = "squeezefilm.figures"
+PLAIN = ".plain.png"
 FORMATS = (".png", ".svg", ".pdf")
 HELP = "fig05, overview, …; an unknown name is answered with all that there are"
 
@@ -66,7 +67,8 @@ def check_formats(paths: Sequence[str]) -> None:
 def draw(module: ModuleType, table: Path | str, paths: Sequence[str], *, beyond: str = "") -> None:
     """Draw a figure's table as read back from its file, in the formats that the names ask for.
 
-    ``beyond`` is added to its note.
+    ``beyond`` is added to its note. A name that ends in PLAIN is a small picture without texts,
+    which a check compares.
 
     Raises InputError naming the table and what it lacks.
     """
@@ -78,6 +80,8 @@ def draw(module: ModuleType, table: Path | str, paths: Sequence[str], *, beyond:
     with style.settings():
         try:
             figure = module.draw(data)
+            plain = module.draw(data.assign(note=""))
         except KeyError as error:
             raise InputError(f"{table}: not a table of this figure: no {error}") from None
-        style.save(figure, paths)
+        style.save(figure, [path for path in paths if not path.endswith(PLAIN)])
+        style.save_without_text(plain, [path for path in paths if path.endswith(PLAIN)])
