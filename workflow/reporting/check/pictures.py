@@ -24,8 +24,10 @@ PLACE = "check/figures"
 """Of the pictures among a study's results."""
 BY_CHANCE = ("fig09",)
 """Figures of many searches: how many ended where is chance, and a rare pattern may be missing."""
-TOLERANCE = 1.0
-"""RMS of the pixels, 0 to 255. (to be measured)"""
+TOLERANCE = 1.5
+"""RMS of the pixels (0 to 255). In the paper's figures a dropped curve makes 2.4 to 30, a line of
+the band 4.4, the zero line of Figure 14 1.8, forces off by 1e-4 0.1. A line of the small film in
+`overview` makes 0.2 and is not seen, nor is one that others hide."""
 
 
 def picture_quantities(results: Path, reference: Path) -> Iterator[Quantity]:
