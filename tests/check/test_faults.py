@@ -83,6 +83,16 @@ FAULTS: dict[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame], Failed]] = 
         lambda table: table.assign(force_n=np.roll(table["force_n"], 1)),
         {("figure data", "fig08", "force_n")},
     ),
+    "a changed number of a figure": (
+        "figures/fig14.csv",
+        lambda table: table.assign(relative_error_percent=table["relative_error_percent"] + 0.5),
+        {("figure data", "fig14", "relative_error_percent")},
+    ),
+    "a changed force": (
+        SCREEN,
+        lambda table: table.assign(force_n=table["force_n"] * (1 + 1e-3 * (table.index == 0))),
+        {("simulations", "screen", "force_n")},
+    ),
     "a scene without a force": (
         SCREEN,
         lambda table: table.assign(status=["refused", *table["status"][1:]]),
@@ -222,7 +232,7 @@ PICTURES: dict[str, tuple[str, Callable[[Figure], None]]] = {
     "a dropped curve": ("fig14", without_curve),
     "a missing line of the band": ("fig14", without_band),
     "swapped axes": ("fig12", swapped),
-    "a blank picture": ("fig08", Figure.clear),
+    "a blank picture": ("fig08", lambda figure: figure.axes[0].set_visible(False)),
 }
 
 

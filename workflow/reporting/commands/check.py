@@ -3,8 +3,8 @@
   squeezefilm check results/paper --config config/paper.yaml --reference tests/reference/paper
 
 Compared are figures' data, the paper's tables, claims, simulations, fits, designs, pictures and
-the verdicts on stiff films, each as closely as the study's tolerance allows. A line is shown for
-each item, with its worst quantity, and every quantity that failed; all of them are in the table.
+the verdicts on stiff films, each as closely as the study's tolerance allows. Shown are each part's
+worst quantity and every quantity that failed; all of them are in the table.
 The exit status is 1 when anything failed.
 """
 

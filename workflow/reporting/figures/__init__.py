@@ -77,11 +77,13 @@ def draw(module: ModuleType, table: Path | str, paths: Sequence[str], *, beyond:
     data = read_columns(table, columns=("note",))
     if beyond:
         data = data.assign(note=data["note"].fillna("").astype(str) + f" {beyond}")
+    without_text = [path for path in paths if path.endswith(PLAIN)]
     with style.settings():
         try:
             figure = module.draw(data)
-            plain = module.draw(data.assign(note=""))
+            plain = module.draw(data.assign(note="")) if without_text else None
         except KeyError as error:
             raise InputError(f"{table}: not a table of this figure: no {error}") from None
-        style.save(figure, [path for path in paths if not path.endswith(PLAIN)])
-        style.save_without_text(plain, [path for path in paths if path.endswith(PLAIN)])
+        style.save(figure, [path for path in paths if path not in without_text])
+        if plain:
+            style.save_without_text(plain, without_text)
