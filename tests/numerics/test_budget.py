@@ -51,7 +51,7 @@ def on_grid(scenes: list[Scene], grid: Grid) -> list[Budget]:
 def test_effects_in_the_paper_s_scenes(
     scene: Scene, h0_m: float, inertia: float, heat: float, rim: float
 ) -> None:
-    """physics.md, T10 to T12, computed by others; C = 1."""
+    """First orders by a program written apart; C = 1."""
     (found,) = budgets([replace(scene, h0_m=h0_m, hv_m=2e-6)])
     assert found.inertia.percent == pytest.approx(inertia, abs=0.02)
     assert found.heat.percent == pytest.approx(heat, rel=0.01)
@@ -373,7 +373,7 @@ def test_notes_name_what_is_large_and_what_is_above_its_range(scene: Scene) -> N
     )
     inertia, slip = notes_of_budget(thin)
     assert (
-        inertia == "inertia, left out, adds 2.1 % of the force at first order (higher ones: 0.2 %)"
+        inertia == "inertia, left out, adds 2.1 % of the force at first order (higher ones: 0.1 %)"
     )
     assert slip.startswith("slip, left out, takes 1.3 % of the force")
     assert "rim's entrance loss -0.32 to -0.5 %" in budget_text(thin)

@@ -130,7 +130,7 @@ def test_the_middle_of_a_long_finger_is_the_strip(
 
 
 def test_forces_of_the_paper_s_finger(scene: Scene) -> None:
-    """physics.md, T10: found by another program."""
+    """Forces by a program written apart from this solver."""
     included = replace(scene, gas=replace(scene.gas, inertia="included"))
     wide = replace(included, h0_m=10e-6, hv_m=2e-6)
     solved = solve([included, wide], tolerance=1e-5)

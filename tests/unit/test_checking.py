@@ -2,20 +2,25 @@
 
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
 
-from reporting.check.compare import PASSED, compare, to_table
+from reporting.check.compare import FAILED, PASSED, compare, to_table
 from reporting.check.designs import Efficient
-from reporting.check.drawings import read_drawing
+from reporting.check.pictures import (
+    PLACE,
+    expected_pictures,
+    picture_quantities,
+    write_pictures,
+)
 from reporting.check.quantities import SAMPLE, Quantity, column_quantities
 from reporting.check.reference import differences, read_reference, write_reference
 from reporting.check.show import on_screen, read_check, status
 from reporting.check.tolerances import GIVEN, SAME, AtMost, Close, Closeness, LastDigit
 from reporting.commands import check, reference
+from reporting.figures import PLAIN
 from reporting.figures.parts import style
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
@@ -144,8 +149,9 @@ def test_a_design_is_worth_the_same_anywhere_on_a_line_of_equal_excursion():
     assert efficient.worst(here, there).distance < 1e-6
     assert efficient.worst(here, other).distance > 1
     assert efficient.worst(other, here).distance == 0  # a better design is welcome
-    assert efficient.shown(here, other, "")[0] == "1"
-    assert float(efficient.shown(here, other, "")[1]) < 0.999
+    expected, got = efficient.worst(here, other).shown
+    assert expected == "1"
+    assert float(got) < 0.999
 
 
 def test_a_reference_is_read_as_it_was_written(tmp_path):
@@ -171,66 +177,65 @@ def test_no_reference_is_made_of_half_a_study(tmp_path):
         read_reference(tmp_path)
 
 
-# --- drawings -----------------------------------------------------------------------------------
+# --- pictures -----------------------------------------------------------------------------------
 
 
-def drawn(path: Path, *, x: list[float], labels: tuple[str, str] = (r"$h_0$ (µm)", "F (N)")):
+def picture(folder: Path, *, label: str = "h0 (µm)", curves: int = 2, band: bool = True) -> None:
+    """The one picture of a study: two curves in a band of ±15 %."""
     with style.settings():
         figure = style.new_figure()
         axes = figure.subplots()
-        axes.plot(x, [1.0, 2.0, 4.0], "o", label="3 points")
-        axes.set_xlabel(labels[0])
-        axes.set_ylabel(labels[1])
+        x = np.linspace(5, 10, 50)
+        for curve in range(curves):
+            axes.plot(x, np.exp(-x / 4) * (1 + 0.2 * curve), label=label)
+        for side in (-1, 1) if band else ():
+            axes.axhline(0.2 + 0.15 * side, color="0.6", linewidth=0.6, linestyle="--")
+        axes.set_xlim(5, 10)
+        axes.set_ylim(0, 0.4)
+        axes.set_xlabel(label)
         axes.legend()
-        style.save(figure, [path])
-    plt.close("all")
-    return read_drawing(path)
+        style.add_note(figure, pd.DataFrame({"note": [""]}))
+        style.save_without_text(figure, [folder / PLACE / f"fig08{PLAIN}"])
 
 
-def test_a_drawing_tells_its_axes_dots_and_legend(tmp_path):
-    drawing = drawn(tmp_path / "a.svg", x=[1.0, 2.0, 3.0])
-    assert drawing.axes == 1
-    assert drawing.labels == [r"$h_0$ (µm)", "F (N)"]
-    assert drawing.ticks[1] == ["1.0", "1.5", "2.0", "2.5", "3.0", "3.5", "4.0"]
-    assert drawing.dots == len(drawing.places) == 3
-    assert drawing.legends == ["# points"]
-    assert (drawing.width_pt, drawing.height_pt) == (252, pytest.approx(194.4))
+@pytest.fixture
+def kept(tmp_path):
+    """The folder of a reference with the picture in it; the study's is its parent."""
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / "fig08.csv").write_text("note\n")
+    (tmp_path / "kept").mkdir()
+    picture(tmp_path)
+    write_pictures(tmp_path, tmp_path / "kept")
+    return tmp_path / "kept"
 
 
-def test_dots_lie_where_the_data_say(tmp_path):
-    one = drawn(tmp_path / "a.svg", x=[1.0, 2.0, 3.0])
-    moved = drawn(tmp_path / "b.svg", x=[1.0, 2.1, 3.0])
-    (first, middle, last), (_, other, _) = one.places, moved.places
-    margin = 0.05 / 1.1  # matplotlib leaves 5 % of the data's range at each side
-    np.testing.assert_allclose([*first, *last], [margin, margin, 1 - margin, 1 - margin], atol=1e-4)
-    assert other[0] - middle[0] == pytest.approx(0.05 / 1.1, rel=1e-3)
-    assert other[1] == middle[1] == pytest.approx(margin + (1 - 2 * margin) / 3, abs=1e-4)
+def judged(reference: Path) -> list[str]:
+    found = picture_quantities(reference.parent, reference)
+    return [row.verdict for row in compare(found, expected_pictures(reference))]
 
 
-def test_places_do_not_depend_on_the_note(tmp_path):
-    """A device with a longer name makes the axes smaller, and nothing else of the drawing."""
-    table = pd.DataFrame({"note": ["short", "many words " * 40]})
-    drawings = []
-    for row in range(2):
-        with style.settings():
-            figure = style.new_figure()
-            axes = figure.subplots()
-            axes.plot([1.0, 2.0, 3.0], [1.0, 2.0, 4.0], "o")
-            axes.set_ylabel("F (N)")
-            style.add_note(figure, table.iloc[row:])
-            style.save(figure, [tmp_path / "a.svg"])
-        drawings.append(read_drawing(tmp_path / "a.svg"))
-    np.testing.assert_allclose(drawings[0].places, drawings[1].places, atol=1e-4)
-    assert drawings[0].labels == drawings[1].labels
+def test_a_picture_does_not_depend_on_its_texts(kept):
+    picture(kept.parent, label="mean gap between finger and surface (µm)")
+    first, second = kept / f"fig08{PLAIN}", kept.parent / PLACE / f"fig08{PLAIN}"
+    assert first.read_bytes() == second.read_bytes()
+    assert judged(kept) == [PASSED]
 
 
-@pytest.mark.parametrize("text", ["", "<svg/>", "not a drawing"])
-def test_what_is_no_drawing_is_refused(tmp_path, text):
-    (tmp_path / "a.svg").write_text(text)
-    with pytest.raises(InputError, match=r"a\.svg: not a drawing"):
-        read_drawing(tmp_path / "a.svg")
-    with pytest.raises(InputError, match="no such drawing"):
-        read_drawing(tmp_path / "b.svg")
+@pytest.mark.parametrize("fault", [{"curves": 1}, {"band": False}])
+def test_a_dropped_curve_and_a_missing_band_are_seen(kept, fault):
+    picture(kept.parent, **fault)
+    assert judged(kept) == [FAILED]
+
+
+def test_a_picture_that_is_missing_or_none_is_told(kept):
+    path = kept.parent / PLACE / f"fig08{PLAIN}"
+    path.write_bytes(b"no picture")
+    assert judged(kept) == [FAILED]
+    path.unlink()
+    assert judged(kept) == [FAILED]
+    picture(kept.parent)
+    (kept / f"fig08{PLAIN}").unlink()
+    assert judged(kept) == [FAILED]
 
 
 # --- commands -----------------------------------------------------------------------------------

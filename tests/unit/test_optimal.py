@@ -9,6 +9,7 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.designs.paper_design import d_efficiency
+from squeezefilm.models.fitting.profile_likelihood import RANGES_NOTE
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
 
 NAMES = {"output": "d.csv", "efficiencies": "p.csv", "sensitivity": "m.csv", "summary": "s.json"}
@@ -39,6 +40,7 @@ def made(request, study, repository, tmp_path_factory):
 def test_the_local_design_is_certified(made):
     _, folder = made
     summary = json.loads((folder / "s.json").read_text())
+    assert summary["parameter_ranges_note"] == RANGES_NOTE
     for name in ("local", "bayesian", "maximin"):
         assert summary["certificates"][name] > 1 - 1e-4, name
     data = pd.read_csv(folder / "m.csv")

@@ -2,9 +2,11 @@
 
 import re
 import shlex
+from pathlib import Path
 
 import pandas as pd
 import pytest
+import yaml
 
 from squeezefilm.cli.main import main
 
@@ -44,3 +46,40 @@ def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
     assert told.startswith("force 0.95")
     assert "error_95_percent" in told
     assert len(names["curve"]) == 9
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/cluster.md"])
+def test_a_profile_stands_after_the_plugin_that_it_needs(repository, page):
+    text = (repository / page).read_text(encoding="utf-8")
+    (at, *_) = [match.start() for match in re.finditer("--workflow-profile profiles/slurm", text)]
+    profile = yaml.safe_load((repository / "profiles/slurm/config.yaml").read_text("utf-8"))
+    assert f"pip install snakemake-executor-plugin-{profile['executor']}\n" in text[:at]
+
+
+def test_the_readme_counts_the_films_that_the_solver_s_page_has(readme, repository):
+    page = (repository / "docs/solver.md").read_text(encoding="utf-8")
+    table = page.partition("### Are forces as good as they say?")[2].partition("\n### ")[0]
+    counts = [int(count) for count in re.findall(r"\| 0 of (\d+) \|", table)]
+    of_any_gap = table[: table.index("--draw any-gap")].count("| 0 of ")
+    plain, any_gap = sum(counts[:of_any_gap]), sum(counts[of_any_gap:])
+    assert f"Of {plain} random films" in readme
+    assert f"and {any_gap} that are tilted" in readme
+
+
+def test_the_pitch_says_when_five_simulations_are_a_saving(readme, repository):
+    """As the claims do: the first time, finding the optimal points takes all of the screen."""
+    assert "only where the optimal points are reused" in (
+        repository / "workflow/paper/findings.py"
+    ).read_text(encoding="utf-8")
+    pitch = readme.partition("\n\n")[2].partition("\n\n")[0]
+    assert "where optimal points are reused" in pitch
+
+
+def test_no_text_cites_what_is_not_in_the_repository(repository):
+    cited = re.compile(r"physics\.md|\(T\d+\b|\bT1?\d(?:,|:| to) ")
+    texts = [*repository.glob("workflow/**/*.py"), *repository.glob("tests/**/*.py")]
+    assert not [
+        str(path)
+        for path in texts
+        if path != Path(__file__) and cited.search(path.read_text("utf-8"))
+    ]

@@ -105,7 +105,8 @@ def test_the_fits_file_tells_ranges_and_what_they_mean(refined):
     assert [each["name"] for each in values["parameter_ranges"]] == ["t0", "t1"]
     for each in values["parameter_ranges"]:
         assert each["lower"] < each["estimate"] < each["upper"]
-    assert "nothing of a scatter" in values["parameter_ranges_note"]
+    assert "conditional on this plan and on the formula" in values["parameter_ranges_note"]
+    assert "not noise" in values["parameter_ranges_note"]
 
 
 def test_the_report_compares_estimates_with_the_truth(refined, tmp_path):

@@ -279,6 +279,64 @@ def test_a_universal_file_that_says_something_else_is_refused(tmp_path):
             read_scan(tmp_path / f"none{suffix}", frequency_hz=FREQUENCY_HZ)
 
 
+@pytest.mark.parametrize("nothing", ["nan", "NaN", ""])
+def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothing):
+    """Profile and noise are those of the scan without these rows; `simulate` has the note."""
+    x, y, u = points(noise=0.02)
+    whole = text("x_mm,y_mm,amplitude_um,sign", x, y, abs(u), np.sign(u)).splitlines()
+    lacking = [12, 31]
+    with_gaps = [
+        ",".join([*line.split(",")[:2], nothing, "1"]) if at in lacking else line
+        for at, line in enumerate(whole, start=1)
+    ]
+    without = [line for at, line in enumerate(whole, start=1) if at not in lacking]
+    found = []
+    for name, lines in (("gaps.csv", with_gaps), ("without.csv", without)):
+        path = tmp_path / name
+        path.write_text("\n".join(lines) + "\n")
+        found.append(smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=False))
+    gaps, rest = found
+    assert gaps.noise_m == rest.noise_m
+    assert gaps.profile.coefficients == rest.profile.coefficients
+    said = "2 points without an amplitude, excluded from profile and noise (lines 12, 31)"
+    assert gaps.warnings == (f"note: {said}",)
+    assert rest.warnings == ()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_function_without_an_amplitude_is_named_and_adds_no_noise(tmp_path, value):
+    """Pyuff writes NaN as zeros and infinity as the largest number: both were read as such."""
+
+    def noisy(one: dict[str, Any], *, damaged: int) -> None:
+        random = np.random.default_rng(one["rsp_node"])
+        one["data"] = one["data"] * (value if one["rsp_node"] == damaged else 1)
+        one["data"] = one["data"] + 5e-8 * random.standard_normal()
+
+    noise = []
+    for damaged in (0, 70):
+        path = universal(
+            tmp_path / f"{damaged}.uff", edit=lambda one, at=damaged: noisy(one, damaged=at)
+        )
+        scan = smoothed_scan(
+            path, surface=Disc(RADIUS_M), axisymmetric=False, frequency_hz=FREQUENCY_HZ
+        )
+        noise.append(scan.noise_m)
+    assert noise[1] == pytest.approx(noise[0], rel=0.05)
+    said = "1 point without an amplitude, excluded from profile and noise (function 70)"
+    assert scan.warnings[-1] == f"note: {said}"
+    assert scan.scan.missing == 1
+
+
+def test_a_scan_that_is_mostly_missing_is_refused(tmp_path):
+    rows = PLAIN.splitlines()
+    path = tmp_path / "scan.csv"
+    kept = len(rows) // 3
+    empty = [",".join([*row.split(",")[:2], "nan", "0"]) for row in rows[kept:]]
+    path.write_text("\n".join([*rows[:kept], *empty]) + "\n")
+    with pytest.raises(InputError, match=r"of \d+ points have no amplitude; at most 50%"):
+        read_scan(path)
+
+
 def test_too_many_points_are_averaged_over_cells_with_a_stated_loss(tmp_path, monkeypatch):
     """The profile is that of all points, but for no more than is said, and noise."""
     x, y, u = points(count=130, noise=0.02)

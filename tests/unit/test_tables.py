@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.io.errors import InputError
+from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
@@ -88,7 +89,10 @@ WRONG = {
     "a name twice": (f"{HEADER}\n{ROW}\n\n{ROW}\n", "line 4: point_id '1' stands in line 2"),
     "a name twice but for spaces": (f"{HEADER}\n{ROW}\n 1 ,5e-6,1e-6,0,0\n", "stands in line 2"),
     "an open quote": (f'{HEADER}\n"1,5e-6,1e-6,0,0\n', "cannot be read"),
-    "other letters": (f"{HEADER}\nü,5e-6,1e-6,0,0\n".encode("latin-1"), "cannot be read"),
+    "other letters": (
+        f"{HEADER}\nü,5e-6,1e-6,0,0\n".encode("latin-1"),
+        "scenes.csv: line 2: the table must be text in UTF-8; save it in this encoding",
+    ),
     "a binary file": (bytes(range(256)), "scenes.csv"),
     "a NUL": (f"{HEADER}\n1,5e-6\0,1e-6,0,0\n", "scenes.csv"),
 }
@@ -210,3 +214,14 @@ def test_a_parquet_file_that_is_none_is_refused(tmp_path):
         path.write_bytes(content)
         with pytest.raises(InputError, match=r"scenes\.parquet: the table cannot be read"):
             read_scenes(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "read"),
+    [("fit.json", read_json), ("table.csv", lambda path: read_columns(path, columns=("a",)))],
+)
+def test_a_file_in_another_encoding_is_named_with_its_line(tmp_path, name, read):
+    path = tmp_path / name
+    path.write_bytes("a\nb\nGröße".encode("latin-1"))
+    with pytest.raises(InputError, match=rf"{name}: line 3: the \w+ must be text in UTF-8"):
+        read(path)

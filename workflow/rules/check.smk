@@ -18,7 +18,7 @@ rule compare_with_reference:
         rules.checked.input,
         code=code("check"),
         config=ancient(CONFIG_FILE),
-        reference=[relative(path) for path in sorted(REFERENCE.glob("*.csv"))],
+        reference=[relative(path) for path in sorted(REFERENCE.glob("*.*"))],
     output:
         csv="<results>/check/check.csv",
         markdown="<results>/check/check.md",

@@ -22,6 +22,7 @@ rule figure:
             labels=report_labels,
             caption="../report/figure.rst",
         ),
+        plain="<results>/check/{place}.plain.png",
     log:
         "<logs>/plot/{place}.log",
     wildcard_constraints:

@@ -70,7 +70,7 @@ def _judge(quantity: Quantity, expected: Cells) -> Judgement:
         odd = next(iter(_unshared(expected, got)), "another order")
         return _failed(key, expected=f"{len(expected)} cells", got=f"{len(got)} cells", worst=odd)
     worst = tolerance.worst(expected, got)
-    shown = tolerance.shown(expected, got, worst.cell)
+    shown = worst.shown or (expected[worst.cell], got[worst.cell])
     verdict = PASSED if worst.distance <= 1 else FAILED
     return Judgement(*key, *shown, str(tolerance), verdict, worst.cell, worst.distance)
 

@@ -58,18 +58,12 @@ class Efficient:
     def worst(self, expected: Cells, got: Cells) -> Worst:
         """The loss of efficiency; a gain is none."""
         try:
-            lost = max(0.0, 1 - self.efficiency(expected, got))
-        except (InputError, ValueError):
-            lost = math.inf
-        return Worst("D-efficiency", lost / self.loss)
-
-    def shown(self, expected: Cells, got: Cells, cell: str) -> tuple[str, str]:
-        """One, and the efficiency found."""
-        del cell
-        try:
-            return "1", f"{self.efficiency(expected, got):.6f}"
+            efficiency = self.efficiency(expected, got)
         except (InputError, ValueError) as error:
-            return "1", str(error)
+            return Worst("D-efficiency", math.inf, ("1", str(error)))
+        return Worst(
+            "D-efficiency", max(0.0, 1 - efficiency) / self.loss, ("1", f"{efficiency:.6f}")
+        )
 
 
 def _points(cells: Cells, factors: tuple[str, ...]) -> np.ndarray:

@@ -1,7 +1,7 @@
 """What a finished study is checked by: every quantity with its place, its numbers, its tolerance.
 
 The order is that of the table: settings; figures' data and the paper's tables; claims; simulations,
-fits and designs; drawings; numerics. Figures stand before what they are made from, for they are
+fits and designs; pictures; numerics. Figures stand before what they are made from, for they are
 what a reviewer looks at.
 """
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from reporting.check.compare import Judgement, Key, Reference
+from reporting.check.pictures import PICTURES, expected_pictures
 from reporting.check.quantities import Quantity
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table
@@ -33,7 +34,7 @@ def read_reference(folder: Path) -> dict[Key, dict[str, str]]:
                     raise InputError(f"{path}: line {line}: {len(row)} cells, not {len(COLUMNS)}")
                 item, quantity, cell, value = row
                 reference.setdefault((_part(path), item, quantity), {})[cell] = value
-    return reference
+    return reference | expected_pictures(folder)
 
 
 def write_reference(quantities: Iterable[Quantity], folder: Path) -> None:
@@ -45,6 +46,8 @@ def write_reference(quantities: Iterable[Quantity], folder: Path) -> None:
     for quantity in quantities:
         if quantity.missing:
             raise InputError(f"a reference needs a finished study: {quantity.missing}")
+        if quantity.part == PICTURES:
+            continue
         parts.setdefault(quantity.part, []).extend(
             (quantity.item, quantity.name, cell, value) for cell, value in quantity.cells.items()
         )

@@ -1,6 +1,7 @@
 """The table of a check, for the screen and as Markdown."""
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -8,16 +9,8 @@ from reporting.check.compare import COLUMNS, PASSED
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table
 
-WIDTHS = {
-    "item": 44,
-    "quantity": 30,
-    "expected": 18,
-    "got": 18,
-    "tolerance": 32,
-    "verdict": 7,
-    "worst": 24,
-}
-SHOWN = tuple(WIDTHS)
+WIDEST = 40
+"""Characters of a cell on the screen; all of it is in the table."""
 
 
 def read_check(path: Path) -> pd.DataFrame:
@@ -47,41 +40,18 @@ def summary(table: pd.DataFrame) -> str:
     return f"All {len(table)} quantities passed."
 
 
-def condensed(table: pd.DataFrame) -> pd.DataFrame:
-    """For each item the quantities that failed or, where none did, the one nearest to it."""
-    # Limits are kept or not; how nearly says less than how far a number has moved.
-    rank = table["of_tolerance"].where(~table["tolerance"].str.startswith("at most"), -1.0)
-    ranked = table.assign(rank=rank, order=range(len(table))).sort_values(["rank", "order"])
-    items = table.groupby(["part", "item"], sort=False)
-    nearest = ranked.drop_duplicates(["part", "item"], keep="last").index
-    failed = table["verdict"] != PASSED
-    has_failed = failed.groupby([table["part"], table["item"]]).transform("any")
-    shown = table[failed | (~has_failed & table.index.isin(nearest))]
-    counts = items["quantity"].transform("size")
-    return shown.assign(
-        item=shown["part"] + ": " + shown["item"],
-        quantity=[
-            f"{name} (worst of {count})" if verdict == PASSED and count > 1 else name
-            for name, count, verdict in zip(
-                shown["quantity"], counts[shown.index], shown["verdict"], strict=True
-            )
-        ],
-    )[list(SHOWN)]
-
-
 def on_screen(table: pd.DataFrame) -> str:
-    """The condensed table in columns, long cells cut, and the summary below."""
-    shown = condensed(table)
-    lines = [list(SHOWN), *shown.astype(str).to_numpy().tolist()]
-    text = [
-        "  ".join(_cut(cell, WIDTHS[name]) for name, cell in zip(SHOWN, line, strict=True)).rstrip()
-        for line in lines
-    ]
-    return "\n".join([*text, "", summary(table)])
-
-
-def _cut(text: str, width: int) -> str:
-    return f"{text:{width}}" if len(text) <= width else f"{text[: width - 1]}…"
+    """Return each part's worst quantity, all that failed, and the summary."""
+    failed = table["verdict"] != PASSED
+    # A limit is kept or not; how nearly says less than how far a number has moved.
+    moved = table["of_tolerance"].where(~table["tolerance"].str.startswith("at most"), 0.0)
+    worst = table.loc[moved.groupby(table["part"], sort=False).idxmax()]
+    kinds = {"Worst of each part": worst[["part", "item", "quantity", "of_tolerance"]]}
+    if failed.any():
+        kinds["Failed"] = table[failed]
+    how: dict[str, Any] = {"index": False, "max_colwidth": WIDEST, "float_format": "{:.2g}".format}
+    shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items()]
+    return "".join([*shown, summary(table)])
 
 
 def to_markdown(table: pd.DataFrame) -> str:

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from reporting.check.designs import design_quantities
-from reporting.check.drawings import drawing_quantities
 from reporting.check.figure_tables import figure_quantities, table_quantities
+from reporting.check.pictures import picture_quantities
 from reporting.check.quantities import Quantity
 from reporting.check.results import (
     claim_quantities,
@@ -18,8 +18,11 @@ from reporting.check.tolerances import Closeness
 from squeezefilm.studies.config import Config
 
 
-def study_quantities(results: Path, config: Config) -> list[Quantity]:
-    """What the results in a folder are checked by; config has the sections that decide them."""
+def study_quantities(results: Path, config: Config, reference: Path) -> list[Quantity]:
+    """What the results in a folder are checked by; config has the sections that decide them.
+
+    ``reference`` is the folder with the pictures to compare theirs with.
+    """
     closeness = Closeness(solver=float(config["solver"]["tolerance"]))
     return [
         *setting_quantities(config),
@@ -30,7 +33,7 @@ def study_quantities(results: Path, config: Config) -> list[Quantity]:
         *fit_quantities(results, config, closeness),
         *design_quantities(results, config, closeness),
         *validation_quantities(results, closeness),
-        *drawing_quantities(results),
+        *picture_quantities(results, reference),
         # A reference has a sample of the films; all of them take minutes.
         *(numerics_quantities(results) if config["numerics"]["extent"] == "sample" else ()),
     ]

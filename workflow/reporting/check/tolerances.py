@@ -17,10 +17,14 @@ Cells = Mapping[str, str]
 
 @dataclass(frozen=True)
 class Worst:
-    """The cell that is farthest off, in units of what is allowed there: at most one passes."""
+    """The cell that is farthest off, in units of what is allowed there: at most one passes.
+
+    ``shown`` is what is expected and got, where that is not the cell's text.
+    """
 
     cell: str
     distance: float
+    shown: tuple[str, str] | None = None
 
 
 class Tolerance(Protocol):
@@ -30,19 +34,9 @@ class Tolerance(Protocol):
         """The cell that is farthest off; both have the same cells."""
         ...
 
-    def shown(self, expected: Cells, got: Cells, cell: str) -> tuple[str, str]:
-        """What stands in the table for the two."""
-        ...
-
-
-class _ShowsCells:
-    def shown(self, expected: Cells, got: Cells, cell: str) -> tuple[str, str]:
-        """The two cells as they are."""
-        return expected[cell], got[cell]
-
 
 @dataclass(frozen=True)
-class Same(_ShowsCells):
+class Same:
     """Texts that must be equal."""
 
     def __str__(self) -> str:
@@ -57,7 +51,7 @@ class Same(_ShowsCells):
 
 
 @dataclass(frozen=True)
-class Close(_ShowsCells):
+class Close:
     """Numbers within a share of each value, of the column's largest magnitude, or an amount."""
 
     relative: float = 0.0
@@ -87,7 +81,7 @@ class Close(_ShowsCells):
 
 
 @dataclass(frozen=True)
-class AtMost(_ShowsCells):
+class AtMost:
     """Numbers that must not exceed a limit, whatever they were when the reference was made."""
 
     limit: float
@@ -110,7 +104,7 @@ _NUMBER = re.compile(r"[-−]?\d+(?:\.(\d+))?(?:e([-−]?\d+))?")
 
 
 @dataclass(frozen=True)
-class LastDigit(_ShowsCells):
+class LastDigit:
     """Texts with numbers: the words equal, each number within one unit of its last digit.
 
     Or a share of its value beyond that, where the digits shown are more than are known.

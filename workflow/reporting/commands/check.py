@@ -2,9 +2,9 @@
 
   squeezefilm check results/paper --config config/paper.yaml --reference tests/reference/paper
 
-Compared are figures' data, the paper's tables, claims, simulations, fits, designs, drawings and
-the verdicts on stiff films, each as closely as the study's tolerance allows. A line is shown for
-each item, with its worst quantity, and every quantity that failed; all of them are in the table.
+Compared are figures' data, the paper's tables, claims, simulations, fits, designs, pictures and
+the verdicts on stiff films, each as closely as the study's tolerance allows. Shown are each part's
+worst quantity and every quantity that failed; all of them are in the table.
 The exit status is 1 when anything failed.
 """
 
@@ -52,7 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     config = load_config(options.config).only(SECTIONS)
     reference = read_reference(options.reference)
-    table = to_table(compare(study_quantities(options.results, config), reference))
+    quantities = study_quantities(options.results, config, options.reference)
+    table = to_table(compare(quantities, reference))
     if options.output:
         write_table(table, options.output)
     if options.markdown:

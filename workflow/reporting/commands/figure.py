@@ -6,7 +6,8 @@ Each figure is made from files of its own, given as NAME=PATH, for instance
         device=simulations/device.json --config config/paper.yaml --output fig08.csv fig08.png
 
 Leave them out to be told which ones a figure needs. `squeezefilm plot` draws it again from the
-table alone. A figure of a study whose films go beyond Re 10 says so in its note.
+table alone. NAME.plain.png is small and without texts, for `squeezefilm check`. A figure of a study
+whose films go beyond Re 10 says so in its note.
 """
 
 import argparse

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from reporting.pages.notes import Inertia
 from reporting.pages.page import to_html
-from squeezefilm.io.atomic import write_text
+from squeezefilm.io.atomic import read_text, write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import load_config
 
@@ -31,10 +31,7 @@ def run(options: argparse.Namespace) -> None:
         config = load_config(options.config).only(SECTIONS)
         note = Inertia.of(config).note(config["screen"]["h0_m"]["stop"])
     for source, target in zip(options.markdown, options.output, strict=True):
-        try:
-            text = source.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"{source}: the page cannot be read: {error}") from None
+        text = read_text(source, what="page")
         if note and note not in text:
             title, _, rest = text.partition("\n")
             text = f"{title}\n\n**{note}**\n{rest}"

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 from reporting.check.compare import Judgement
+from reporting.check.pictures import write_pictures
 from reporting.check.reference import differences, read_reference, write_reference
 from reporting.check.study import study_quantities
 from squeezefilm.io.errors import RunError
@@ -44,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
-    quantities = study_quantities(options.results, config)
+    quantities = study_quantities(options.results, config, options.output)
     old = read_reference(options.output) if list(options.output.glob("*.csv")) else {}
     changed = differences(quantities, old)
     if not changed:
@@ -54,6 +55,7 @@ def run(options: argparse.Namespace) -> None:
     if not (options.yes or _confirmed(f"Write {len(changed)} changes to {options.output}?")):
         raise RunError(f"{options.output}: nothing written")
     write_reference(quantities, options.output)
+    write_pictures(options.results, options.output)
     print(f"{options.output}: written")
 
 

@@ -30,6 +30,7 @@ from squeezefilm.io.found import modules_in
 from squeezefilm.io.sources import read_columns
 
 ENTRY_POINTS = "squeezefilm.figures"
+PLAIN = ".plain.png"
 FORMATS = (".png", ".svg", ".pdf")
 HELP = "fig05, overview, …; an unknown name is answered with all that there are"
 
@@ -66,7 +67,8 @@ def check_formats(paths: Sequence[str]) -> None:
 def draw(module: ModuleType, table: Path | str, paths: Sequence[str], *, beyond: str = "") -> None:
     """Draw a figure's table as read back from its file, in the formats that the names ask for.
 
-    ``beyond`` is added to its note.
+    ``beyond`` is added to its note. A name that ends in PLAIN is a small picture without texts,
+    which a check compares.
 
     Raises InputError naming the table and what it lacks.
     """
@@ -75,9 +77,13 @@ def draw(module: ModuleType, table: Path | str, paths: Sequence[str], *, beyond:
     data = read_columns(table, columns=("note",))
     if beyond:
         data = data.assign(note=data["note"].fillna("").astype(str) + f" {beyond}")
+    without_text = [path for path in paths if path.endswith(PLAIN)]
     with style.settings():
         try:
             figure = module.draw(data)
+            plain = module.draw(data.assign(note="")) if without_text else None
         except KeyError as error:
             raise InputError(f"{table}: not a table of this figure: no {error}") from None
-        style.save(figure, paths)
+        style.save(figure, [path for path in paths if path not in without_text])
+        if plain:
+            style.save_without_text(plain, without_text)

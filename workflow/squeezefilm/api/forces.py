@@ -119,7 +119,7 @@ class Force:
         text = f"force {with_error(self.force_n, self.error_n)}"
         if self.scan is None:
             return [text]
-        parts = [f"scan's noise {self.scan.noise_n:.2g} N at 95 %"]
+        parts = [f"scan's noise {self.scan.noise_n:.1g} N at 95 %"]
         if self.scan.out_of_phase_n > LEAST_OUT_OF_PHASE * self.scan.noise_n:
             parts.append(f"motion out of phase, left out, about {self.scan.out_of_phase_n:.2g} N")
         parts.append(f"solver {self.solution.force_error_n:.1g} N")

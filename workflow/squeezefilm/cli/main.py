@@ -58,10 +58,22 @@ def summary_of(module: str) -> str:
 
 
 def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | None = None) -> int:
-    """Run one command; return its exit status: 0 done, 1 could not be completed, 2 bad input.
+    """Run one command and return its exit status.
 
-    ``packages`` are those that have the commands, all that are installed if none are named.
+    The status is 0 for done, 1 for what could not be completed, 2 for invalid input, 130 after
+    Ctrl-C, at which the loading of a command ends in one line as well.
+
+    Args:
+        packages: those that have the commands, all that are installed if none are named.
     """
+    try:
+        return _run(arguments, packages=packages)
+    except KeyboardInterrupt:
+        print("squeezefilm: interrupted", file=sys.stderr)
+        return 130
+
+
+def _run(arguments: Sequence[str] | None, *, packages: Sequence[str] | None) -> int:
     words = with_negative_values(sys.argv[1:] if arguments is None else arguments)
     packages = packages or installed()
     commands = commands_of(packages)
@@ -103,9 +115,6 @@ def main(arguments: Sequence[str] | None = None, *, packages: Sequence[str] | No
         return _complain(error, status=1)
     except BrokenPipeError:
         return 1
-    except KeyboardInterrupt:
-        print("squeezefilm: interrupted", file=sys.stderr)
-        return 130
 
 
 def with_negative_values(words: Sequence[str]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -17,6 +18,7 @@ from squeezefilm.film.outlines import (
     conformal_map,
 )
 from squeezefilm.film.vibration.files.columns import column_of
+from squeezefilm.io.atomic import read_text
 from squeezefilm.io.cells import finite_number
 from squeezefilm.io.errors import InputError
 
@@ -168,10 +170,10 @@ def _read(
 
 def _points(path: Path) -> np.ndarray:
     """Points x + iy in metres, checked."""
+    text = io.StringIO(read_text(path, what="outline"), newline="")
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [(line, row) for line, row in enumerate(csv.reader(file), 1) if any(row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        rows = [(line, row) for line, row in enumerate(csv.reader(text), 1) if any(row)]
+    except csv.Error as error:
         raise InputError(f"{path}: cannot be read: {error}") from None
     if not rows:
         raise InputError(f"{path}: the outline is empty; it needs {FORM}")

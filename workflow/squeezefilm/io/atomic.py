@@ -1,4 +1,4 @@
-"""Files that are whole or not there at all.
+"""Files that are whole or not there at all, and texts in UTF-8.
 
 A file is written beside its place under a name of its own, brought to the disk, and renamed: who
 reads its place finds the old file or the new one, and two jobs that write the same file at the
@@ -46,6 +46,30 @@ def whole_file(path: Path | str) -> Iterator[Path]:
     finally:
         part.unlink(missing_ok=True)
     job.note_file(path, sha256=sha256)
+
+
+def read_text(path: Path | str, *, what: str) -> str:
+    """Return the text of a file in UTF-8, without a byte order mark, its line ends as they are.
+
+    Args:
+        what: the file is, for messages: ``table``.
+
+    Raises InputError where there is no such file or it cannot be read, and naming the line where
+    it is not UTF-8.
+    """
+    try:
+        content = Path(path).read_bytes()
+        return content.decode("utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such {what}") from None
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        hint = " (CSV UTF-8 in a spreadsheet)" if Path(path).suffix == ".csv" else ""
+        raise InputError(
+            f"{path}: line {line}: the {what} must be text in UTF-8; save it in this encoding{hint}"
+        ) from None
+    except OSError as error:
+        raise InputError(f"{path}: the {what} cannot be read: {error.strerror}") from None
 
 
 def write_text(text: str, path: Path | str) -> None:

@@ -1,9 +1,11 @@
 """The cells of a CSV file as text, each row with its line in the file; and numbers in them."""
 
 import csv
+import io
 import math
 from pathlib import Path
 
+from squeezefilm.io.atomic import read_text
 from squeezefilm.io.errors import InputError
 
 
@@ -16,15 +18,10 @@ def read_cells(
     Raises InputError naming the file, and the line where a row is longer or shorter than the
     header.
     """
+    reader = csv.reader(io.StringIO(read_text(path, what=what), newline=""), strict=True)
     try:
-        with path.open(newline="", encoding="utf-8-sig") as handle:
-            reader = csv.reader(handle, strict=True)
-            rows = [
-                (reader.line_num, [cell.strip() for cell in cells]) for cells in reader if cells
-            ]
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such {what}") from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader if cells]
+    except csv.Error as error:
         raise InputError(f"{path}: the {what} cannot be read: {error}") from None
     if not rows:
         raise InputError(f"{path}: the {what} is empty; it needs {needs}")

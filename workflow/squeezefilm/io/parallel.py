@@ -37,9 +37,19 @@ def parallel_map(
         min(processes, len(items)), multiprocessing.get_context("fork"), _end_with_parent
     ) as pool:
         try:
-            return list(pool.map(_run, items))
+            # Processes are forked here with Ctrl-C held back, and leave it to this one for good.
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            try:
+                results = pool.map(_run, items)
+            finally:
+                signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+            return list(results)
         except BrokenProcessPool:
             raise RunError("one of the processes that shared the work was killed") from None
+        except KeyboardInterrupt:  # the pool would wait for the tasks that have begun
+            for process in multiprocessing.active_children():
+                process.kill()
+            raise
 
 
 def _end_with_parent() -> None:

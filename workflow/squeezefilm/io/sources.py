@@ -1,10 +1,12 @@
 """Tables handed to a command as NAME=PATH, so that no command guesses which file is which."""
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
+from squeezefilm.io.atomic import read_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import as_in
 
@@ -37,11 +39,10 @@ def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
     Positions, named in polar form, may be in Cartesian form.
     Raises InputError naming the file and the column that is missing, or a file without rows.
     """
+    text = read_text(path, what="table")
     try:
-        data = pd.read_csv(path)
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such table") from None
-    except (OSError, UnicodeDecodeError, pd.errors.EmptyDataError, pd.errors.ParserError) as error:
+        data = pd.read_csv(io.StringIO(text))
+    except (pd.errors.EmptyDataError, pd.errors.ParserError) as error:
         raise InputError(f"{path}: the table cannot be read: {error}") from None
     columns = as_in(columns, data.columns)
     for name in columns:

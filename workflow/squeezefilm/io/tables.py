@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.io.atomic import whole_file, write_text
+from squeezefilm.io.atomic import read_text, whole_file, write_text
 from squeezefilm.io.cells import finite_number, read_cells
 from squeezefilm.io.errors import InputError, needing
 from squeezefilm.io.positions import CARTESIAN, POLAR, as_in, cartesian
@@ -357,11 +357,10 @@ def read_json(path: Path | str) -> dict[str, Any]:
 
     Raises InputError when the file is missing or not a JSON object.
     """
+    text = read_text(path, what="file")
     try:
-        values = json.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        values = json.loads(text)
+    except json.JSONDecodeError as error:
         raise InputError(f"{path}: not readable as JSON: {error}") from None
     if not isinstance(values, dict):
         raise InputError(f"{path}: expected a JSON object")

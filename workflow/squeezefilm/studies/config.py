@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+from squeezefilm.io.atomic import read_text
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.studies.derived import ENDS, whole_gas, with_derived
@@ -100,7 +101,8 @@ def load_config(path: Path | str) -> Config:
 
     Raises InputError naming the file, the key, what is wrong with it and what is allowed.
     """
-    return parse_config(_text_of(path), path=Path(path))
+    path = Path(path)
+    return parse_config(read_text(path, what="configuration file"), path=path)
 
 
 def load_sections(path: Path | str, sections: Sequence[str]) -> Config:
@@ -109,25 +111,13 @@ def load_sections(path: Path | str, sections: Sequence[str]) -> Config:
     Raises InputError as ``load_config`` does.
     """
     known = schema()["properties"]
+    text = read_text(Path(path), what="configuration file")
     values = {
         name: value
-        for name, value in _values_of(_text_of(path), path=Path(path)).items()
+        for name, value in _values_of(text, path=Path(path)).items()
         if name in sections or name not in known
     }
     return Config(Path(path), parse_sections(values, sections=sections, place=Path(path)))
-
-
-def _text_of(path: Path | str) -> str:
-    try:
-        return Path(path).read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such configuration file") from None
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: the configuration cannot be read: byte {error.start + 1} is no text in UTF-8"
-        ) from None
-    except OSError as error:
-        raise InputError(f"{path}: the configuration cannot be read: {error}") from None
 
 
 def parse_config(text: str, *, path: Path) -> Config:

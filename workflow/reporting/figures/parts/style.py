@@ -12,6 +12,8 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.legend import Legend
+from matplotlib.text import Text
 from matplotlib.textpath import text_to_path
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
@@ -21,6 +23,7 @@ from squeezefilm.io.errors import InputError
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
 PNG_DPI = 300
+CHECK_DPI = 50
 
 # Okabe and Ito's colours, told apart with every common colour vision.
 BLUE, VERMILLION, GREEN, ORANGE, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7"
@@ -148,6 +151,20 @@ def settle(figure: Figure) -> None:
         for axes in figure.axes:
             places = axes.get_position(original=True).bounds
             axes.set_position((*(round(place, 9) for place in places),), which="both")
+
+
+def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
+    """Save small pictures that no font changes: without texts, numbers at axes and legends."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis, getattr(axes, "zaxis", None)):
+            if axis is not None:
+                axis.set_major_formatter(NullFormatter())
+                axis.set_minor_formatter(NullFormatter())
+    for part in (*figure.findobj(Text), *figure.findobj(Legend)):
+        part.set_visible(False)
+    for path in paths:
+        with whole_file(path) as name:
+            figure.savefig(name, format="png", dpi=CHECK_DPI, metadata=_NO_METADATA[".png"])
 
 
 def save(figure: Figure, paths: Iterable[Path | str]) -> None:

@@ -63,7 +63,7 @@ def note(summary: dict[str, Any], *, name: str, modes: str) -> str:
         low = f"without it forces are about {summary['out_of_phase_effect']:.2%} low"
         across = f"Motion out of phase, left out: {across}; {low}."
     return (
-        f"{name}: {summary['points']} points, {summary['missing']} missing{far}. {modes} modes up "
+        f"{name}: {summary['points']} points{far}. {modes} modes up "
         f"to degree {summary['degree']}, by cross-validation. Noise "
         f"{summary['noise_share']:.1%} of the maximum of {summary['peak_um']:.3g} µm, from which "
         f"{summary['peak_bias_share']:.1%} were taken as the noise's; standard error of the "

@@ -8,7 +8,8 @@ and a header that names quantities and units (files/columns.py):
     phase_deg           or  sign                        optional
 
 Velocities (mm/s) are divided by the angular frequency. A row whose amplitude is empty or ``nan`` is
-a point that could not be measured and is left out. Universal files are read by files/universal.py.
+a point that was not measured: it is excluded from profile and noise, and a note names its line.
+Universal files are read by files/universal.py.
 """
 
 import math
@@ -24,6 +25,9 @@ from squeezefilm.film.vibration.files.universal import SUFFIXES, read_universal
 from squeezefilm.io.errors import InputError
 
 FEWEST_POINTS, MOST_POINTS = 8, 3_000_000
+MOST_MISSING = 0.5
+"""Share of a scan's points that may lack an amplitude."""
+PLACES_NAMED = 6
 
 
 @dataclass(frozen=True)
@@ -68,7 +72,24 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
         )
     if not np.any(scan.amplitude_m):
         raise InputError(f"{path}: every amplitude is zero: there is no profile")
+    if scan.missing > MOST_MISSING * (points + scan.missing):
+        raise InputError(
+            f"{path}: {scan.missing} of {points + scan.missing} points have no amplitude; at most "
+            f"{MOST_MISSING:.0%} of them may lack it"
+        )
     return scan
+
+
+def _excluded(places: np.ndarray, *, what: str) -> list[str]:
+    """Return a note that names points without an amplitude, if there are any."""
+    if not len(places):
+        return []
+    named = ", ".join(map(str, places[:PLACES_NAMED])) + ", …" * (len(places) > PLACES_NAMED)
+    count, many = len(places), "s" * (len(places) > 1)
+    return [
+        f"{count} point{many} without an amplitude, excluded from profile and noise "
+        f"({what}{many} {named})"
+    ]
 
 
 def _universal(path: Path, frequency_hz: float | None) -> Scan:
@@ -84,7 +105,7 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
         lines=1 + np.flatnonzero(seen),
         missing=int(np.sum(~seen)),
         signed=found.has_phase or bool(np.any(amplitude[seen].real < 0)),
-        notes=tuple(found.notes),
+        notes=(*found.notes, *_excluded(1 + np.flatnonzero(~seen), what="function")),
     )
 
 
@@ -100,7 +121,7 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
             values = values / _angular_frequency(frequency_hz, path=path)
             notes.append(f"{column.name!r} divided by the angular frequency")
         table[column.quantity] = values
-    lines = text.lines[rows]
+    lines, lacking = text.lines[rows], np.delete(text.lines, rows)
     _check_values(table, path=path, lines=lines)
     if "real" in table:
         amplitude = table["real"] + 1j * table["imaginary"]
@@ -122,9 +143,9 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
         y_m=y_m,
         amplitude_m=amplitude,
         lines=lines,
-        missing=len(text.rows) - len(rows),
+        missing=len(lacking),
         signed=bool(signed),
-        notes=(*text.notes, *notes),
+        notes=(*text.notes, *notes, *_excluded(lacking, what="line")),
     )
 
 

@@ -9,7 +9,8 @@ Analysis and Its Applications, 1988, section 6.1). There, residuals are noise, a
 holds the true value so many times in a hundred. Simulations have no noise: residuals are the
 model's lack of fit, the same each time, and no value is true. What the interval says here is how
 far a parameter can go while the model describes these points about as well as the best fit does:
-a measure of what the points fix, not of a scatter.
+a measure of what the points fix, not of a scatter. It is conditional on the plan and the formula;
+another plan may give an interval that does not overlap with it.
 """
 
 from dataclasses import dataclass
@@ -27,6 +28,12 @@ from squeezefilm.models.force_model import ExpressionModel, Factors
 Array = NDArray[np.float64]
 
 LEVEL = 0.95
+RANGES_NOTE = (
+    f"{LEVEL:.0%} profile-likelihood intervals, conditional on this plan and on the formula. They "
+    "measure the lack of fit of a deterministic simulation, not noise: another plan may give "
+    "intervals that do not overlap these. null is open."
+)
+"""Said wherever intervals are written."""
 MOST_STEPS = 60
 """Doublings and halvings of the step away from the estimate before a range counts as open."""
 

@@ -46,11 +46,11 @@ OFF_ON_GRIDS = 1 / 50
 SLIDING_TOLERANCE = 1e-8
 # Numbers of a field, all scenes together: more fall out of the caches. And of a launch's states.
 MOST_NUMBERS, MOST_LAUNCHED = 2**16, 2**22
-# What the first order misses, as a share of it for each unit of the modified Reynolds number, on a
-# strip with velocity and temperature resolved: inertia's holds to ε = 0.6 (0.2 at 0.8), heat's to
-# 0.1 (0.36 at ε = 0.2, 0.42 at 0.4, 0.7 at 0.8); tests/numerics/test_stored_strip.py.
-INERTIA_MISSED = 1 / 6
-HEAT_MISSED = 1 / 3
+# What the first order misses, as a share of it for each unit of the modified Reynolds number, and
+# the growth of that with ε²: of strips with velocity and temperature resolved, ε 0.05 to 0.8
+# (tests/numerics/test_stored_strip.py).
+INERTIA_MISSED = (0.12, 0.13)
+HEAT_MISSED = (0.33, 0.58)
 # Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
 SLIP_MISSED = 1.2
 # Of the rim, for each unit of C Re, and of that times ε: the lesser (strips with the rim's loss at
@@ -365,10 +365,10 @@ def _budget(scene: Scene, percent: dict[str, float], status: str) -> Budget:
     reynolds = scene.modified_reynolds
     slides = scene.bearing_number != 0
     return Budget(
-        inertia=_effect(percent["inertia"], missed=INERTIA_MISSED * reynolds),
+        inertia=_effect(percent["inertia"], missed=_missed(INERTIA_MISSED, scene)),
         heat=UNKNOWN  # a polytropic exponent stands for it
         if scene.gas.polytropic_exponent != 1
-        else _effect(percent["heat"], missed=HEAT_MISSED * reynolds),
+        else _effect(percent["heat"], missed=_missed(HEAT_MISSED, scene)),
         depth_averaged=NONE,  # without inertia and heat
         slip=_effect(
             percent["slip"],
@@ -388,6 +388,11 @@ def _passing(scene: Scene, percent: dict[str, float]) -> Effect:
     if scene.gas.polytropic_exponent != 1:
         return UNKNOWN  # its second order is that of an isothermal gas
     return _effect(percent["passing"], missed=PASSING_MISSED * scene.bearing_number**2)
+
+
+def _missed(share: tuple[float, float], scene: Scene) -> float:
+    """What a first order in Re misses, as a share of it."""
+    return (share[0] + share[1] * scene.epsilon**2) * scene.modified_reynolds
 
 
 def _rim_missed(coefficient_reynolds: float, epsilon: float) -> float:

@@ -1,4 +1,4 @@
-"""Heat at first order: an isothermal film whose walls stay at ambient temperature (T11).
+"""Heat at first order: an isothermal film whose walls stay at ambient temperature.
 
 Compression heats the gas by a = ∂P/∂T and friction by b = σ|ū|²/H², and conduction across the gap
 takes it away. With β = ((γ − 1)/γ) Pr Re the gas is warmer by β H² (a/12 − b/20) of the ambient

@@ -1,6 +1,7 @@
-"""Inertia of the gas at first order in the modified Reynolds number (physics.md, T10).
+"""Inertia of the gas at first order in the modified Reynolds number.
 
-The velocity is taken as a parabola across the gap and the momentum equation is weighted with it.
+The velocity is taken as a parabola across the gap and the momentum equation is weighted with it,
+as Ruyer-Quil and Manneville (Eur. Phys. J. B 15, 2000) do for a liquid film.
 With the mean velocity ū and the velocity V that pressure alone would drive this reads
 
     ū + (Re ρ H²/10) {∂ū/∂T + (9/7)(ū·∇)ū − (1/7) ū ∂/∂T ln(Hρ)} = V,

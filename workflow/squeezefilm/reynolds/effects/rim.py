@@ -1,4 +1,4 @@
-"""The rim: gas that streams in has come from rest, and its pressure has fallen for it (T12).
+"""The rim: gas that streams in has come from rest, and its pressure has fallen for it.
 
 P = 1 − C (σ Re/24) ū_n² where gas flows in (Bernoulli), P = 1 where it flows out. C is 1 for a
 plug, 1.54 for a parabola, and more with losses: a bound of what can be known without the outside.

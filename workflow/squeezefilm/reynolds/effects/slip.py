@@ -1,4 +1,4 @@
-"""Rarefaction at first order: the flow that the walls' slip adds to the viscous one (T8)."""
+"""Rarefaction at first order: the flow that the walls' slip adds to the viscous one."""
 
 from __future__ import annotations
 

@@ -19,7 +19,11 @@ from squeezefilm.io.tables import scene_points
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.fitting.local_fit import local_fit
-from squeezefilm.models.fitting.profile_likelihood import ParameterRange, parameter_ranges
+from squeezefilm.models.fitting.profile_likelihood import (
+    RANGES_NOTE,
+    ParameterRange,
+    parameter_ranges,
+)
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.space import Space
@@ -308,4 +312,5 @@ def summary_of(
         "d_efficiency": dict(zip(table["plan"], map(float, table["d_efficiency"]), strict=True)),
         "lower_bound": dict(zip(table["plan"], map(float, table["lower_bound"]), strict=True)),
         "parameter_ranges": [each.to_dict() for each in study.ranges],
+        "parameter_ranges_note": RANGES_NOTE,
     }

@@ -14,7 +14,7 @@ from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, 
 from squeezefilm.models.description import describe
 from squeezefilm.models.error_by_region import error_by_region, in_words
 from squeezefilm.models.fitting.fit import Fit
-from squeezefilm.models.fitting.profile_likelihood import parameter_ranges
+from squeezefilm.models.fitting.profile_likelihood import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.studies.config import Config
@@ -285,11 +285,7 @@ def _fit_values(
             space.config, left_out=[each.left_out for each in space.solutions.values()]
         ),
         "parameter_ranges": [each.to_dict() for each in ranges],
-        "parameter_ranges_note": (
-            "95 % profile-likelihood intervals; residuals are the model's lack of fit, the same "
-            "each time, so a range says how far a parameter can go while the model describes these "
-            "points about as well, and nothing of a scatter; null is open"
-        ),
+        "parameter_ranges_note": RANGES_NOTE,
         "error": {
             "held_out_global": last.global_error,
             "held_out_global_upper": last.global_upper,

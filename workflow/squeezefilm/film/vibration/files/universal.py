@@ -22,6 +22,8 @@ DISPLACEMENT, VELOCITY = 8, 11
 TIME_RESPONSE, POWER_SPECTRA = 1, (2, 3, 9)
 NORMAL = 3
 """The direction z, in which the surface vibrates."""
+LARGEST = 1e9
+"""In the file's unit. Writers of the format, pyuff too, put 0 for NaN and 1.8e308 for infinity."""
 FARTHEST_LINE = 0.6
 """From the frequency, in distances between lines; of a file with one line as a share of it …"""
 FARTHEST_SHARE = 0.01
@@ -29,7 +31,10 @@ FARTHEST_SHARE = 0.01
 
 @dataclass(frozen=True)
 class Measured:
-    """Points in metres and the complex amplitude there, in metres or in metres a second."""
+    """Points in metres and the complex amplitude there, in metres or in metres a second.
+
+    The amplitude is NaN where there is none.
+    """
 
     x_m: np.ndarray
     y_m: np.ndarray
@@ -118,7 +123,10 @@ def _normal(functions: list[dict[str, Any]], *, path: Path) -> list[dict[str, An
 def _amplitude(
     function: dict[str, Any], *, frequency_hz: float, path: Path
 ) -> tuple[complex | float, float]:
-    """The amplitude at the line nearest to the frequency, and that line."""
+    """The amplitude at the line nearest to the frequency, and that line.
+
+    It is NaN where the function is not finite there, or zero at all lines: nothing was measured.
+    """
     node, kind = int(function["rsp_node"]), int(function.get("func_type", 0))
     where = f"{path}: node {node}"
     if kind == TIME_RESPONSE or int(function.get("abscissa_spec_data_type", 0)) != FREQUENCY:
@@ -135,4 +143,6 @@ def _amplitude(
             f"actuator vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)"
         )
     sign = -1 if int(function["rsp_dir"]) < 0 else 1
+    if not (np.any(data) and np.abs(data[nearest]) <= LARGEST):
+        return np.nan * data[nearest], float(lines[nearest])
     return sign * data[nearest], float(lines[nearest])
