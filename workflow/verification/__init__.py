@@ -1,0 +1,1 @@
+"""Other people's methods for the same film equation: the yardsticks of the OpenCL solver."""
