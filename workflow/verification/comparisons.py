@@ -16,14 +16,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
-from scipy.stats import betabinom
 
 from numerics.reference import reference_force
 from squeezefilm.api.forces import Force, forces_of, forces_table
 from squeezefilm.api.study import Study
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.dynamics.levitation import levitate
 from squeezefilm.reynolds.dynamics.resonance import resonance
@@ -135,7 +133,9 @@ def _where(scene: Scene) -> str:
     )
 
 
-def _forces(scenes: Sequence[Scene], study: Study, *, tolerance: float | None = None) -> np.ndarray:
+def forces_and_errors(
+    scenes: Sequence[Scene], study: Study, *, tolerance: float | None = None
+) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
     settings = solver_settings(study.config, tolerance=tolerance, outputs=())
     found = solve(scenes, **settings.how(study.device))
@@ -146,7 +146,7 @@ def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     """The same far within what is stated of them."""
     gas = scenes[0].gas
     plain = gas.inertia == gas.heat == "none" and scenes[0].finger.shape == "rectangle"
-    return _forces(scenes, study, tolerance=TIGHT if plain else LESS_TIGHT)
+    return forces_and_errors(scenes, study, tolerance=TIGHT if plain else LESS_TIGHT)
 
 
 def _gas(scene: Scene, **changes: Any) -> Scene:
@@ -258,7 +258,7 @@ def _of_levitation(force: Force, study: Study, settings: SolverSettings) -> Iter
     yield Comparison("levitate", "stiffness / (N/m)", *ends, -slope, slope_error, valid, where)
     wider = np.geomspace(1.02 * h0_m, min(WIDER * h0_m, 1e-3), WIDER_GAPS)
     there = [replace(scene, h0_m=float(gap)) for gap in wider]
-    most = float(np.nanmax(_forces(there, study, tolerance=1e-3)[0], initial=-inf))
+    most = float(np.nanmax(forces_and_errors(there, study, tolerance=1e-3)[0], initial=-inf))
     yield Comparison("levitate", "force at wider gaps / N", -inf, load_n, most, 0.0, valid, where)
     budget = getattr(found, "budget", None) or budgets([scene], device=study.device)[0]
     for name, (effects, with_them) in _neglected(scene, budget).items():
@@ -365,51 +365,3 @@ def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
     off = stated.error * abs(stated.static_gain)
     ends = stated.static_gain - off, stated.static_gain + off
     yield Comparison("response", "static gain", *ends, gain, error, True, _where(scene))
-
-
-def coverage(
-    study: Study, models: Sequence[str], *, fresh: int, seed: int, level_of_test: float
-) -> Iterator[Comparison]:
-    """How many fresh points lie inside the prediction intervals of a study's models.
-
-    Args:
-        fresh: independent points, uniform over the declared space, for each model.
-        seed: of their draw.
-        level_of_test: probability that the number of points inside lies outside the stated
-            interval, if the prediction interval is what it says.
-    """
-    tables: dict[bool, tuple[pd.DataFrame, np.ndarray]] = {}
-    for name in models:
-        try:
-            fit = study.fit(name)
-        except (InputError, RunError):
-            continue
-        interval = fit.model.interval
-        if interval is None or interval.error_95 is None:
-            continue
-        centred = fit.model.force_model.is_centred
-        if centred not in tables:
-            space = Space.of(study.config, centred=centred)
-            points = space.table(space.independent_sample(fresh, seed=seed))
-            tables[centred] = points, _forces(study.scenes(points), study)
-        points, (force_n, error_n) = tables[centred]
-        stated = fit.predict_at(points)
-        off = np.abs(stated["force_n"] - force_n) + error_n
-        for level, quantile in NORMAL.items():
-            half = stated[f"error_{100 * level:.0f}_n"].to_numpy()
-            # A scan's part comes on top of what the sample measures.
-            scan = interval.profile_uncertainty * quantile / NORMAL[SCAN_LEVEL]
-            inside = int(np.sum(off <= half - scan * np.abs(stated["force_n"])))
-            count = interval.calibration_points
-            rank = int(np.ceil((count + 1) * level))
-            if rank > count or np.isnan(half).all():
-                continue  # such an interval is not stated
-            law = betabinom(fresh, rank, count + 1 - rank)
-            yield Comparison(
-                "predict",
-                f"points of {fresh} within {100 * level:.0f} %",
-                float(law.ppf(level_of_test / 2)),
-                float(law.isf(level_of_test / 2)),
-                inside,
-                note=f"{fit.name}, {'centred' if centred else 'all factors'}",
-            )

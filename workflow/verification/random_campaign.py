@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,7 +12,8 @@ import pandas as pd
 from squeezefilm.api.study import Study
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table
-from verification.comparisons import OUTCOMES, Comparison, compared, coverage
+from verification.comparisons import OUTCOMES, Comparison, compared
+from verification.coverage import coverage
 from verification.random_studies import random_study
 
 CENTRED_MODELS = ("two_factor", "polynomial_3", "quadratic_6", "fast_limit", "limit", "limit_1")
@@ -45,24 +46,30 @@ def statements(
 
 
 def coverages(
-    seeds: Iterable[int], *, fresh: int = 2000, sample: int = 1000, output: Path | None = None
+    seeds: Iterable[int],
+    *,
+    models: Sequence[str] = MODELS,
+    fresh: int = 2000,
+    sample: int = 1000,
+    output: Path | None = None,
 ) -> pd.DataFrame:
     """Points inside the prediction intervals of discs, plates and scans in turn.
 
     Args:
         seeds: of the studies.
+        models: that are fitted to each study, where it offers them.
         fresh: points drawn for each study.
         sample: points of each validation sample.
         output: a table that grows study by study.
     """
     seeds = list(seeds)
-    level = CHANCE / (len(seeds) * len(MODELS) * 2)
+    level = CHANCE / (len(seeds) * len(models) * 2)
     settings: dict[str, object] = {"validation": {"points": sample}}
     kinds = (COVERAGE_KINDS[k % len(COVERAGE_KINDS)] for k in range(len(seeds)))
     return _campaign(
         ((seed, kind, settings) for seed, kind in zip(seeds, kinds, strict=True)),
         lambda study, seed: coverage(
-            study, MODELS, fresh=fresh, seed=10_000 + seed, level_of_test=level
+            study, models, fresh=fresh, seed=10_000 + seed, level_of_test=level
         ),
         output=output,
     )
