@@ -193,6 +193,13 @@ def test_what_is_refused_must_be_documented():
     assert table["reason"].str.startswith("contact: ").all()
 
 
+@pytest.mark.parametrize("case", cases()[SAMPLE], ids=lambda case: case.film.name)
+def test_a_stiff_or_extreme_film_is_solved_or_refused_where_that_is_documented(case):
+    (row,) = stability([case], device=choose_device()).to_dict("records")
+    assert row["verdict"] in ({"solved", "refused"} if beyond(case.film) else {"solved"}), row
+    assert row["verdict"] == "refused" or 0 < row["worst_over_allowed"] <= 1
+
+
 def test_a_sample_of_the_cases_has_some_of_every_group():
     assert {case.group for case in cases()} == {case.group for case in cases()[SAMPLE]}
 

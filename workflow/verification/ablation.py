@@ -127,6 +127,6 @@ def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
     forces = []
     for scene in scenes:
         numbers: dict[str, Any] = {"epsilon": scene.epsilon, "sigma": scene.sigma}
-        state = periodic_state(**numbers, amplitude=scene.amplitude, tolerance=0.01 * tolerance)
+        state = periodic_state(**numbers, amplitude=scene.amplitude, tolerance=1e-4 * tolerance)
         forces.append(scene.force_scale_n * state.force)
     return forces, [math.nan] * len(forces)

@@ -88,7 +88,6 @@ def work_precision(
                     "relative_error": abs(force / reference.force - 1),
                     "estimated_error": claimed / reference.force,
                     "cpu_seconds": timed.cpu_seconds / rung.batch,
-                    "wall_seconds": timed.wall_seconds / rung.batch,
                 }
                 rows.append(row)
                 if timed.cpu_seconds > longest_seconds:

@@ -48,6 +48,7 @@ def draw(data: pd.DataFrame) -> Figure:
         marker = MARKERS[str(verdict)]
         left.plot([], [], marker, color="0.4", linestyle="", label=f"{verdict} ({count})")
     figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=4)
+    style.add_note(figure, data)
     return figure
 
 

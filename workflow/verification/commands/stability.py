@@ -17,6 +17,7 @@ from verification.cases import SAMPLE, cases
 from verification.stability import stability
 
 SECTIONS = ("solver", "numerics")
+NOTE = "Forces to 1e-4; the checks, columns of the table, are explained in docs/numerics.md."
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config).only(SECTIONS)
     full = config["numerics"]["extent"] == "full"
     table = stability(cases() if full else cases()[SAMPLE], device=device_of(config))
-    write_table(table, options.output)
+    write_table(table.assign(note=NOTE), options.output)
     failed = table[table["verdict"] == "failed"]
     if len(failed):
         named = "; ".join(f"{row.case}: {row.reason}" for row in failed.itertuples())

@@ -3,7 +3,7 @@
   squeezefilm work-precision FIT.json --config CONFIG.yaml --output TABLE.csv
 
 Errors are those of the mean force against a reference that shares nothing with any method; run
-times are medians of repeats, processor time of all threads and wall time. FIT.json is the fitted
+times are medians of repeats, processor time of all threads. FIT.json is the fitted
 empirical model whose own error is noted beside, for it tells where a solver's error no longer
 matters. Times need a quiet machine, and BLAS with a single thread (OPENBLAS_NUM_THREADS=1).
 """
