@@ -344,6 +344,7 @@ def test_what_is_not_known_has_no_number(scene: Scene) -> None:
     assert isnan(found["adiabatic"].heat.percent)
     assert isnan(found["adiabatic"].sums(left_out_only=True)[0])
     assert found["round"].basis == BASIS
+    assert np.isnan(found["round"].sums(left_out_only=True)).all()
     assert found["round"].inertia != found["flat"].inertia
     for budget in found.values():
         assert BASIS in budget_text(budget) or not budget.basis

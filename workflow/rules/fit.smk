@@ -7,6 +7,7 @@ MODEL_OF_FIT = {
     "four_factor_design": "four-factor",
     "four_factor_design_distinct": "four-factor",
 }
+SPACE_OF_FIT = {fit: model.replace("-", "_") for fit, model in MODEL_OF_FIT.items()}
 
 
 rule fit:
@@ -15,8 +16,7 @@ rule fit:
         config=ancient(CONFIG_FILE),
         forces="<results>/simulations/{fit}/forces.csv",
         sample=lambda wildcards: (
-            f"<results>/simulations/validation_{MODEL_OF_FIT[wildcards.fit].replace('-', '_')}"
-            "/forces.csv"
+            f"<results>/simulations/validation_{SPACE_OF_FIT[wildcards.fit]}/forces.csv"
         ),
         scan=SCAN_SUMMARY,
     output:

@@ -13,7 +13,6 @@ from reporting.pages.notes import Inertia, percent
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import THIS_SCENE
 from squeezefilm.io.typed_units import to_its_error
 from squeezefilm.runs.console import headline
 
@@ -95,11 +94,9 @@ def _left_out(budget: Path) -> list[str]:
         return ["What the film equation leaves out of the forces is not known everywhere"]
     above = table["above_range"].fillna("").ne("").any()
     caveat = "; somewhere too large for a first order" if above else ""
-    basis = table["basis"].iloc[0]
-    of = f"; of {basis}" if basis != THIS_SCENE else ""
     least, most = (f"{end:+.2g}".replace("-", "−") for end in (ends.min(), ends.max()))
     return [
         "With the finger centred the film equation leaves out effects that change a force by "
-        f"{least} to {most} % in all (first order and what higher ones may add{caveat}{of}); "
+        f"{least} to {most} % in all (first order and what higher ones may add{caveat}); "
         "no other error contains that"
     ]

@@ -125,9 +125,9 @@ class Budget:
 
     @property
     def known(self) -> Budget:
-        """The budget as if what is not known in it were nothing."""
+        """The budget as if what is not known in it were nothing, and another pad this one."""
         unknown: Any = {name: NONE for name, each in self.effects.items() if isnan(each.percent)}
-        return replace(self, **unknown)
+        return replace(self, basis="", **unknown)
 
     @property
     def above_range(self) -> list[str]:
@@ -139,8 +139,10 @@ class Budget:
         """Least and most of all effects together, or of those that the force does not have.
 
         The band holds both ends of the rim's coefficient and by what the effects may be off, all in
-        one direction. NaN where an effect is not known.
+        one direction. NaN where an effect is not known, or is that of another pad.
         """
+        if self.basis:
+            return nan, nan
         some = [each for each in self.effects.values() if not (left_out_only and each.in_force)]
         for_one = sum(each.percent for each in some)
         ends = [for_one + (share - 1) * self.rim.percent for share in (rim.LEAST, rim.MOST)]
