@@ -1,14 +1,17 @@
 """Random studies: what commands state as valid holds against direct solutions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from verification import comparisons
 from verification.comparisons import Comparison, compared
 from verification.random_campaign import coverages, statements, summary
 from verification.random_studies import KINDS, drawn, random_study
 
 # Of those that take a second or two: plates, discs, pistons, small pads, every flow model.
-SEEDS = (2, 3, 13, 5, 11, 16, 22, 29, 33, 57)
+SEEDS = (2, 3, 11, 22, 24, 29, 36, 38, 46, 57)
 
 
 def test_nothing_stated_of_ten_random_studies_is_sure_and_wrong():
@@ -23,27 +26,26 @@ def test_nothing_stated_of_ten_random_studies_is_sure_and_wrong():
     assert counts["rarefaction / N"] >= 1
     assert counts["static gain"] >= 1
     assert counts["resonance / Hz"] >= 1
+    assert counts["force by elements / N"] >= 2
 
 
 def test_an_error_that_is_stated_too_small_is_found(monkeypatch, tmp_path):
     """A force off by ten times its stated error, and one that is stated as not valid."""
-    import verification.comparisons as module
-
-    honest = module.forces_of
+    honest = comparisons.forces_of
 
     def wrong(scenes, **how):
         for force in honest(scenes, **how):
             moved = force.force_n + 10 * force.error_n
-            solution = module.replace(force.solution, force_n=moved)
-            yield module.replace(force, solution=solution)
+            solution = replace(force.solution, force_n=moved)
+            yield replace(force, solution=solution)
 
     study = random_study(2, folder=tmp_path)
     first = next(each for each in compared(study, points=1, seed=2) if each.quantity == "force / N")
     assert first.outcome == "within"
-    monkeypatch.setattr(module, "forces_of", lambda *some, **how: list(wrong(*some, **how)))
+    monkeypatch.setattr(comparisons, "forces_of", lambda *some, **how: list(wrong(*some, **how)))
     first = next(each for each in compared(study, points=1, seed=2) if each.quantity == "force / N")
     assert first.outcome == "sure and wrong"
-    reserved = module.replace(first, valid=False)
+    reserved = replace(first, valid=False)
     assert reserved.outcome == "outside, not stated as valid"
 
 

@@ -14,6 +14,9 @@ from squeezefilm.models.prediction_interval import NORMAL, SCAN_LEVEL
 from squeezefilm.studies.space import Space
 from verification.comparisons import Comparison, forces_and_errors
 
+BEYOND = 20
+"""Points outside the declared space, which no interval may claim."""
+
 
 def coverage(
     study: Study, models: Sequence[str], *, fresh: int, seed: int, level_of_test: float
@@ -43,6 +46,15 @@ def coverage(
         points, (force_n, error_n) = tables[centred]
         stated = fit.predict_at(points)
         off = np.abs(stated["force_n"] - force_n) + error_n
+        beyond = points.head(BEYOND).assign(h0_m=1.5 * points["h0_m"].max())
+        yield Comparison(
+            "predict",
+            "points outside the space that have an error",
+            0.0,
+            0.0,
+            float(fit.predict_at(beyond)["error_95_n"].notna().sum()),
+            note=fit.name,
+        )
         for level, quantile in NORMAL.items():
             half = stated[f"error_{100 * level:.0f}_n"].to_numpy()
             # A scan's part comes on top of what the sample measures.
