@@ -7,7 +7,7 @@ from typing import Any
 
 from squeezefilm.cli.main import main
 from squeezefilm.io import job, progress
-from squeezefilm.runs import node_cache, provenance
+from squeezefilm.reynolds import node_cache, provenance
 
 SCENES = "point_id,h0_m,hv_m,phi_r_m,phi_deg\n1,5e-6,2e-6,0,0\n2,6e-6,2e-6,2e-3,45\n"
 

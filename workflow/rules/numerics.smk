@@ -8,7 +8,6 @@ ONE_BLAS_THREAD = "OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1"
 
 rule work_precision:
     input:
-        code=code("work-precision"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/screen.json",
     output:
@@ -24,17 +23,18 @@ rule work_precision:
         mem_mb=2000,
         runtime=30,
     params:
+        code=CODE["numerics"],
+        study=sections("solver", "numerics"),
         blas=ONE_BLAS_THREAD,
     message:
         "Error against run time of the solver and of other methods"
     shell:
-        "{params.blas} python -m numerics work-precision {input.fit} "
-        "--config {input.config} --output {output} >{log} 2>&1"
+        "{params.blas} python -m numerics work-precision {input.fit:q} "
+        "--config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule equal_error:
     input:
-        code=code("equal-error"),
         table="<results>/numerics/work_precision.csv",
     output:
         "<results>/numerics/equal_error.csv",
@@ -43,15 +43,16 @@ rule equal_error:
     localrule: True
     conda:
         "../../envs/numerics.yaml"
+    params:
+        code=CODE["numerics"],
     message:
         "How many times less time the solver takes at equal error"
     shell:
-        "python -m numerics equal-error {input.table} --output {output} >{log} 2>&1"
+        "python -m numerics equal-error {input.table:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule stability:
     input:
-        code=code("stability"),
         config=ancient(CONFIG_FILE),
     output:
         "<results>/numerics/stability.csv",
@@ -65,17 +66,18 @@ rule stability:
         mem_mb=2000,
         runtime=30,
     params:
+        code=CODE["numerics"],
+        study=sections("solver", "numerics"),
         blas=ONE_BLAS_THREAD,
     message:
         "Stiff and extreme films, each with a verdict"
     shell:
         "{params.blas} POCL_MAX_PTHREAD_COUNT={threads} python -m numerics stability "
-        "--config {input.config} --output {output} >{log} 2>&1"
+        "--config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule left_out:
     input:
-        code=code("left-out"),
         config=ancient(CONFIG_FILE),
         scenes=expand(
             "<results>/simulations/{plan}/scenes.csv", plan=["screen", "four_factor_control"]
@@ -92,17 +94,18 @@ rule left_out:
     resources:
         mem_mb=2000,
     params:
+        code=CODE["numerics"],
+        study=sections("solver", "numerics", *FILM),
         blas=ONE_BLAS_THREAD,
     message:
         "What leaving things out saves, and that it costs no accuracy"
     shell:
-        "{params.blas} python -m numerics left-out {input.scenes} --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "{params.blas} python -m numerics left-out {input.scenes:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule resolved_strip:
     input:
-        code=code("resolved-strip"),
         config=ancient(CONFIG_FILE),
     output:
         table="<results>/numerics/resolved_strip.csv",
@@ -116,17 +119,18 @@ rule resolved_strip:
     resources:
         mem_mb=1000,
     params:
+        code=CODE["numerics"],
+        study=sections("numerics"),
         blas=ONE_BLAS_THREAD,
     message:
         "The film equations on a strip beside one resolved across the gap"
     shell:
-        "{params.blas} python -m numerics resolved-strip --config {input.config} "
-        "--output {output.table} --limits {output.limits} >{log} 2>&1"
+        "{params.blas} python -m numerics resolved-strip --config {input.config:q} "
+        "--output {output.table:q} --limits {output.limits:q} >{log:q} 2>&1"
 
 
 rule roofline:
     input:
-        code=code("roofline"),
         config=ancient(CONFIG_FILE),
     output:
         "<results>/numerics/roofline.csv",
@@ -139,15 +143,17 @@ rule roofline:
     threads: ALONE
     resources:
         mem_mb=2000,
+    params:
+        code=CODE["numerics"],
+        study=sections("solver"),
     message:
         "The solver's kernels beside the limits of the device"
     shell:
-        "python -m numerics roofline --config {input.config} --output {output} >{log} 2>&1"
+        "python -m numerics roofline --config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule cost:
     input:
-        code=code("cost"),
         config=ancient(CONFIG_FILE),
     output:
         "<results>/numerics/cost.csv",
@@ -162,17 +168,18 @@ rule cost:
         mem_mb=4000,
         runtime=30,
     params:
+        code=CODE["numerics"],
+        study=sections("solver", "numerics"),
         blas=ONE_BLAS_THREAD,
     message:
         "Run time and memory against the size of the problem"
     shell:
-        "{params.blas} python -m numerics cost --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "{params.blas} python -m numerics cost --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule conditioning:
     input:
-        code=code("conditioning"),
         config=ancient(CONFIG_FILE),
         screen="<results>/simulations/screen/forces.csv",
         design="<results>/simulations/two_factor_design/forces.csv",
@@ -187,17 +194,18 @@ rule conditioning:
     resources:
         runtime=30,
     params:
+        code=CODE["numerics"],
+        study=sections("design", "fit", "numerics", "screen"),
         blas=ONE_BLAS_THREAD,
     message:
         "How force errors move the fit and the design"
     shell:
-        "{params.blas} python -m numerics conditioning {input.screen} {input.design} "
-        "{input.fit} {input.searches} --config {input.config} --output {output} >{log} 2>&1"
+        "{params.blas} python -m numerics conditioning {input.screen:q} {input.design:q} "
+        "{input.fit:q} {input.searches:q} --config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule paper_signature:
     input:
-        code=code("paper-signature"),
         config=ancient(CONFIG_FILE),
         screen="<results>/simulations/screen/forces.csv",
         design="<results>/simulations/two_factor_design/forces.csv",
@@ -213,13 +221,15 @@ rule paper_signature:
         mem_mb=2000,
         runtime=30,
     params:
+        code=CODE["figures"],
+        study=sections("numerics", *FILM),
         blas=ONE_BLAS_THREAD,
     message:
         "Which numerical shortcuts would give the errors that the paper reports"
     shell:
-        "{params.blas} python -m paper paper-signature {input.screen} {input.design} "
-        "{input.extrapolation} --config {input.config} --output {output.table} "
-        "--points {output.points} >{log} 2>&1"
+        "{params.blas} python -m paper paper-signature {input.screen:q} {input.design:q} "
+        "{input.extrapolation:q} --config {input.config:q} --output {output.table:q} "
+        "--points {output.points:q} >{log:q} 2>&1"
 
 
 rule numerics:

@@ -64,6 +64,6 @@ def among_results(inputs):
     return {name: f"<results>/{file}" for name, file in inputs.items()}
 
 
-def named(inputs, files):
-    """The words NAME=PATH of a command."""
-    return " ".join(f"{name}={files[name]}" for name in inputs)
+def named_inputs(inputs, files):
+    """The words NAME=PATH of a command, of a figure's or a table's inputs."""
+    return named([files[name] for name in inputs], names=inputs)

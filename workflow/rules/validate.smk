@@ -10,7 +10,6 @@ VALIDATIONS_FOUR_FACTOR = validations("four-factor", PLANS_FOUR_FACTOR)
 # Of one fit on all its sets of points: a process takes longer to start than to judge.
 rule validate_two_factor:
     input:
-        code=code("validate"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/{fit}.json",
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=PLANS_TWO_FACTOR),
@@ -22,16 +21,18 @@ rule validate_two_factor:
     localrule: True
     conda:
         "../../envs/tables.yaml"
+    params:
+        code=CODE["models"],
+        study=sections("validation"),
     message:
         "Judge the fit {wildcards.fit}"
     shell:
-        "python -m squeezefilm validate {input.fit} {input.forces} --config {input.config} "
-        "--output {output.errors} --summary {output.summary} >{log} 2>&1"
+        "python -m squeezefilm validate {input.fit:q} {input.forces:q} --config {input.config:q} "
+        "--output {output.errors:q} --summary {output.summary:q} >{log:q} 2>&1"
 
 
 use rule validate_two_factor as validate_four_factor with:
     input:
-        code=code("validate"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/{fit}.json",
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=PLANS_FOUR_FACTOR),

@@ -17,7 +17,6 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
 SEED = 51
 MODEL_TOLERANCES = (1e-3, 1e-2, 3e-2)
 # Of the forces, as a share of the model tolerance.
@@ -32,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     scenes = random_scenes(
         scene_of(ScenePoint("1", 5e-6, 0.0), config),
         count=options.scenes,

@@ -23,7 +23,6 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
 COLUMNS = ("solver", "tolerance", "left_to_limits", "cpu_s", "wall_s")
 
 
@@ -38,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     points = [point for path in options.scenes for point in scene_points(read_scenes(path))]
     scenes = [scene_of(point, config) for point in points]
     device = device_of(config)

@@ -22,7 +22,6 @@ from squeezefilm.models.force_model import Factors
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import box_of
 
-SECTIONS = ("design", "fit", "numerics", "screen")
 NOTE = (
     "Independent relative errors of the forces, drawn from a normal distribution; root mean square "
     "moves, of the design the median of its largest move in factors scaled to 1."
@@ -39,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     screen, screen_force = _forces(options.screen)
     design, design_force = _forces(options.design)
     table = conditioning(

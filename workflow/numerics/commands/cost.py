@@ -13,8 +13,6 @@ from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 
-SECTIONS = ("solver", "numerics")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
@@ -22,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     settings, device = config["numerics"], device_of(config)
     table = cost(
         sizes(full=settings["extent"] == "full"),

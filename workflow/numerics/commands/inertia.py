@@ -16,7 +16,6 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
 REYNOLDS = (0.0, 10.0)
 SEED = 11
 
@@ -34,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     like = scene_of(ScenePoint("1", 5e-6, 0.0), config)
     scenes = random_scenes(
         like,

@@ -14,7 +14,6 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver", "numerics")
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 REFERENCE = 1e-9
 
@@ -26,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     device = device_of(config)
     points = [point for path in options.scenes for point in scene_points(read_scenes(path))]
     variants = measure(

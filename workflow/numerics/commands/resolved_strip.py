@@ -18,7 +18,6 @@ from numerics.strip.table import FULL, SAMPLE, SIGMA_REYNOLDS, strip_limits, str
 from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 
-SECTIONS = ("numerics",)
 WORDS = {"reynolds": "Reynolds", "first_order": "first order", "one_mode": "one mode"}
 
 
@@ -29,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     scenes = FULL if config["numerics"]["extent"] == "full" else SAMPLE
     table = strip_table(**scenes, log=lambda text: print(text, file=sys.stderr, flush=True))
     limits = strip_limits(table)

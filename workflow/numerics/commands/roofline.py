@@ -12,8 +12,6 @@ from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 
-SECTIONS = ("solver",)
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
@@ -21,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     device = device_of(config)
     table = pd.DataFrame([vars(rate) for rate in measure(device)]).assign(device=device.name)
     write_table(table, options.output)

@@ -17,7 +17,6 @@ from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 
-SECTIONS = ("solver", "numerics")
 NOTE = (
     "Relative differences. Chosen method: a limit that the solver took, from the periodic state. "
     "Limit: from the closed form or the linear solve that holds there "
@@ -36,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     full = config["numerics"]["extent"] == "full"
     device = device_of(config)
     judged = stability(

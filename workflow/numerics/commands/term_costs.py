@@ -15,8 +15,6 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
@@ -27,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     scenes = [scene_of(point, config) for point in scene_points(read_scenes(options.scenes))]
     device = device_of(config)
     rows = [

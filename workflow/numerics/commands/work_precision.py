@@ -20,7 +20,6 @@ from squeezefilm.models.fitted import read_fit
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 
-SECTIONS = ("solver", "numerics")
 SAMPLE = (FILMS[4],)
 BATCH = 100
 RUNGS = {"full": 10, "sample": 3}
@@ -33,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     settings = config["numerics"]
     full = settings["extent"] == "full"
     device = device_of(config)

@@ -20,7 +20,6 @@ from squeezefilm.io.tables import SCENE_COLUMNS, read_ok_forces, scene_points, w
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "numerics")
 NOTE = (
     "The two-factor model fitted to forces as simulated in each way, and judged on them. Thin "
     "lines: the paper's values; dotted: the converged force. Left and middle: finite elements "
@@ -40,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     if not config["gas"]["inertia"] == config["gas"]["heat"] == "none":
         raise InputError(f"{options.config}: the shortcuts are of films without inertia and heat")
     full = config["numerics"]["extent"] == "full"

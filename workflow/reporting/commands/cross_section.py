@@ -12,8 +12,6 @@ from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", metavar="SCENES.csv", help="the scenes")
@@ -22,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     points = scene_points(read_scenes(options.scenes))
     films = [cross_section(scene_of(point, config)) for point in points]
     write_table(pd.concat(films, ignore_index=True), options.output)

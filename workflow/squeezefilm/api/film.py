@@ -23,8 +23,6 @@ from squeezefilm.studies.study import scene_of, smoothed_scan_of
 if TYPE_CHECKING:
     import xarray
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
-
 
 @dataclass(frozen=True, repr=False)
 class Film:

@@ -72,7 +72,7 @@ for _tag, _pattern, _first in (
 
 @dataclass(frozen=True)
 class Config(Mapping[str, Any]):
-    """The whole of one study, defaults included; a section not asked for cannot be read.
+    """The whole of one study, defaults included.
 
     ``origins`` names every key that was not written, by its dotted place, with DEFAULT or DERIVED.
     """
@@ -89,10 +89,6 @@ class Config(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self.sections)
-
-    def only(self, sections: Iterable[str]) -> Config:
-        """The same configuration with nothing but the named sections."""
-        return Config(path=self.path, sections={name: self.sections[name] for name in sections})
 
 
 def load_config(path: Path | str) -> Config:

@@ -42,8 +42,6 @@ from squeezefilm.studies.plans import declared_ranges
 from squeezefilm.studies.study import symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 
-SECTIONS = ("fit", "models", "actuator", "finger", "screen", "positions")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("forces", metavar="FORCES.csv", help="simulated forces")
@@ -91,7 +89,7 @@ def with_validation(
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     model = model_named(options.model, config["models"], place=options.config)
     profile_uncertainty = scan_error_of(config, options.scan)
     forces = read_ok_forces(options.forces)

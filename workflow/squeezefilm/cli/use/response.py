@@ -33,6 +33,7 @@ from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
+from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import (
     METHODS,
@@ -46,11 +47,9 @@ from squeezefilm.reynolds.dynamics.response import (
 from squeezefilm.reynolds.dynamics.scenes import refused
 from squeezefilm.reynolds.dynamics.slow_gain import slow_gain
 from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.runs import node_cache
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
 FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
@@ -80,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.study_at(options.config).only(SECTIONS)
+    config = which_study.study_at(options.config)
     settings = solver_settings(config, outputs=())
     points = points_in(options)
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
