@@ -83,7 +83,8 @@ def sections(*names):
         if file and section in found
     ]
     found["files"] = [atomic.digest(file) for file in named if file.is_file()]
-    return json.dumps(found, sort_keys=True)
+    # The same text however a number is written: 43270, 43270.0 or 43.27 kHz.
+    return json.dumps(json.loads(json.dumps(found), parse_int=float), sort_keys=True)
 
 
 def checked_study():
@@ -134,6 +135,18 @@ def chunk_files(plan, suffix):
 def named(files, names):
     """The words NAME=PATH of a command."""
     return " ".join(f"{name}={quote(path)}" for name, path in zip(names, files, strict=True))
+
+
+def files_of_plans(plans):
+    """All that a simulated plan leaves but its chunks."""
+    names = ["scenes", "forces", "timings"]
+    return expand("<results>/simulations/{plan}/{name}.csv", plan=plans, name=names)
+
+
+def files_of_fits(model):
+    """All that the fits of one of the paper's models leave, and their validations."""
+    fits = [fit for fit in FITS if MODEL_OF_FIT[fit] == model]
+    return expand(["<results>/fits/{fit}.json", "<results>/fits/{fit}_runs.csv"], fit=fits)
 
 
 def cores_for(searches):

@@ -9,6 +9,7 @@ rule figure:
     input:
         unpack(lambda wildcards: among_results(FIGURES[wildcards.place].inputs)),
         config=ancient(CONFIG_FILE),
+        profile=SMOOTHED,
     output:
         csv="<results>/{place}.csv",
         png="<results>/{place}.png",
@@ -101,14 +102,14 @@ for place in OWN:
         name:
             Path(place).name
         input:
-            expand("<results>/{place}.{format}", place=place, format=["png", "svg"]),
+            expand("<results>/{place}.{format}", place=place, format=["csv", "png", "svg"]),
         message:
             "{rule} is drawn"
 
 
 rule figures:
     input:
-        expand("<results>/{place}.{format}", place=OWN, format=["png", "svg"]),
+        expand("<results>/{place}.{format}", place=OWN, format=["csv", "png", "svg"]),
     message:
         "The study's figures are drawn"
 

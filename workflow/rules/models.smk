@@ -13,6 +13,12 @@ wildcard_constraints:
     model="[a-z][a-z0-9_]*",
 
 
+def limit_tables(space):
+    """The files of what physics says of the points that a space's models are fitted to or judged by."""
+    plans = [FITTED_PLAN[space], f"validation_{space}"]
+    return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
+
+
 rule limits:
     input:
         config=ancient(CONFIG_FILE),
@@ -167,6 +173,14 @@ rule models_page:
 rule models:
     input:
         rules.models_page.output,
+        rules.limit_table.output,
+        rules.recommend.output,
+        [limit_tables(space) for space in MODEL_SPACES],
+        [
+            f"<results>/models/{space}/{model}.json"
+            for space in MODEL_SPACES
+            for model in CONFIG["comparison"][space]
+        ],
         expand("<results>/models/{space}.{format}", space=MODEL_SPACES, format=["csv", "md"]),
         expand(
             "<results>/models/{space}_errors.{format}",

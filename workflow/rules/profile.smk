@@ -54,6 +54,7 @@ if SCAN:
 
     rule profile:
         input:
+            SMOOTHED,
             rules.smooth_profile.output,
             expand("<results>/figures/profile.{format}", format=["png", "svg"]),
         message:

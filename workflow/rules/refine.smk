@@ -10,6 +10,12 @@ EXTENDED_PLAN = {"two_factor": "two_factor_design", "four_factor": "four_factor_
 REFINED = ["rounds.csv", "forces.csv", "limits.csv", "where.csv", "fit.json", "verdict.json"]
 
 
+def refined_files(space):
+    """All that the refinement of a space's models leaves."""
+    models = CONFIG["refine"][space]
+    return expand(f"<results>/refine/{space}/{{model}}/{{name}}", model=models, name=REFINED)
+
+
 rule optimal_design:
     input:
         config=ancient(CONFIG_FILE),
@@ -102,11 +108,7 @@ rule refine_model:
 
 rule refine_report:
     input:
-        refined=lambda wildcards: [
-            f"<results>/refine/{wildcards.space}/{model}/{name}"
-            for model in CONFIG["refine"][wildcards.space]
-            for name in REFINED
-        ],
+        refined=lambda wildcards: refined_files(wildcards.space),
         forces="<results>/simulations/validation_{space}/forces.csv",
         limits="<results>/simulations/validation_{space}/limits.csv",
     output:
@@ -154,11 +156,12 @@ use rule models_page as refine_page with:
 
 rule refine:
     input:
+        [refined_files(space) for space in MODEL_SPACES],
         rules.refine_page.output,
         expand(
             "<results>/refine/{space}{file}",
             space=MODEL_SPACES,
-            file=[".csv", ".md", "_figure.png", "_figure.svg"],
+            file=[".csv", ".md", "_figure.csv", "_figure.png", "_figure.svg"],
         ),
     message:
         "Models are refined until they are good enough, or their limit is known"

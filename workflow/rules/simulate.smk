@@ -277,6 +277,19 @@ rule explain:
         "--output {output:q} >{log:q} 2>&1"
 
 
+rule film_tables:
+    input:
+        rules.compile_kernels.output,
+        "<results>/simulations/extrapolation/film.csv",
+        expand(
+            "<results>/simulations/screen/{table}.csv",
+            table=["budget", "gains", "levitation", "response"],
+        ),
+        expand("<results>/simulations/{plan}/budget.csv", plan=["four_factor", "extrapolation"]),
+    message:
+        "What the films of the plans do besides is known"
+
+
 rule explained:
     input:
         expand("<results>/simulations/{plan}/explained.csv", plan=["screen", "four_factor"]),

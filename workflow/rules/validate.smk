@@ -3,6 +3,7 @@
 
 PLANS_TWO_FACTOR = ["screen", "error_map", "extrapolation"]
 PLANS_FOUR_FACTOR = ["four_factor", *(["four_factor_control"] if PAPER else [])]
+DESIGNED_PLANS = ["four_factor_design", "four_factor_design_distinct"]
 VALIDATIONS_TWO_FACTOR = validations("two-factor", PLANS_TWO_FACTOR)
 VALIDATIONS_FOUR_FACTOR = validations("four-factor", PLANS_FOUR_FACTOR)
 
@@ -44,13 +45,27 @@ use rule validate_two_factor as validate_four_factor with:
 
 rule two_factor:
     input:
-        expand("<results>/validation/{pair}.json", pair=VALIDATIONS_TWO_FACTOR),
+        files_of_plans([*PLANS_TWO_FACTOR, "two_factor_design", "validation_two_factor"]),
+        files_of_fits("two-factor"),
+        rules.design_two_factor.output,
+        expand(
+            "<results>/validation/{pair}.{format}",
+            pair=VALIDATIONS_TWO_FACTOR,
+            format=["csv", "json"],
+        ),
     message:
         "The two-factor model is fitted, designed and judged"
 
 
 rule four_factor:
     input:
-        expand("<results>/validation/{pair}.json", pair=VALIDATIONS_FOUR_FACTOR),
+        files_of_plans([*PLANS_FOUR_FACTOR, *DESIGNED_PLANS, "validation_four_factor"]),
+        files_of_fits("four-factor"),
+        rules.design_four_factor.output,
+        expand(
+            "<results>/validation/{pair}.{format}",
+            pair=VALIDATIONS_FOUR_FACTOR,
+            format=["csv", "json"],
+        ),
     message:
         "The four-factor model is fitted, designed and judged"

@@ -60,7 +60,7 @@ PLACED = (
 """Plans whose points come out of a design or a fit."""
 
 NOT_DECIDING = {
-    *("study", "simulation", "outputs"),
+    *("study", "paper", "numerics", "simulation", "outputs"),
     *("sweep", "models", "comparison", "optimal", "refine"),  # not the paper's
 }
 """Sections of a study that decide nothing which is compared."""
@@ -69,8 +69,6 @@ NOT_DECIDING = {
 def setting_quantities(config: Config) -> Iterator[Quantity]:
     """Every key that decides a result: the study must be the one that the reference is of."""
     for section in (name for name in config if name not in NOT_DECIDING):
-        if section in ("paper", "numerics"):  # say what is made besides, and decide no number
-            continue
         yield Quantity(SETTINGS, section, "keys", dict(_leaves(section, config[section])), SAME)
 
 
