@@ -2,7 +2,6 @@
 
 import ast
 import re
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,7 +15,6 @@ ROOMS = (
 )
 NOT_IN_THE_LIBRARY = {"snakemake", "matplotlib", "mpl_toolkits", "plotly"}
 WORKFLOW = Path(__file__).resolve().parents[2] / "workflow"
-MOST_LINES, MOST_MODULES = 400, 15
 
 
 def imported(path: Path) -> Iterator[str]:
@@ -49,16 +47,6 @@ def test_rooms_of_the_library_import_downwards(room):
         ours = [name.split(".") for name in imported(path) if name.startswith("squeezefilm.")]
         upwards = {parts[1] for parts in ours} & above(ROOMS, room)
         assert not upwards, (path, upwards)
-
-
-def test_a_module_is_one_concept_and_a_folder_is_seen_at_a_glance() -> None:
-    folders = Counter()
-    for path in sorted(WORKFLOW.rglob("*.py")):
-        assert path.read_text(encoding="utf-8").count("\n") <= MOST_LINES, path
-        folders[path.parent] += path.name != "__init__.py"
-    crowded = [folder for folder, modules in folders.items() if modules > MOST_MODULES]
-    # A figure more is a module more, and nothing else.
-    assert not [folder for folder in crowded if folder.name != "figures"]
 
 
 def commands() -> list[tuple[str, Path]]:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -42,12 +43,17 @@ def code_digest(stage: str) -> str:
 
     Raises FileNotFoundError where a source is not there.
     """
-    together = hashlib.sha256()
-    for source in SOURCES[stage]:
-        for path in sorted((WORKFLOW / source).rglob("*")) or [WORKFLOW / source]:
-            if path.suffix != ".pyc" and not path.is_dir():
-                together.update(f"{path.relative_to(WORKFLOW)} ".encode() + path.read_bytes())
-    return together.hexdigest()[:16]
+    together = " ".join(map(_source_digest, SOURCES[stage]))
+    return hashlib.sha256(together.encode()).hexdigest()[:16]
+
+
+@cache
+def _source_digest(source: str) -> str:
+    together = hashlib.sha256(source.encode())
+    for path in sorted((WORKFLOW / source).rglob("*.*")) or [WORKFLOW / source]:
+        if path.suffix != ".pyc":
+            together.update(path.name.encode() + path.read_bytes())
+    return together.hexdigest()
 
 
 def versions() -> dict[str, str]:
