@@ -150,7 +150,7 @@ rule models_page:
         [
             report(
                 f"<results>/models/{space}.html",
-                category="7 Models",
+                category="6 Models",
                 labels={"shows": f"table, {shows}"},
                 caption="../report/models.rst",
             )

@@ -141,7 +141,7 @@ use rule models_page as refine_page with:
         [
             report(
                 f"<results>/refine/{space}.html",
-                category="8 Designs and refinement",
+                category="7 Designs and refinement",
                 labels={"shows": f"table, {shows}"},
                 caption="../report/refine.rst",
             )

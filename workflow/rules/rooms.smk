@@ -7,9 +7,9 @@ from reporting.rooms import described, literal
 CATEGORIES = {
     "figures": "3 Figures",
     "numerics": "4 Numerics",
-    "models": "7 Models",
-    "designs": "8 Designs and refinement",
-    "refine": "8 Designs and refinement",
+    "models": "6 Models",
+    "designs": "7 Designs and refinement",
+    "refine": "7 Designs and refinement",
 }
 """Of the report, by the folder that a figure lies in."""
 # The paper has maps of its own, and no recommended model but its own.

@@ -52,7 +52,7 @@ def _source_digest(source: str) -> str:
     together = hashlib.sha256(source.encode())
     for path in sorted((WORKFLOW / source).rglob("*.*")) or [WORKFLOW / source]:
         if path.suffix != ".pyc":
-            together.update(path.name.encode() + path.read_bytes())
+            together.update(str(path.relative_to(WORKFLOW)).encode() + path.read_bytes())
     return together.hexdigest()
 
 
