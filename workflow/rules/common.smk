@@ -149,6 +149,18 @@ def files_of_fits(model):
     return expand(["<results>/fits/{fit}.json", "<results>/fits/{fit}_runs.csv"], fit=fits)
 
 
+def limit_tables(space):
+    """The files of what physics says of the points that a space's models are fitted to or judged by."""
+    plans = [FITTED_PLAN[space], f"validation_{space}"]
+    return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
+
+
+def refined_files(space):
+    """All that the refinement of a space's models leaves."""
+    models = CONFIG["refine"][space]
+    return expand(f"<results>/refine/{space}/{{model}}/{{name}}", model=models, name=REFINED)
+
+
 def cores_for(searches):
     """Cores that so many searches of a fit or a design are worth: starting a process costs too."""
     return max(1, min(4, searches // 4))
@@ -212,26 +224,7 @@ onstart:
 
 
 onsuccess:
-    summary = Path("results") / STUDY / "report" / "summary.html"
-    print(f"Results: {summary.parents[1]}" + f"; begin with {summary}" * summary.exists())
-
-
-rule provenance:
-    input:
-        config=ancient(CONFIG_FILE),
-        device="<results>/simulations/device.json",
-    output:
-        "<results>/provenance.json",
-    log:
-        "<logs>/provenance.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
-    params:
-        code=CODE["figures"],
-        study=sections(),
-    message:
-        "What makes these results: code, packages, device, study"
-    shell:
-        "python -m squeezefilm provenance {input.device:q} --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
+    results = Path("results") / STUDY
+    print(f"Results of the study {STUDY} are in {results}")
+    if (results / "report" / "summary.html").exists():
+        print(f"Begin with {results / 'report' / 'summary.html'}, the study on one page")

@@ -9,17 +9,12 @@ MODEL_OF_FIT = {
 }
 
 
-def validation_space(fit):
-    """The space that a fit is validated over."""
-    return MODEL_OF_FIT[fit].replace("-", "_")
-
-
 rule fit:
     input:
         config=ancient(CONFIG_FILE),
         forces="<results>/simulations/{fit}/forces.csv",
         sample=lambda wildcards: (
-            f"<results>/simulations/validation_{validation_space(wildcards.fit)}/forces.csv"
+            f"<results>/simulations/validation_{MODEL_OF_FIT[wildcards.fit].replace('-', '_')}/forces.csv"
         ),
         scan=SCAN_SUMMARY,
     output:

@@ -13,12 +13,6 @@ wildcard_constraints:
     model="[a-z][a-z0-9_]*",
 
 
-def limit_tables(space):
-    """The files of what physics says of the points that a space's models are fitted to or judged by."""
-    plans = [FITTED_PLAN[space], f"validation_{space}"]
-    return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
-
-
 rule limits:
     input:
         config=ancient(CONFIG_FILE),

@@ -10,12 +10,6 @@ EXTENDED_PLAN = {"two_factor": "two_factor_design", "four_factor": "four_factor_
 REFINED = ["rounds.csv", "forces.csv", "limits.csv", "where.csv", "fit.json", "verdict.json"]
 
 
-def refined_files(space):
-    """All that the refinement of a space's models leaves."""
-    models = CONFIG["refine"][space]
-    return expand(f"<results>/refine/{space}/{{model}}/{{name}}", model=models, name=REFINED)
-
-
 rule optimal_design:
     input:
         config=ancient(CONFIG_FILE),

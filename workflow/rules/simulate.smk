@@ -290,6 +290,27 @@ rule film_tables:
         "What the films of the plans do besides is known"
 
 
+rule provenance:
+    input:
+        config=ancient(CONFIG_FILE),
+        device="<results>/simulations/device.json",
+    output:
+        "<results>/provenance.json",
+    log:
+        "<logs>/provenance.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    params:
+        code=CODE["figures"],
+        study=sections(),
+    message:
+        "What makes these results: code, packages, device, study"
+    shell:
+        "python -m squeezefilm provenance {input.device:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
+
+
 rule explained:
     input:
         expand("<results>/simulations/{plan}/explained.csv", plan=["screen", "four_factor"]),
