@@ -30,7 +30,7 @@ help:
 	@echo "make test     the tests"
 	@echo "make test-check     faults put into a study, which the check must find"
 	@echo "make test-docs     the commands of the docs, on small studies"
-	@echo "make test-faults    runs that are killed, full disks, damaged results"
+	@echo "make test-faults    runs that are killed, full disks"
 	@echo "make test-browser   the pages, in a browser without a screen"
 	@echo "make test-device    the kernels' work-items, watched by Oclgrind, and large work-groups"
 	@echo "make test-stability   stiff and extreme films, each judged; minutes"
@@ -40,7 +40,7 @@ help:
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
 	@echo "make keys     the table of a study's keys in config/README.md, from the schema"
-	@echo "make resume   go on after a run was killed, or a result was damaged"
+	@echo "make resume   go on after a run was killed"
 	@echo "make reference      make the reference that is checked against; asks first, or YES=1"
 	@echo "make lock     pin the newest versions of all packages"
 	@echo "make clean    remove results, logs and the environment"
@@ -126,9 +126,8 @@ keys: $(VENV)/.run
 	$(BIN)/python -m squeezefilm.studies.keys config/README.md
 
 resume: $(VENV)/.run
-	$(RUN) squeezefilm unlock
-	damaged=$$($(RUN) squeezefilm repair) && $(SNAKEMAKE) --rerun-incomplete \
-		$(if $(CONFIG),--configfile $(CONFIG)) $${damaged:+--forcerun $$damaged}
+	$(SNAKEMAKE) --unlock $(if $(CONFIG),--configfile $(CONFIG))
+	$(SNAKEMAKE) --rerun-incomplete $(if $(CONFIG),--configfile $(CONFIG))
 
 lock: $(VENV)/.dev
 	$(COMPILE) --upgrade --output-file requirements.lock requirements.in

@@ -25,7 +25,6 @@ PLACEHOLDERS = {
     "CONFIG.yaml": "config/paper.yaml",
     "SCENES.csv": f"{MADE}/scenes.csv",
     "/PLAN/": "/screen/",
-    "trace FILE": f"trace {MADE}/forces.csv",
 }
 """What stands for a file of the reader's own; what is written keeps its name."""
 

@@ -1,6 +1,5 @@
 """A file is whole or not there, whoever else writes it and whatever happens meanwhile."""
 
-import json
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -11,7 +10,7 @@ import pandas as pd
 import pytest
 
 from reporting.figures.parts import style
-from squeezefilm.io import atomic, job
+from squeezefilm.io import atomic
 from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_json, write_table
@@ -99,16 +98,3 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path, kind):
     with pytest.raises(InputError, match=f"{path}: cannot be written: "):
         write_table(TABLE, path)
     assert not list(tmp_path.rglob(".*.part"))
-
-
-def test_a_job_whose_run_was_followed_by_another_writes_nothing(tmp_path, monkeypatch):
-    run = tmp_path / "run_cards" / "first"
-    path = tmp_path / "forces.csv"
-    monkeypatch.setenv(job.RUN_VARIABLE, str(run))
-    write_text(json.dumps({"run": "first"}), run.parent / job.CURRENT)
-    write_text("of the first run", path)
-    write_text(json.dumps({"run": "second"}), tmp_path / "new")
-    (tmp_path / "new").replace(run.parent / job.CURRENT)
-    with pytest.raises(job.Superseded, match="second has begun: nothing is written"):
-        write_text("late", path)
-    assert path.read_text() == "of the first run"

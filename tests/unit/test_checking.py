@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 
 from reporting.check.compare import FAILED, PASSED, compare, to_table
 from reporting.check.designs import Efficient
@@ -19,22 +18,17 @@ from reporting.check.quantities import SAMPLE, Quantity, column_quantities
 from reporting.check.reference import differences, read_reference, write_reference
 from reporting.check.show import on_screen, read_check, status
 from reporting.check.tolerances import GIVEN, SAME, AtMost, Close, Closeness, LastDigit
-from reporting.commands import check, reference
+from reporting.commands import reference
 from reporting.figures import PLAIN
 from reporting.figures.parts import style
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.schema import SCHEMA_PATH
 
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}
 )
 CLOSE = Close(relative=1e-6)
-NOT_DECIDING = {
-    *("study", "simulation", "outputs"),
-    *("sweep", "models", "comparison", "optimal", "refine"),  # not the paper's
-}
 
 
 def quantities(table: pd.DataFrame) -> list[Quantity]:
@@ -252,12 +246,6 @@ def test_the_verdict_is_shown_and_decides_the_status(tmp_path, capsys, refused):
         assert shown.strip() == on_screen(rows).strip()
         assert ("failed" in shown) == bool(expected)
     assert "none.csv" in refused("verdict", str(tmp_path / "none.csv"))
-
-
-def test_every_section_that_decides_a_result_is_compared():
-    sections = yaml.safe_load(SCHEMA_PATH.read_text(encoding="utf-8"))["properties"]
-    assert set(check.SECTIONS) == set(sections) - NOT_DECIDING
-    assert check.SECTIONS == reference.SECTIONS
 
 
 def test_a_reference_is_written_only_when_asked_to(tmp_path, repository, monkeypatch, capsys):

@@ -42,13 +42,6 @@ def test_the_studies_that_come_with_the_workflow_are_valid(repository, name):
     assert config["gas"]["viscosity_pa_s"] == 1.81e-5
 
 
-def test_a_command_sees_no_section_but_its_own(repository):
-    config = load_config(repository / "config" / "paper.yaml").only(("gas",))
-    assert dict(config) == {"gas": config["gas"]}
-    with pytest.raises(KeyError):
-        config["finger"]
-
-
 @pytest.mark.parametrize("name", ["paper", "quick", "sweep", "vibrometer"])
 def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(repository, name, tmp_path):
     """Who changes the screen and the wanted point changes them all, the template's user too."""

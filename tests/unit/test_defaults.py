@@ -14,8 +14,6 @@ from squeezefilm.api.film import Film
 from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.typed_units import in_unit
-from squeezefilm.runs.basis import basis_file
-from squeezefilm.runs.code import Code
 from squeezefilm.studies.config import Config, load_config, parse_config
 from squeezefilm.studies.effective import effective_text, write_effective
 from squeezefilm.studies.plans import finger_positions, plan_sizes
@@ -32,7 +30,6 @@ screen:
 extrapolation: {force: 500 mN}
 """
 SOUND = yaml.safe_load(SHORT)
-CODE = Code()
 
 
 def study(text: str = SHORT, **sections: Any) -> Config:
@@ -65,7 +62,7 @@ def test_an_error_map_on_points_of_the_screen_is_refused(levels):
 @pytest.mark.parametrize("levels", [2, 5, 17])
 def test_an_error_map_that_is_not_written_has_points_of_its_own(levels):
     screen = {"h0": {"start": "20 um", "stop": "35 um", "levels": levels}}
-    section = study(screen=screen).only(("screen", "error_map"))
+    section = study(screen=screen)
     (own, fitted) = (
         {tuple(point) for point in np.stack(np.meshgrid(*_levels(each)), -1).reshape(-1, 2)}
         for each in (section["error_map"], section["screen"])
@@ -230,19 +227,6 @@ def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
             assert "  frequency_hz: 43270.0\n" in shown
         assert written.sections == config.sections
         assert not written.origins
-
-
-def test_what_results_rest_on_does_not_change_when_a_default_is_written_out(tmp_path):
-    short = study()
-    long = parse_config(effective_text(short), path=Path("long.yaml"))
-    other = study(SHORT.replace("20 kHz", "20000.0 Hz"))
-    bases = {
-        basis_file(tmp_path, "a", code=CODE, files=(), sections=config)
-        for config in (short, long, other)
-    }
-    assert len(bases) == 1
-    changed = study(solver={"tolerance": 1e-5})
-    assert basis_file(tmp_path, "a", code=CODE, files=(), sections=changed) not in bases
 
 
 @pytest.mark.parametrize(

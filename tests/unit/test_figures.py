@@ -17,7 +17,7 @@ from reporting.rooms import described
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
-from squeezefilm.runs.code import WORKFLOW
+from squeezefilm.provenance import WORKFLOW
 from squeezefilm.studies.config import load_config
 from verification import work_precision as measured
 
@@ -57,7 +57,6 @@ def test_what_is_read_of_a_figure_is_what_its_module_has(name):
     room, module = ROOMS[name], figure_module(name)
     assert installed()[name] == room.module == module.__name__
     assert room.inputs == module.INPUTS
-    assert room.sections == getattr(module, "SECTIONS", ())
     assert room.builds == hasattr(module, "build")
     assert callable(module.draw)
 

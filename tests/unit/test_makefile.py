@@ -38,7 +38,8 @@ def test_the_paper_s_study_is_made_before_the_one_beside_it(repository):
 
 def test_a_run_is_resumed_with_its_options_study_and_target(repository):
     words = (f"OPTIONS=sweep {PROFILE}", "CONFIG=config/sweep.yaml")
-    (line,) = commands(repository, "resume", *words)
+    unlock, line = commands(repository, "resume", *words)
+    assert f"sweep {PROFILE} --unlock --configfile config/sweep.yaml" in unlock
     # The target stands before --configfile, which would take it for another file.
     expected = f"snakemake sweep {PROFILE} --rerun-incomplete --configfile config/sweep.yaml"
     assert expected in line
@@ -47,5 +48,3 @@ def test_a_run_is_resumed_with_its_options_study_and_target(repository):
 def test_there_is_one_recipe_to_resume_on_a_cluster(repository):
     for page in ("docs/cluster.md", "docs/faults.md"):
         assert RECIPE in (repository / page).read_text(encoding="utf-8"), page
-    for path in [repository / "README.md", *sorted((repository / "docs").glob("*.md"))]:
-        assert "squeezefilm unlock &&" not in path.read_text(encoding="utf-8"), path.name

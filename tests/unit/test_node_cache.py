@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.runs import node_cache
+from squeezefilm.reynolds import node_cache
 
 
 @pytest.fixture(autouse=True)

@@ -6,7 +6,6 @@ import re
 import pytest
 
 from reporting.pages.headline import in_short
-from reporting.pages.history import to_markdown as runs_markdown
 from reporting.pages.notes import Inertia
 from reporting.pages.page import to_html
 from reporting.pages.summary import to_markdown
@@ -93,42 +92,6 @@ def test_the_summary_of_another_actuator_does_not_speak_of_the_paper_s(study, su
     assert "paper" not in own
     assert "At h0 = 15 µm: inertia, left out, adds about 10% of the force" in own
     assert "leave up to 1.6 % of a force open" in own
-
-
-def test_the_runs_that_made_what_stands_are_told(tmp_path):
-    def card(run: str, started: str, files: dict[str, str]) -> None:
-        job = {
-            "command": ["simulate", "scenes.csv", "--config"],
-            "started": started,
-            "ended": started,
-            "host": f"host-{run}",
-            "device": {"device": "d"},
-            "versions": {"numpy": "2"},
-            "files": files,
-        }
-        about = {
-            "run": run,
-            "started": started,
-            "ended": started,
-            "outcome": "completed",
-            "command": ["/bin/snakemake", "check"],
-            "code": {"commit": "abc", "changed": ["M  a.py"], "sha256": "0" * 64},
-            "config": {"path": "c.yaml", "sha256": "1" * 64},
-            "seeds": {"fit.first_seed": 1},
-            "cores": 2,
-            "host": f"host-{run}",
-            "jobs": [job],
-        }
-        (tmp_path / f"{run}.json").write_text(json.dumps(about))
-
-    card("one", "2026-01-01T00:00:00+00:00", {"a.csv": "a" * 64, "b.csv": "b" * 64})
-    card("two", "2026-01-02T00:00:00+00:00", {"b.csv": "c" * 64})
-    page = runs_markdown(tmp_path)
-    assert page.index("## Run one") < page.index("## Run two")
-    assert "| a.csv | aaaaaaaaaaaaaaaa | 2026-01-01T00:00:00+00:00 | one | simulate" in page
-    assert "| b.csv | cccccccccccccccc | 2026-01-02T00:00:00+00:00 | two | simulate" in page
-    for text in ("abc, changed: a.py", "fit.first_seed 1", "host-two", "numpy 2", "snakemake"):
-        assert text in page
 
 
 def test_pages_of_a_film_beyond_re_10_say_so_below_their_title(repository, tmp_path):

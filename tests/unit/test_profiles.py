@@ -272,7 +272,7 @@ def test_a_profile_of_any_kind_can_be_drawn(settings, repository):
     """Also without a node line, and flat."""
     config = load_config(repository / "config" / "vibrometer.yaml")
     actuator = {**config["actuator"], "profile": settings}
-    study = replace(config, sections={**config, "actuator": actuator}).only(fig05.SECTIONS)
+    study = replace(config, sections={**config, "actuator": actuator})
     data = fig05.build({}, study)
     for name in ("fig05", "fig06"):
         module = figure_module(name)

@@ -6,7 +6,7 @@ import pytest
 
 from reporting.rooms import described
 from squeezefilm.io.errors import InputError
-from squeezefilm.runs.code import WORKFLOW
+from squeezefilm.provenance import WORKFLOW
 
 FIGURES = [described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"))]
 

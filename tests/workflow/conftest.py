@@ -5,10 +5,9 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -50,63 +49,20 @@ def snakemake(
 
 
 @dataclass(frozen=True)
-class Trace:
-    """What the process of one job really used."""
-
-    arguments: tuple[str, ...]
-    modules: frozenset[Path]
-    opened: frozenset[Path]
-    sections: frozenset[str]
-
-    @property
-    def files(self) -> frozenset[Path]:
-        return self.modules | self.opened
-
-
-@dataclass(frozen=True)
 class Finished:
     """A checkout in which the quick study has been run."""
 
     folder: Path
     log: str
-    traces: tuple[Trace, ...]
 
 
 @pytest.fixture(scope="session")
 def finished(repository, tmp_path_factory):
-    """The quick study, run from start to end with every process watched."""
+    """The quick study, run from start to end."""
     folder = copy_checkout(repository, tmp_path_factory.mktemp("run") / "checkout")
-    traces = tmp_path_factory.mktemp("traces")
-    done = snakemake(
-        folder,
-        *EVERYTHING,
-        *QUICK,
-        environment={"PYTHONPATH": str(HERE / "tracing"), "SQUEEZEFILM_TRACES": str(traces)},
-    )
+    done = snakemake(folder, *EVERYTHING, *QUICK)
     assert done.returncode == 0, done.stdout[-6000:]
-    return Finished(folder, done.stdout, tuple(_read_traces(traces, folder)))
-
-
-def _read_traces(folder: Path, checkout: Path) -> Iterator[Trace]:
-    root = checkout.resolve()
-    for path in sorted(folder.glob("*.json")):
-        trace: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        files = {
-            key: frozenset(
-                Path(name).relative_to(root)
-                for name in trace[key]
-                if Path(name).is_relative_to(root)
-            )
-            for key in ("modules", "opened")
-        }
-        # Snakemake's own process loads the library too, to read the configuration.
-        if any(path.name == "__main__.py" for path in files["modules"]):
-            yield Trace(
-                tuple(trace["arguments"]),
-                files["modules"],
-                files["opened"],
-                frozenset(trace["sections"]),
-            )
+    return Finished(folder, done.stdout)
 
 
 class Planner:

@@ -11,7 +11,7 @@ import yaml
 from squeezefilm.io.tables import read_scenes
 from squeezefilm.studies.config import load_config
 
-from .conftest import snakemake
+from .conftest import copy_checkout, snakemake
 
 SCENES = "results/mine/simulations/screen/scenes.csv"
 OUTER = """
@@ -31,17 +31,23 @@ Edit = Callable[[dict[str, Any]], object]
 def outer(repository, tmp_path):
     """A folder with a workflow of its own that uses this one as a module."""
 
-    def write(edit: Edit = lambda study: None, *, config: str = "config", more: str = "") -> Path:
+    def write(
+        edit: Edit = lambda study: None,
+        *,
+        config: str = "config",
+        more: str = "",
+        folder: Path = tmp_path,
+        snakefile: Path = repository / "workflow/Snakefile",
+    ) -> Path:
         text = (repository / "config/quick.yaml").read_text(encoding="utf-8")
         study = yaml.safe_load(text)
         study["study"] = "mine"
         edit(study)
-        (tmp_path / "mine.yaml").write_text(yaml.safe_dump(study), encoding="utf-8")
-        snakefile = repository / "workflow/Snakefile"
-        (tmp_path / "Snakefile").write_text(
+        (folder / "mine.yaml").write_text(yaml.safe_dump(study), encoding="utf-8")
+        (folder / "Snakefile").write_text(
             OUTER.format(snakefile=snakefile, config=config, more=more), encoding="utf-8"
         )
-        return tmp_path
+        return folder
 
     return write
 
@@ -63,6 +69,18 @@ def test_a_module_makes_the_study_that_it_is_given(outer):
     assert [path.name for path in (folder / "results").iterdir()] == ["mine"]
     again = snakemake(folder, SCENES, "--cores", "1")
     assert "Nothing to be done" in again.stdout
+
+
+def test_a_module_works_in_a_folder_with_spaces_and_umlauts(repository, tmp_path, outer):
+    """The clone lies there too, and the results get a prefix of that kind."""
+    folder = tmp_path / "Ordner mit Umläuten äöü"
+    clone = copy_checkout(repository, folder / "squeezefilm, Kopie")
+    outer(more='    prefix: "große Läufe"', folder=folder, snakefile=clone / "workflow/Snakefile")
+    figure = "große Läufe/results/mine/figures/fig07.png"
+    done = snakemake(folder, figure, "--cores", "1")
+    assert done.returncode == 0, done.stdout
+    assert (folder / figure).is_file()
+    assert "Nothing to be done" in snakemake(folder, figure, "--cores", "1").stdout
 
 
 def test_a_module_plans_as_much_as_the_workflow_alone(outer):

@@ -1,10 +1,10 @@
 """The quick study runs from start to end, and then there is nothing left to do."""
 
-import hashlib
-import json
 import re
 
-from squeezefilm.io.tables import read_forces, read_scenes
+import numpy
+
+from squeezefilm.io.tables import read_forces, read_json, read_scenes
 
 from .conftest import EVERYTHING, QUICK, copy_checkout, snakemake
 
@@ -33,21 +33,12 @@ def test_progress_is_shown_and_every_job_has_its_log(finished):
     assert len(list(simulated)) == len(list(timed)) > 4
 
 
-def test_every_file_is_on_the_card_of_the_run(finished):
-    results = finished.folder / "results/quick"
-    (path,) = (results / "run_cards").glob("*.json")
-    card = json.loads(path.read_text())
-    assert card["outcome"] == "completed"
-    on_card = {name: digest for job in card["jobs"] for name, digest in job["files"].items()}
-    assert on_card == {
-        str(file.relative_to(finished.folder)): hashlib.sha256(file.read_bytes()).hexdigest()
-        for file in results.rglob("*")
-        if file.is_file()
-        and file.parent not in (path.parent, results / "basis")
-        and file != results / "study.yaml"  # the run's own
-    }
-    simulated = [job for job in card["jobs"] if job["command"][0] == "simulate"]
-    assert all(job["device"]["driver"] and job["threads"] for job in simulated)
+def test_what_made_the_results_is_written_down(finished):
+    facts = read_json(finished.folder / "results/quick/provenance.json")
+    assert facts["device"]["driver"]
+    assert facts["packages"]["numpy"] == numpy.__version__
+    assert facts["configuration"]["screen"]["h0_m"]["start"] == 5e-6
+    assert {"date", "commit", "changed_since_commit"} < facts.keys()
 
 
 def test_a_copy_of_the_checkout_with_its_results_has_nothing_to_do(finished, tmp_path):

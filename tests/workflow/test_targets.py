@@ -92,7 +92,7 @@ def test_a_study_without_a_reference_can_be_reported(fresh):
         (fresh.folder / config).read_text(encoding="utf-8").replace("study: quick", "study: mine")
     )
     planned = fresh.made_anew("everything", edits={config: text})
-    assert "results/mine/report/runs.html" in planned
+    assert "results/mine/report/summary.html" in planned
     assert "results/mine/report/check.html" not in planned
 
 

@@ -17,7 +17,6 @@ class Room:
         module: its dotted name.
         title, shows, caption: ``Figure 8``, ``the model fitted to the screen``, the caption.
         inputs: the files it is made from by name, each with its place among a study's results.
-        sections: the sections of the configuration that decide its table.
         builds: whether its table is its own, or one that another stage makes.
     """
 
@@ -26,7 +25,6 @@ class Room:
     shows: str
     caption: str
     inputs: dict[str, str]
-    sections: tuple[str, ...]
     builds: bool
 
     @property
@@ -61,7 +59,6 @@ def described(path: Path) -> Room:
         shows=" ".join(shows.split()).removesuffix("."),
         caption=" ".join(caption.split()),
         inputs=inputs,
-        sections=tuple(literal(path, "SECTIONS") or ()),
         builds=builds,
     )
 

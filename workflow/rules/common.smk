@@ -1,5 +1,7 @@
-# What all stages share: the configuration, what a command rests on, the call of a command.
+# What all stages share: the study, what makes results anew, the call of a command.
 
+import hashlib
+import json
 import sys
 from pathlib import Path
 from shlex import quote
@@ -8,14 +10,11 @@ LIBRARY = Path(workflow.current_basedir).parent.resolve()
 IS_MODULE = not workflow.modifier.is_main_snakefile()
 sys.path.insert(0, str(LIBRARY))
 
-from snakemake.logging import logger
 from squeezefilm.io import atomic
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.runs import console, locks, run_card
-from squeezefilm.runs.basis import basis_file, forget_others
-from squeezefilm.runs.checked import checked_study
-from squeezefilm.runs.code import Code
+from squeezefilm.io.errors import InputError
+from squeezefilm.provenance import SOURCES, code_digest
 from squeezefilm.studies import given
+from squeezefilm.studies.config import load_config
 from squeezefilm.studies.effective import write_effective
 
 
@@ -58,16 +57,56 @@ def config_path():
 
 
 try:
-    MEMORY = Path(".snakemake") / "squeezefilm"
-    CODE = Code(memory=MEMORY / "code.json")
     CONFIG_FILE = config_path()
-    CHECKED = checked_study(Path(CONFIG_FILE), code=CODE, memory=MEMORY)
+    CONFIG = load_config(CONFIG_FILE)
 except InputError as error:
     refuse(error)
-CONFIG, SCAN, OUTLINE = CHECKED.config, CHECKED.scan, CHECKED.outline
 STUDY = CONFIG["study"]
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
 PAPER = CONFIG["paper"]
+SCAN = CONFIG["actuator"]["profile"].get("file")
+OUTLINE = CONFIG["finger"].get("outline", {}).get("file")
+
+# What decides a job's numbers beside its input files are parameters of its rule, so that Snakemake
+# makes anew what an edit reaches: a digest of its stage's code, and sections of the study.
+CODE = {stage: code_digest(stage) for stage in SOURCES}
+SHAPES = ["actuator", "finger"]
+FILM = ["gas", *SHAPES]
+
+
+def sections(*names):
+    """Sections of the study, all if none are named, with what is in the files that they name."""
+    found = {name: CONFIG[name] for name in names or CONFIG}
+    named = [
+        CONFIG.path.parent / file
+        for file, section in ((SCAN, "actuator"), (OUTLINE, "finger"))
+        if file and section in found
+    ]
+    found["files"] = [atomic.digest(file) for file in named if file.is_file()]
+    # The same text however a number is written: 43270, 43270.0 or 43.27 kHz.
+    return json.dumps(json.loads(json.dumps(found), parse_int=float), sort_keys=True)
+
+
+def checked_study():
+    """The number of chunks by plan, of a study that is checked; kept, for that takes a second."""
+    key = hashlib.sha256(f"{CODE['models']} {sections()}".encode()).hexdigest()[:16]
+    kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
+    if kept.exists():
+        return json.loads(kept.read_text())
+    from squeezefilm.models.library import check_models
+    from squeezefilm.studies.chunks import chunk_counts
+    from squeezefilm.studies.study import check_study
+
+    check_study(CONFIG)
+    check_models(CONFIG["models"], CONFIG, place=Path(CONFIG_FILE))
+    atomic.write_text(json.dumps(chunk_counts(CONFIG)), kept)
+    return json.loads(kept.read_text())
+
+
+try:
+    CHUNKS = checked_study()
+except InputError as error:
+    refuse(error)
 
 
 pathvars:
@@ -76,54 +115,50 @@ pathvars:
     benchmarks=f"benchmarks/{STUDY}",
 
 
-BASES = set()
-
-
-def code(command, *modules, key=None):
-    """What decides the results of a command, as one file to name as a rule's input.
-
-    It stands for the code, that of modules which the command loads by a name made at run time too,
-    and the sections of the study that they read, with the scan of a measured profile
-    and the outline of the finger. ``key`` is
-    the kind of work where what is read goes by it. To be called while the rules are read: Snakemake
-    looks which files there are before it asks a rule's functions.
-    """
-    sections = CODE.sections(command, *modules, key=key)
-    try:
-        basis = basis_file(
-            Path("results") / STUDY / "basis",
-            "-".join([command, *filter(None, [key]), *modules]),
-            code=CODE,
-            files=CODE.of(command, *modules),
-            sections={name: CONFIG[name] for name in sections},
-            data=[
-                file
-                for file, section in ((SCAN, "actuator"), (OUTLINE, "finger"))
-                if file and section in sections
-            ],
-        )
-    except InputError as error:
-        refuse(error)
-    BASES.add(basis)
-    if SCAN and "actuator" in sections and command != "smooth":
-        return [relative(basis), SMOOTHED]
-    return relative(basis)
-
-
-# A scan is smoothed once, and every command that reads the actuator reads what came of it.
-SMOOTHED = "<results>/profile/smoothed.npz"
+# A scan is smoothed once, before all else, and every command that reads the actuator reads what
+# came of it.
+SMOOTHED = "<results>/profile/smoothed.npz" if SCAN else []
 # What a scan leaves open is part of a fit's error.
 SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
-WITH_SCAN = "--scan {input.scan} " if SCAN else ""
+WITH_SCAN = "--scan {input.scan:q} " if SCAN else ""
 
 
 def chunk_files(plan, suffix):
     """The files of the chunks in which a plan is simulated; their number is known from the start."""
-    chunks = CHECKED.chunks.get(plan, 1)
+    chunks = CHUNKS.get(plan, 1)
     return [
         f"<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}{suffix}"
         for chunk in range(1, chunks + 1)
     ]
+
+
+def named(files, names):
+    """The words NAME=PATH of a command."""
+    return " ".join(f"{name}={quote(path)}" for name, path in zip(names, files, strict=True))
+
+
+def files_of_plans(plans):
+    """All that a simulated plan leaves but its chunks."""
+    names = ["scenes", "forces", "timings"]
+    return expand("<results>/simulations/{plan}/{name}.csv", plan=plans, name=names)
+
+
+def files_of_fits(model):
+    """All that the fits of one of the paper's models leave, and their validations."""
+    fits = [fit for fit in FITS if MODEL_OF_FIT[fit] == model]
+    return expand(["<results>/fits/{fit}.json", "<results>/fits/{fit}_runs.csv"], fit=fits)
+
+
+def limit_tables(space):
+    """The files of what physics says of the points that a space's models are fitted to or judged by."""
+    plans = [FITTED_PLAN[space], f"validation_{space}"]
+    return expand("<results>/simulations/{plan}/limits.csv", plan=plans)
+
+
+def refined_files(space):
+    """All that the refinement of a space's models leaves."""
+    models = CONFIG["refine"][space]
+    return expand(f"<results>/refine/{space}/{{model}}/{{name}}", model=models, name=REFINED)
 
 
 def cores_for(searches):
@@ -137,14 +172,6 @@ def validations(model, plans):
     return [f"{fit}_on_{plan}" for fit in fits for plan in plans]
 
 
-# One run at a time makes a study; its jobs know it by name, also those that run elsewhere.
-CARDS = Path("results") / STUDY / "run_cards"
-MAIN = workflow.is_main_process
-OWNER = locks.new_owner() if MAIN else locks.read_owner(CARDS)
-# A module's handlers (onstart …) are not called: its runs have no cards.
-RUN = str(CARDS / OWNER.run) if OWNER and not IS_MODULE else ""
-
-
 # Put before every command of every rule: the library is found installed or not, and the python is
 # that of the environment that runs snakemake, unless a conda environment is activated after it. A
 # job on a cluster's node keeps its compiled kernels there, in Snakemake's tmpdir: home directories
@@ -153,7 +180,7 @@ shell.prefix(
     "set -euo pipefail; "
     + ("export SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}}; " if workflow.remote_exec else "")
     + f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
-    f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}} SQUEEZEFILM_RUN={quote(RUN)} "
+    f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}} "
     + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.npz')}" if SCAN else "")
     + "; "
 )
@@ -188,66 +215,16 @@ wildcard_constraints:
     chunks="[0-9]+",
 
 
-for folder in (CARDS.parent.parent, CARDS.parent):
-    if folder.exists() and not folder.is_dir():
-        refuse(f"{folder} is a file; the results are to be in a folder of this name")
-ATTENDED = locks.attend(Path.cwd()) if MAIN else None
-
-# Snakemake refuses a second run too, but does not say whose the first one is.
-if MAIN and not workflow.output_settings.dryrun and locks.is_held(CARDS):
-    print(f"squeezefilm: note: {locks.held_by(CARDS)}", file=sys.stderr)
-
-
-# A line for each job; who asks for more, and a workflow that this is a module of, has Snakemake's.
-ASKED = workflow.output_settings
-if MAIN and not IS_MODULE and not (ASKED.dryrun or ASKED.verbose or ASKED.printshellcmds):
-    console.quieten(
-        logger,
-        about=f"Study {STUDY}, on {workflow.cores} cores, into {CARDS.parent}",
-        pace_s=console.pace(CARDS.parent.parent, host=OWNER.host),
-    )
-
-
-def begin_run():
-    """Take the study and begin the run's card."""
-    global HELD
+onstart:
     try:
-        HELD = locks.hold(CARDS, OWNER)
-        atomic.remove_parts(CARDS.parent)
-        for basis in BASES:
-            forget_others(basis)
-        run_card.begin(
-            CARDS,
-            OWNER,
-            config=CONFIG,
-            command=sys.argv,
-            cores=workflow.cores,
-        )
-        write_effective(CONFIG, CARDS.parent)
-    except (InputError, RunError) as error:
+        atomic.remove_parts(Path("results") / STUDY)
+        write_effective(CONFIG, Path("results") / STUDY)
+    except InputError as error:
         refuse(error)
 
 
-def end_run(outcome):
-    """Complete the run's card; the next run does it where that fails."""
-    try:
-        run_card.end(CARDS, OWNER, outcome=outcome)
-    except InputError as error:
-        print(f"squeezefilm: note: {error}", file=sys.stderr)
-
-
-onstart:
-    if MAIN:
-        begin_run()
-
-
 onsuccess:
-    if MAIN:
-        end_run(run_card.COMPLETED)
-        for line in console.where_to_look(CARDS.parent):
-            print(line, file=sys.stderr)
-
-
-onerror:
-    if MAIN:
-        end_run(run_card.FAILED)
+    results = Path("results") / STUDY
+    print(f"Results of the study {STUDY} are in {results}")
+    if (results / "report" / "summary.html").exists():
+        print(f"Begin with {results / 'report' / 'summary.html'}, the study on one page")

@@ -3,7 +3,6 @@
 
 rule design_two_factor:
     input:
-        code=code("design", key="two-factor"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/screen.json",
     output:
@@ -16,17 +15,19 @@ rule design_two_factor:
     conda:
         "../../envs/fit.yaml"
     threads: cores_for(CONFIG["design"]["searches"])
+    params:
+        code=CODE["models"],
+        study=sections("design", "screen"),
     message:
         "D-optimal searches with the two-factor model"
     shell:
-        "python -m squeezefilm design two-factor {input.fit} --config {input.config} "
-        "--processes {threads} --output {output.design} --searches {output.searches} --summary {output.summary} "
-        ">{log} 2>&1"
+        "python -m squeezefilm design two-factor {input.fit:q} --config {input.config:q} "
+        "--processes {threads} --output {output.design:q} --searches {output.searches:q} --summary {output.summary:q} "
+        ">{log:q} 2>&1"
 
 
 rule design_four_factor:
     input:
-        code=code("design", key="four-factor"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/four_factor.json",
     output:
@@ -40,9 +41,12 @@ rule design_four_factor:
     conda:
         "../../envs/fit.yaml"
     threads: cores_for(CONFIG["four_factor_design"]["searches"])
+    params:
+        code=CODE["models"],
+        study=sections("four_factor_design", "positions", "screen", *SHAPES),
     message:
         "D-optimal searches with the four-factor model"
     shell:
-        "python -m squeezefilm design four-factor {input.fit} --config {input.config} "
-        "--processes {threads} --output {output.design} --distinct {output.distinct} --searches {output.searches} "
-        "--summary {output.summary} >{log} 2>&1"
+        "python -m squeezefilm design four-factor {input.fit:q} --config {input.config:q} "
+        "--processes {threads} --output {output.design:q} --distinct {output.distinct:q} --searches {output.searches:q} "
+        "--summary {output.summary:q} >{log:q} 2>&1"

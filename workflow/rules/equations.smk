@@ -17,7 +17,6 @@ if BOTH_MADE:
     rule equations:
         input:
             expand("{results}/{file}", results=SIDES.values(), file=COMPARED.values()),
-            code=code("equations"),
         output:
             csv="<results>/tables/equations.csv",
             markdown="<results>/tables/equations.md",
@@ -27,16 +26,16 @@ if BOTH_MADE:
         conda:
             "../../envs/fit.yaml"
         params:
-            sides=" ".join(SIDES.values()),
+            code=CODE["figures"],
+            sides=list(SIDES.values()),
         message:
             "The paper's equation beside a gas that has inertia"
         shell:
-            "python -m paper equations {params.sides} "
-            "--output {output.csv} --markdown {output.markdown} >{log} 2>&1"
+            "python -m paper equations {params.sides:q} "
+            "--output {output.csv:q} --markdown {output.markdown:q} >{log:q} 2>&1"
 
     use rule models_page as equations_page with:
         input:
-            code=code("pages"),
             config=ancient(CONFIG_FILE),
             tables="<results>/tables/equations.md",
         output:

@@ -20,7 +20,6 @@ EXPLORER_PLANS += ["four_factor_design_distinct"]
 
 rule explorer:
     input:
-        code=code("explorer"),
         config=ancient(CONFIG_FILE),
         fits=expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
         candidates=expand("<results>/models/four_factor/{model}.json", model=EXPLORER_CANDIDATES),
@@ -34,11 +33,11 @@ rule explorer:
     conda:
         "../../envs/tables.yaml"
     params:
-        forces=lambda wildcards, input: " ".join(
-            f"{plan}={path}" for plan, path in zip(EXPLORER_PLANS, input.forces)
-        ),
+        code=CODE["figures"],
+        study=sections(),
+        forces=lambda wildcards, input: named(input.forces, names=EXPLORER_PLANS),
     message:
         "The explorer: a page to play with the models"
     shell:
-        "python -m reporting explorer {input.fits} {input.candidates} --forces {params.forces} "
-        "--modulation {input.modulation} --config {input.config} --output {output} >{log} 2>&1"
+        "python -m reporting explorer {input.fits:q} {input.candidates:q} --forces {params.forces} "
+        "--modulation {input.modulation:q} --config {input.config:q} --output {output:q} >{log:q} 2>&1"

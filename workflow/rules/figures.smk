@@ -1,8 +1,5 @@
 # From results to figures, tables and claims. A figure is a module, found in `figures` of a package.
 
-FIGURE_CODE = {place: code("figure", figure.module) for place, figure in FIGURES.items()}
-TABLE_CODE = {number: code("table", table.module) for number, table in TABLES.items()}
-
 
 wildcard_constraints:
     number="|".join(TABLES),
@@ -11,8 +8,8 @@ wildcard_constraints:
 rule figure:
     input:
         unpack(lambda wildcards: among_results(FIGURES[wildcards.place].inputs)),
-        code=lambda wildcards: FIGURE_CODE[wildcards.place],
         config=ancient(CONFIG_FILE),
+        profile=SMOOTHED,
     output:
         csv="<results>/{place}.csv",
         png="<results>/{place}.png",
@@ -31,14 +28,16 @@ rule figure:
     conda:
         "../../envs/figures.yaml"
     params:
+        code=CODE["figures"],
+        study=sections(),
         module=lambda wildcards: FIGURES[wildcards.place].module,
         caption=lambda wildcards: "**{0.title}.** {0.caption}".format(FIGURES[wildcards.place]),
-        tables=lambda wildcards, input: named(FIGURES[wildcards.place].inputs, input),
+        tables=lambda wildcards, input: named_inputs(FIGURES[wildcards.place].inputs, input),
     message:
         "Draw {wildcards.place}"
     shell:
         "python -m reporting figure {params.module} {params.tables} "
-        "--config {input.config} --output {output} >{log} 2>&1"
+        "--config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 use rule figure as plot with:
@@ -58,7 +57,6 @@ use rule figure as plot with:
 rule table:
     input:
         unpack(lambda wildcards: among_results(TABLES[wildcards.number].inputs)),
-        code=lambda wildcards: TABLE_CODE[wildcards.number],
     output:
         csv="<results>/tables/table{number}.csv",
         markdown="<results>/tables/table{number}.md",
@@ -68,18 +66,18 @@ rule table:
     conda:
         "../../envs/tables.yaml"
     params:
-        tables=lambda wildcards, input: named(TABLES[wildcards.number].inputs, input),
+        code=CODE["figures"],
+        tables=lambda wildcards, input: named_inputs(TABLES[wildcards.number].inputs, input),
     message:
         "Table {wildcards.number}"
     shell:
         "python -m paper table {wildcards.number} {params.tables} "
-        "--output {output.csv} --markdown {output.markdown} >{log} 2>&1"
+        "--output {output.csv:q} --markdown {output.markdown:q} >{log:q} 2>&1"
 
 
 rule compare_claims:
     input:
         **among_results(CLAIM_INPUTS),
-        code=code("claims"),
     output:
         csv="<results>/claims.csv",
         markdown="<results>/claims.md",
@@ -89,12 +87,13 @@ rule compare_claims:
     conda:
         "../../envs/tables.yaml"
     params:
-        tables=lambda wildcards, input: named(CLAIM_INPUTS, input),
+        code=CODE["figures"],
+        tables=lambda wildcards, input: named_inputs(CLAIM_INPUTS, input),
     message:
         "The paper's claims beside ours"
     shell:
         "python -m paper claims {params.tables} "
-        "--output {output.csv} --markdown {output.markdown} >{log} 2>&1"
+        "--output {output.csv:q} --markdown {output.markdown:q} >{log:q} 2>&1"
 
 
 # One short target a figure: `snakemake fig08` makes what Figure 8 needs and nothing else.
@@ -104,14 +103,14 @@ for place in OWN:
         name:
             Path(place).name
         input:
-            expand("<results>/{place}.{format}", place=place, format=["png", "svg"]),
+            expand("<results>/{place}.{format}", place=place, format=["csv", "png", "svg"]),
         message:
             "{rule} is drawn"
 
 
 rule figures:
     input:
-        expand("<results>/{place}.{format}", place=OWN, format=["png", "svg"]),
+        expand("<results>/{place}.{format}", place=OWN, format=["csv", "png", "svg"]),
     message:
         "The study's figures are drawn"
 

@@ -12,7 +12,6 @@ SPACE_OF_FIT = {fit: model.replace("-", "_") for fit, model in MODEL_OF_FIT.item
 
 rule fit:
     input:
-        code=code("fit"),
         config=ancient(CONFIG_FILE),
         forces="<results>/simulations/{fit}/forces.csv",
         sample=lambda wildcards: (
@@ -29,10 +28,12 @@ rule fit:
         "../../envs/fit.yaml"
     threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
     params:
+        code=CODE["models"],
+        study=sections("fit", "models", "screen", "positions", *SHAPES),
         model=lambda wildcards: MODEL_OF_FIT[wildcards.fit],
     message:
         "Fit the {params.model} model to {wildcards.fit}"
     shell:
-        f"python -m squeezefilm fit {{input.forces}} {WITH_SCAN}--model {{params.model}} "
-        "--sample {input.sample} --config {input.config} --processes {threads} --output {output.fit} "
-        "--runs {output.runs} >{log} 2>&1"
+        f"python -m squeezefilm fit {{input.forces:q}} {WITH_SCAN}--model {{params.model}} "
+        "--sample {input.sample:q} --config {input.config:q} --processes {threads} --output {output.fit:q} "
+        "--runs {output.runs:q} >{log:q} 2>&1"

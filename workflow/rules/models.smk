@@ -15,7 +15,6 @@ wildcard_constraints:
 
 rule limits:
     input:
-        code=code("limits"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.csv",
     output:
@@ -25,17 +24,20 @@ rule limits:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["models"],
+        study=sections(*FILM),
     message:
         "What physics says of {wildcards.plan} with nothing fitted"
     shell:
-        "python -m squeezefilm limits {input.scenes} --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "python -m squeezefilm limits {input.scenes:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule limit_table:
     input:
-        code=code("limit-table"),
         config=ancient(CONFIG_FILE),
+        profile=SMOOTHED,
     output:
         "<results>/models/limit_table.json",
     log:
@@ -43,15 +45,17 @@ rule limit_table:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["models"],
+        study=sections("screen", "positions", *FILM),
     message:
         "What physics says all over the space, for models that use it"
     shell:
-        "python -m squeezefilm limit-table --config {input.config} --output {output} >{log} 2>&1"
+        "python -m squeezefilm limit-table --config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule fit_candidate:
     input:
-        code=code("fit"),
         config=ancient(CONFIG_FILE),
         forces=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/forces.csv",
         limits=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/limits.csv",
@@ -66,19 +70,21 @@ rule fit_candidate:
     localrule: True
     conda:
         "../../envs/fit.yaml"
+    params:
+        code=CODE["models"],
+        study=sections("fit", "models", "screen", "positions", *SHAPES),
     message:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
     shell:
-        "python -m squeezefilm fit {input.forces} --limits {input.limits} "
-        f"--limit-table {{input.limit_table}} --sample {{input.sample}} "
-        f"--sample-limits {{input.sample_limits}} {WITH_SCAN}"
-        "--model {wildcards.model} --seeds 1 --keep-going --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "python -m squeezefilm fit {input.forces:q} --limits {input.limits:q} "
+        f"--limit-table {{input.limit_table:q}} --sample {{input.sample:q}} "
+        f"--sample-limits {{input.sample_limits:q}} {WITH_SCAN}"
+        "--model {wildcards.model} --seeds 1 --keep-going --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule compare:
     input:
-        code=code("compare"),
         config=ancient(CONFIG_FILE),
         fits=lambda wildcards: [
             f"<results>/models/{wildcards.space}/{model}.json"
@@ -95,17 +101,19 @@ rule compare:
     localrule: True
     conda:
         "../../envs/tables.yaml"
+    params:
+        code=CODE["figures"],
+        study=sections("comparison"),
     message:
         "Candidates side by side on {wildcards.space} points"
     shell:
-        "python -m reporting compare {wildcards.space} {input.fits} --config {input.config} "
-        "--forces {input.forces} --limits {input.limits} --output {output.table} --report {output.text} "
-        "--errors {output.errors} >{log} 2>&1"
+        "python -m reporting compare {wildcards.space} {input.fits:q} --config {input.config:q} "
+        "--forces {input.forces:q} --limits {input.limits:q} --output {output.table:q} --report {output.text:q} "
+        "--errors {output.errors:q} >{log:q} 2>&1"
 
 
 rule recommend:
     input:
-        code=code("recommend"),
         config=ancient(CONFIG_FILE),
         tables=expand("<results>/models/{space}.csv", space=MODEL_SPACES),
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=RECOMMENDED_BY),
@@ -117,27 +125,26 @@ rule recommend:
     conda:
         "../../envs/tables.yaml"
     params:
+        code=CODE["figures"],
+        study=sections("extrapolation"),
         results=lambda wildcards, output: str(Path(output[0]).parent.parent),
-        forces=lambda wildcards, input: " ".join(
-            f"{plan}={path}" for plan, path in zip(RECOMMENDED_BY, input.forces)
-        ),
+        forces=lambda wildcards, input: named(input.forces, names=RECOMMENDED_BY),
     message:
         "The best model, and the amplitude for the wanted force at each position"
     shell:
-        "python -m reporting recommend {params.results} --config {input.config} "
-        "--forces {params.forces} --output {output} >{log} 2>&1"
+        "python -m reporting recommend {params.results:q} --config {input.config:q} "
+        "--forces {params.forces} --output {output:q} >{log:q} 2>&1"
 
 
 rule models_page:
     input:
-        code=code("pages"),
         config=ancient(CONFIG_FILE),
         tables=expand("<results>/models/{space}.md", space=MODEL_SPACES),
     output:
         [
             report(
                 f"<results>/models/{space}.html",
-                category="7 Models",
+                category="6 Models",
                 labels={"shows": f"table, {shows}"},
                 caption="../report/models.rst",
             )
@@ -148,15 +155,26 @@ rule models_page:
     localrule: True
     conda:
         "../../envs/tables.yaml"
+    params:
+        code=CODE["figures"],
+        study=sections("screen", *FILM),
     message:
         "The comparison of models as pages"
     shell:
-        "python -m reporting pages {input.tables} --config {input.config} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.tables:q} --config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule models:
     input:
         rules.models_page.output,
+        rules.limit_table.output,
+        rules.recommend.output,
+        [limit_tables(space) for space in MODEL_SPACES],
+        [
+            f"<results>/models/{space}/{model}.json"
+            for space in MODEL_SPACES
+            for model in CONFIG["comparison"][space]
+        ],
         expand("<results>/models/{space}.{format}", space=MODEL_SPACES, format=["csv", "md"]),
         expand(
             "<results>/models/{space}_errors.{format}",

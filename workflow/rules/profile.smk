@@ -5,9 +5,8 @@ if SCAN:
     # Refusals are for the terminal: everything else waits for this.
     rule smooth:
         input:
-            code=code("smooth"),
             config=ancient(CONFIG_FILE),
-            scan=relative(SCAN),
+            scan=ancient(relative(CONFIG.path.parent / SCAN)),
         output:
             SMOOTHED,
         log:
@@ -17,15 +16,17 @@ if SCAN:
         resources:
             mem_mb=4000,
             runtime=30,
+        params:
+            code=CODE["solver"],
+            study=sections("actuator"),
         message:
             "Make a smooth profile of the scan"
         shell:
-            "python -m squeezefilm smooth --config {input.config} --output {output} >{log} 2>&1 "
-            "|| {{ cat {log} >&2; exit 1; }}"
+            "python -m squeezefilm smooth --config {input.config:q} --output {output:q} >{log:q} 2>&1 "
+            "|| {{ cat {log:q} >&2; exit 1; }}"
 
     rule smooth_profile:
         input:
-            code=code("profile"),
             config=ancient(CONFIG_FILE),
             kernels="<results>/simulations/device.json",
         output:
@@ -40,16 +41,20 @@ if SCAN:
         resources:
             mem_mb=2000,
             runtime=30,
+        params:
+            code=CODE["solver"],
+            study=sections("solver", "screen", "positions", *FILM),
         message:
             "Smooth the measured profile; simulate it with other noise"
         shell:
             "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
             "python -m squeezefilm profile "
-            "--config {input.config} --points {output.points} --summary {output.summary} "
-            "--forces {output.forces} --figure {output.figure} >{log} 2>&1"
+            "--config {input.config:q} --points {output.points:q} --summary {output.summary:q} "
+            "--forces {output.forces:q} --figure {output.figure:q} >{log:q} 2>&1"
 
     rule profile:
         input:
+            SMOOTHED,
             rules.smooth_profile.output,
             expand("<results>/figures/profile.{format}", format=["png", "svg"]),
         message:

@@ -7,14 +7,11 @@ JUDGED_PLANS = {
     "four_factor": ["four_factor", "four_factor_design", "four_factor_design_distinct"],
 }
 EXTENDED_PLAN = {"two_factor": "two_factor_design", "four_factor": "four_factor_design_distinct"}
-OPTIMAL_CODE = {space: code("optimal", key=space) for space in MODEL_SPACES}
-REFINE_CODE = {space: code("refine", key=space) for space in MODEL_SPACES}
 REFINED = ["rounds.csv", "forces.csv", "limits.csv", "where.csv", "fit.json", "verdict.json"]
 
 
 rule optimal_design:
     input:
-        code=lambda wildcards: OPTIMAL_CODE[wildcards.space],
         config=ancient(CONFIG_FILE),
         fit=lambda wildcards: f"<results>/fits/{OPTIMAL_FIT[wildcards.space]}.json",
         forces=lambda wildcards: (
@@ -38,17 +35,16 @@ rule optimal_design:
     conda:
         "../../envs/numerics.yaml"
     params:
-        plans=lambda wildcards, input: " ".join(
-            f"{name}={path}"
-            for name, path in zip(JUDGED_PLANS[wildcards.space], input.plans, strict=True)
-        ),
+        code=CODE["models"],
+        study=sections("screen", "positions", "optimal", *FILM),
+        plans=lambda wildcards, input: named(input.plans, names=JUDGED_PLANS[wildcards.space]),
     message:
         "D-optimal designs of the {wildcards.space} model, with a certificate"
     shell:
-        "python -m squeezefilm optimal {input.fit} --forces {input.forces} "
-        "--config {input.config} --plans {params.plans} --patterns {input.patterns} "
-        "--existing {input.existing} --output {output.designs} --efficiencies {output.plans} "
-        "--sensitivity {output.sensitivity} --summary {output.summary} >{log} 2>&1"
+        "python -m squeezefilm optimal {input.fit:q} --forces {input.forces:q} "
+        "--config {input.config:q} --plans {params.plans} --patterns {input.patterns:q} "
+        "--existing {input.existing:q} --output {output.designs:q} --efficiencies {output.plans:q} "
+        "--sensitivity {output.sensitivity:q} --summary {output.summary:q} >{log:q} 2>&1"
 
 
 rule optimal:
@@ -70,7 +66,6 @@ rule optimal:
 
 rule refine_model:
     input:
-        code=lambda wildcards: REFINE_CODE[wildcards.space],
         config=ancient(CONFIG_FILE),
         kernels="<results>/simulations/device.json",
         sample="<results>/simulations/validation_{space}/forces.csv",
@@ -92,24 +87,22 @@ rule refine_model:
     resources:
         mem_mb=2000,
         runtime=60,
+    params:
+        code=CODE["models"],
+        study=sections("solver", "screen", "positions", "fit", "models", "refine", *FILM),
     message:
         "Refine {wildcards.model} over the {wildcards.space} space"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm refine {wildcards.model} "
-        f"{WITH_SCAN}--sample {{input.sample}} --sample-limits {{input.sample_limits}} "
-        "--space {wildcards.space} --config {input.config} --rounds {output.rounds} "
-        "--forces {output.forces} --limits {output.limits} --fit {output.fit} "
-        "--where {output.where} --keep-going --output {output.verdict} >{log} 2>&1"
+        f"{WITH_SCAN}--sample {{input.sample:q}} --sample-limits {{input.sample_limits:q}} "
+        "--space {wildcards.space} --config {input.config:q} --rounds {output.rounds:q} "
+        "--forces {output.forces:q} --limits {output.limits:q} --fit {output.fit:q} "
+        "--where {output.where:q} --keep-going --output {output.verdict:q} >{log:q} 2>&1"
 
 
 rule refine_report:
     input:
-        code=code("refine-report"),
-        refined=lambda wildcards: [
-            f"<results>/refine/{wildcards.space}/{model}/{name}"
-            for model in CONFIG["refine"][wildcards.space]
-            for name in REFINED
-        ],
+        refined=lambda wildcards: refined_files(wildcards.space),
         forces="<results>/simulations/validation_{space}/forces.csv",
         limits="<results>/simulations/validation_{space}/limits.csv",
     output:
@@ -122,27 +115,27 @@ rule refine_report:
     conda:
         "../../envs/fit.yaml"
     params:
-        folders=lambda wildcards, input: " ".join(
+        code=CODE["figures"],
+        folders=lambda wildcards, input: [
             str(Path(path).parent) for path in input.refined if Path(path).name == "verdict.json"
-        ),
+        ],
     message:
         "What was estimated over the {wildcards.space} space, and the truth"
     shell:
-        "python -m reporting refine-report {params.folders} --forces {input.forces} "
-        "--limits {input.limits} --output {output.table} --report {output.text} "
-        "--figure {output.figure} >{log} 2>&1"
+        "python -m reporting refine-report {params.folders:q} --forces {input.forces:q} "
+        "--limits {input.limits:q} --output {output.table:q} --report {output.text:q} "
+        "--figure {output.figure:q} >{log:q} 2>&1"
 
 
 use rule models_page as refine_page with:
     input:
-        code=code("pages"),
         config=ancient(CONFIG_FILE),
         tables=expand("<results>/refine/{space}.md", space=MODEL_SPACES),
     output:
         [
             report(
                 f"<results>/refine/{space}.html",
-                category="8 Designs and refinement",
+                category="7 Designs and refinement",
                 labels={"shows": f"table, {shows}"},
                 caption="../report/refine.rst",
             )
@@ -157,11 +150,12 @@ use rule models_page as refine_page with:
 
 rule refine:
     input:
+        [refined_files(space) for space in MODEL_SPACES],
         rules.refine_page.output,
         expand(
             "<results>/refine/{space}{file}",
             space=MODEL_SPACES,
-            file=[".csv", ".md", "_figure.png", "_figure.svg"],
+            file=[".csv", ".md", "_figure.csv", "_figure.png", "_figure.svg"],
         ),
     message:
         "Models are refined until they are good enough, or their limit is known"

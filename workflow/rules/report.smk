@@ -32,7 +32,6 @@ rule summary:
         "<results>/simulations/screen/budget.csv",
         "<results>/models/recommended.csv" if not PAPER else [],
         SCAN_SUMMARY,
-        code=code("summary"),
         config=ancient(CONFIG_FILE),
     output:
         "<results>/summary.md",
@@ -42,6 +41,8 @@ rule summary:
     conda:
         "../../envs/simulate.yaml"
     params:
+        code=CODE["figures"],
+        study=sections(),
         results=lambda wildcards, output: str(Path(output[0]).parent),
         plans=SUMMARY_PLANS,
         fits=FITS,
@@ -49,13 +50,12 @@ rule summary:
     message:
         "The study on one page"
     shell:
-        "python -m reporting summary {params.results} --config {input.config} --forces {params.plans} "
-        "--fits {params.fits} --validations {params.pairs} --output {output} >{log} 2>&1"
+        "python -m reporting summary {params.results:q} --config {input.config:q} --forces {params.plans} "
+        "--fits {params.fits} --validations {params.pairs} --output {output:q} >{log:q} 2>&1"
 
 
 rule pages:
     input:
-        code=code("pages"),
         config=ancient(CONFIG_FILE),
         summary="<results>/summary.md",
     output:
@@ -74,16 +74,17 @@ rule pages:
     conda:
         "../../envs/tables.yaml"
     params:
+        code=CODE["figures"],
+        study=sections("screen", *FILM),
         paper=PAPER,
     message:
         "The summary as a page"
     shell:
-        "python -m reporting pages {input.summary} --config {input.config} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.summary:q} --config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule front:
     input:
-        code=code("paper-front" if PAPER else "front"),
         summary="<results>/summary.md",
         pictures=expand("<results>/figures/{name}.png", name=FRONT_PICTURES),
     output:
@@ -94,17 +95,17 @@ rule front:
     conda:
         "../../envs/tables.yaml"
     params:
+        code=CODE["figures"],
         command="paper paper-front" if PAPER else "reporting front",
     message:
         "The report's first page"
     shell:
-        "python -m {params.command} {input.summary} --pictures {input.pictures} "
-        "--output {output} >{log} 2>&1"
+        "python -m {params.command} {input.summary:q} --pictures {input.pictures:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule paper_pages:
     input:
-        code=code("pages"),
         claims="<results>/claims.md",
         uncertainty="<results>/tables/uncertainty.md",
         tables=expand("<results>/tables/table{number}.md", number=TABLES),
@@ -135,7 +136,9 @@ rule paper_pages:
     localrule: True
     conda:
         "../../envs/tables.yaml"
+    params:
+        code=CODE["figures"],
     message:
         "Claims, uncertainty and tables as pages"
     shell:
-        "python -m reporting pages {input.claims} {input.uncertainty} {input.tables} --output {output} >{log} 2>&1"
+        "python -m reporting pages {input.claims:q} {input.uncertainty:q} {input.tables:q} --output {output:q} >{log:q} 2>&1"

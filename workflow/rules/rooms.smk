@@ -7,9 +7,9 @@ from reporting.rooms import described, literal
 CATEGORIES = {
     "figures": "3 Figures",
     "numerics": "4 Numerics",
-    "models": "7 Models",
-    "designs": "8 Designs and refinement",
-    "refine": "8 Designs and refinement",
+    "models": "6 Models",
+    "designs": "7 Designs and refinement",
+    "refine": "7 Designs and refinement",
 }
 """Of the report, by the folder that a figure lies in."""
 # The paper has maps of its own, and no recommended model but its own.
@@ -64,6 +64,6 @@ def among_results(inputs):
     return {name: f"<results>/{file}" for name, file in inputs.items()}
 
 
-def named(inputs, files):
-    """The words NAME=PATH of a command."""
-    return " ".join(f"{name}={files[name]}" for name in inputs)
+def named_inputs(inputs, files):
+    """The words NAME=PATH of a command, of a figure's or a table's inputs."""
+    return named([files[name] for name in inputs], names=inputs)

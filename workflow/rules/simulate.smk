@@ -6,37 +6,49 @@ DESIGN_OF_PLAN = {
     "four_factor_design": "<results>/designs/four_factor.csv",
     "four_factor_design_distinct": "<results>/designs/four_factor_distinct.csv",
 }
-# By name, for one plan is made from the fits.
-PLAN_CODE = {plan: code("plan", key=plan) for plan in PLANS if plan != "extrapolation"}
+# What the points of a plan depend on besides its design; the extrapolation has a rule of its own.
+SECTIONS_OF_PLAN = {
+    "screen": ["screen"],
+    "error_map": ["error_map"],
+    "four_factor_control": ["four_factor_control", "screen", "positions", *SHAPES],
+    "sweep": ["sweep", "screen", "positions", *SHAPES],
+    "validation_two_factor": ["validation", "screen", "positions", *FILM],
+    "validation_four_factor": ["validation", "screen", "positions", *FILM],
+    "two_factor_design": [],
+    "four_factor": ["positions", *SHAPES],
+    "four_factor_design": [],
+    "four_factor_design_distinct": [],
+}
 
 
 rule plan:
     input:
-        code=lambda wildcards: PLAN_CODE[wildcards.plan],
         config=ancient(CONFIG_FILE),
+        profile=SMOOTHED,
         design=lambda wildcards: DESIGN_OF_PLAN.get(wildcards.plan, []),
     output:
         "<results>/simulations/{plan}/scenes.csv",
     log:
         "<logs>/plan/{plan}.log",
     wildcard_constraints:
-        plan="|".join(PLAN_CODE),
+        plan="|".join(SECTIONS_OF_PLAN),
     localrule: True
     conda:
         "../../envs/tables.yaml"
     params:
-        design=lambda wildcards, input: f"--design {input.design}" if input.design else "",
+        code=CODE["solver"],
+        study=lambda wildcards: sections(*SECTIONS_OF_PLAN[wildcards.plan]),
+        design=lambda wildcards, input: f"--design {quote(input.design)}" if input.design else "",
         position="--position cartesian" if "surface" in CONFIG["actuator"] else "",
     message:
         "Points to simulate: {wildcards.plan}"
     shell:
-        "python -m squeezefilm plan {wildcards.plan} --config {input.config} {params.design} "
-        "{params.position} --output {output} >{log} 2>&1"
+        "python -m squeezefilm plan {wildcards.plan} --config {input.config:q} {params.design} "
+        "{params.position} --output {output:q} >{log:q} 2>&1"
 
 
 rule plan_extrapolation:
     input:
-        code=code("extrapolate"),
         config=ancient(CONFIG_FILE),
         fits=["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
     output:
@@ -46,19 +58,22 @@ rule plan_extrapolation:
     localrule: True
     conda:
         "../../envs/tables.yaml"
+    params:
+        code=CODE["models"],
+        study=sections("extrapolation"),
     message:
         "Points to simulate: where the fitted models expect the wanted force"
     shell:
-        "python -m squeezefilm extrapolate {input.fits} --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "python -m squeezefilm extrapolate {input.fits:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 # Compiled kernels go to the caches, so that the chunks, which start side by side, find them there.
 # On another node the first chunk to start compiles, and those beside it wait.
 rule compile_kernels:
     input:
-        code=code("warm"),
         config=ancient(CONFIG_FILE),
+        profile=SMOOTHED,
     output:
         "<results>/simulations/device.json",
     log:
@@ -66,15 +81,17 @@ rule compile_kernels:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["solver"],
+        study=sections("solver", *FILM),
     message:
         "Compile the kernels"
     shell:
-        "python -m squeezefilm warm --config {input.config} --output {output} >{log} 2>&1"
+        "python -m squeezefilm warm --config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule simulate:
     input:
-        code=code("simulate"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.csv",
         kernels="<results>/simulations/device.json",
@@ -90,18 +107,20 @@ rule simulate:
     resources:
         mem_mb=lambda wildcards, attempt: 2000 * attempt,
         runtime=lambda wildcards, attempt: 30 * attempt,
+    params:
+        code=CODE["solver"],
+        study=sections("solver", "outputs", *FILM),
     message:
         "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm simulate {input.scenes} "
-        "--config {input.config} --chunk {wildcards.chunk}/{wildcards.chunks} --keep-going "
-        "--output {output.forces} --timings {output.timings} >{log} 2>&1"
+        "python -m squeezefilm simulate {input.scenes:q} "
+        "--config {input.config:q} --chunk {wildcards.chunk}/{wildcards.chunks} --keep-going "
+        "--output {output.forces:q} --timings {output.timings:q} >{log:q} 2>&1"
 
 
 rule gather:
     input:
-        code=code("gather"),
         scenes="<results>/simulations/{plan}/scenes.csv",
         forces=lambda wildcards: chunk_files(wildcards.plan, ".csv"),
         timings=lambda wildcards: chunk_files(wildcards.plan, ".timings.csv"),
@@ -114,13 +133,14 @@ rule gather:
     conda:
         "../../envs/tables.yaml"
     params:
+        code=CODE["solver"],
         # A scene of a validation sample without a force counts as infinitely wrong.
         keep=lambda wildcards: "--keep-failed " * wildcards.plan.startswith("validation_"),
     message:
         "Forces of {wildcards.plan}: every point solved?"
     shell:
-        "python -m squeezefilm gather {input.scenes} {input.forces} --timings {input.timings} {params.keep}"
-        "--output {output.forces} --timings-output {output.timings} >{log} 2>&1"
+        "python -m squeezefilm gather {input.scenes:q} {input.forces:q} --timings {input.timings:q} {params.keep}"
+        "--output {output.forces:q} --timings-output {output.timings:q} >{log:q} 2>&1"
 
 
 use rule plan as plan_parquet with:
@@ -133,7 +153,6 @@ use rule plan as plan_parquet with:
 
 use rule simulate as simulate_parquet with:
     input:
-        code=code("simulate"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.parquet",
         kernels="<results>/simulations/device.json",
@@ -148,7 +167,6 @@ use rule simulate as simulate_parquet with:
 
 use rule gather as gather_parquet with:
     input:
-        code=code("gather"),
         scenes="<results>/simulations/{plan}/scenes.parquet",
         forces=lambda wildcards: chunk_files(wildcards.plan, ".parquet"),
         timings=lambda wildcards: chunk_files(wildcards.plan, ".timings.parquet"),
@@ -169,7 +187,6 @@ rule sweep:
 
 rule plan_budget:
     input:
-        code=code("budget"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.csv",
         kernels="<results>/simulations/device.json",
@@ -180,17 +197,19 @@ rule plan_budget:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["solver"],
+        study=sections("solver", *FILM),
     message:
         "What the film equation leaves out of the forces of {wildcards.plan}"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm budget {input.scenes} --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "python -m squeezefilm budget {input.scenes:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule plan_response:
     input:
-        code=code("response"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.csv",
         kernels="<results>/simulations/device.json",
@@ -202,18 +221,20 @@ rule plan_response:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["solver"],
+        study=sections("solver", *FILM),
     message:
         "How the forces of {wildcards.plan} follow a changing amplitude"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm response {input.scenes} --config {input.config} "
+        "python -m squeezefilm response {input.scenes:q} --config {input.config:q} "
         "--frequencies 3Hz,10Hz,30Hz,60Hz,100Hz,150Hz,200Hz,300Hz,500Hz,700Hz,1kHz,2kHz,4kHz "
-        "--output {output.response} --gains {output.gains} >{log} 2>&1"
+        "--output {output.response:q} --gains {output.gains:q} >{log:q} 2>&1"
 
 
 rule plan_levitation:
     input:
-        code=code("levitate"),
         config=ancient(CONFIG_FILE),
         forces="<results>/simulations/{plan}/forces.csv",
         kernels="<results>/simulations/device.json",
@@ -224,17 +245,19 @@ rule plan_levitation:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["solver"],
+        study=sections("solver", *FILM),
     message:
         "The gaps that carry loads as in {wildcards.plan}"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm levitate --like {input.forces} --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "python -m squeezefilm levitate --like {input.forces:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule explain:
     input:
-        code=code("explain"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.csv",
     output:
@@ -244,11 +267,48 @@ rule explain:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["solver"],
+        study=sections("solver", "outputs", *FILM),
     message:
         "What {wildcards.plan} needs, and what is left out"
     shell:
-        "python -m squeezefilm explain {input.scenes} --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "python -m squeezefilm explain {input.scenes:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
+
+
+rule film_tables:
+    input:
+        rules.compile_kernels.output,
+        "<results>/simulations/extrapolation/film.csv",
+        expand(
+            "<results>/simulations/screen/{table}.csv",
+            table=["budget", "gains", "levitation", "response"],
+        ),
+        expand("<results>/simulations/{plan}/budget.csv", plan=["four_factor", "extrapolation"]),
+    message:
+        "What the films of the plans do besides is known"
+
+
+rule provenance:
+    input:
+        config=ancient(CONFIG_FILE),
+        device="<results>/simulations/device.json",
+    output:
+        "<results>/provenance.json",
+    log:
+        "<logs>/provenance.log",
+    localrule: True
+    conda:
+        "../../envs/simulate.yaml"
+    params:
+        code=CODE["figures"],
+        study=sections(),
+    message:
+        "What makes these results: code, packages, device, study"
+    shell:
+        "python -m squeezefilm provenance {input.device:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule explained:

@@ -3,7 +3,6 @@
 
 rule uncertainty_table:
     input:
-        code=code("uncertainty"),
         config=ancient(CONFIG_FILE),
         kernels="<results>/simulations/device.json",
     output:
@@ -15,17 +14,19 @@ rule uncertainty_table:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["figures"],
+        study=sections("solver", "screen", "extrapolation", *FILM),
     message:
         "What would explain the differences from the paper"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} python -m paper uncertainty "
-        "--config {input.config} --output {output.csv} --markdown {output.markdown} "
-        "--curves {output.curves} >{log} 2>&1"
+        "--config {input.config:q} --output {output.csv:q} --markdown {output.markdown:q} "
+        "--curves {output.curves:q} >{log:q} 2>&1"
 
 
 rule cross_section:
     input:
-        code=code("cross-section"),
         config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/extrapolation/scenes.csv",
         kernels="<results>/simulations/device.json",
@@ -36,9 +37,12 @@ rule cross_section:
     localrule: True
     conda:
         "../../envs/simulate.yaml"
+    params:
+        code=CODE["figures"],
+        study=sections(*FILM),
     message:
         "Gap and pressure under the finger over a period"
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m reporting cross-section {input.scenes} "
-        "--config {input.config} --output {output} >{log} 2>&1"
+        "python -m reporting cross-section {input.scenes:q} "
+        "--config {input.config:q} --output {output:q} >{log:q} 2>&1"

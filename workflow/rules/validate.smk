@@ -3,6 +3,7 @@
 
 PLANS_TWO_FACTOR = ["screen", "error_map", "extrapolation"]
 PLANS_FOUR_FACTOR = ["four_factor", *(["four_factor_control"] if PAPER else [])]
+DESIGNED_PLANS = ["four_factor_design", "four_factor_design_distinct"]
 VALIDATIONS_TWO_FACTOR = validations("two-factor", PLANS_TWO_FACTOR)
 VALIDATIONS_FOUR_FACTOR = validations("four-factor", PLANS_FOUR_FACTOR)
 
@@ -10,7 +11,6 @@ VALIDATIONS_FOUR_FACTOR = validations("four-factor", PLANS_FOUR_FACTOR)
 # Of one fit on all its sets of points: a process takes longer to start than to judge.
 rule validate_two_factor:
     input:
-        code=code("validate"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/{fit}.json",
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=PLANS_TWO_FACTOR),
@@ -22,16 +22,18 @@ rule validate_two_factor:
     localrule: True
     conda:
         "../../envs/tables.yaml"
+    params:
+        code=CODE["models"],
+        study=sections("validation"),
     message:
         "Judge the fit {wildcards.fit}"
     shell:
-        "python -m squeezefilm validate {input.fit} {input.forces} --config {input.config} "
-        "--output {output.errors} --summary {output.summary} >{log} 2>&1"
+        "python -m squeezefilm validate {input.fit:q} {input.forces:q} --config {input.config:q} "
+        "--output {output.errors:q} --summary {output.summary:q} >{log:q} 2>&1"
 
 
 use rule validate_two_factor as validate_four_factor with:
     input:
-        code=code("validate"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/{fit}.json",
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=PLANS_FOUR_FACTOR),
@@ -43,13 +45,27 @@ use rule validate_two_factor as validate_four_factor with:
 
 rule two_factor:
     input:
-        expand("<results>/validation/{pair}.json", pair=VALIDATIONS_TWO_FACTOR),
+        files_of_plans([*PLANS_TWO_FACTOR, "two_factor_design", "validation_two_factor"]),
+        files_of_fits("two-factor"),
+        rules.design_two_factor.output,
+        expand(
+            "<results>/validation/{pair}.{format}",
+            pair=VALIDATIONS_TWO_FACTOR,
+            format=["csv", "json"],
+        ),
     message:
         "The two-factor model is fitted, designed and judged"
 
 
 rule four_factor:
     input:
-        expand("<results>/validation/{pair}.json", pair=VALIDATIONS_FOUR_FACTOR),
+        files_of_plans([*PLANS_FOUR_FACTOR, *DESIGNED_PLANS, "validation_four_factor"]),
+        files_of_fits("four-factor"),
+        rules.design_four_factor.output,
+        expand(
+            "<results>/validation/{pair}.{format}",
+            pair=VALIDATIONS_FOUR_FACTOR,
+            format=["csv", "json"],
+        ),
     message:
         "The four-factor model is fitted, designed and judged"

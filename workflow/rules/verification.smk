@@ -8,7 +8,6 @@ ONE_BLAS_THREAD = "OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1"
 
 rule work_precision:
     input:
-        code=code("work-precision"),
         config=ancient(CONFIG_FILE),
         fit="<results>/fits/screen.json",
     output:
@@ -24,17 +23,18 @@ rule work_precision:
         mem_mb=2000,
         runtime=30,
     params:
+        code=CODE["verification"],
+        study=sections("solver", "numerics"),
         blas=ONE_BLAS_THREAD,
     message:
         "Error against run time of the solver and of other methods"
     shell:
-        "{params.blas} python -m verification work-precision {input.fit} "
-        "--config {input.config} --output {output} >{log} 2>&1"
+        "{params.blas} python -m verification work-precision {input.fit:q} "
+        "--config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule stability:
     input:
-        code=code("stability"),
         config=ancient(CONFIG_FILE),
     output:
         "<results>/numerics/stability.csv",
@@ -48,17 +48,18 @@ rule stability:
         mem_mb=2000,
         runtime=30,
     params:
+        code=CODE["verification"],
+        study=sections("solver", "numerics"),
         blas=ONE_BLAS_THREAD,
     message:
         "Stiff and extreme films, each with a verdict"
     shell:
         "{params.blas} POCL_MAX_PTHREAD_COUNT={threads} python -m verification stability "
-        "--config {input.config} --output {output} >{log} 2>&1"
+        "--config {input.config:q} --output {output:q} >{log:q} 2>&1"
 
 
 rule ablation:
     input:
-        code=code("ablation"),
         config=ancient(CONFIG_FILE),
         scenes=expand("<results>/simulations/{plan}/scenes.csv", plan=["screen", "four_factor"]),
     output:
@@ -73,12 +74,14 @@ rule ablation:
     resources:
         mem_mb=2000,
     params:
+        code=CODE["verification"],
+        study=sections("solver", "numerics", *FILM),
         blas=ONE_BLAS_THREAD,
     message:
         "What leaving things out saves, and that it costs no accuracy"
     shell:
-        "{params.blas} python -m verification ablation {input.scenes} --config {input.config} "
-        "--output {output} >{log} 2>&1"
+        "{params.blas} python -m verification ablation {input.scenes:q} --config {input.config:q} "
+        "--output {output:q} >{log:q} 2>&1"
 
 
 rule verification:

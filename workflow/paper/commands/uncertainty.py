@@ -17,8 +17,6 @@ from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver", "screen", "extrapolation")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
@@ -28,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     tolerance, device = config["solver"]["tolerance"], device_of(config)
 
     def force(scene: Scene) -> float:

@@ -18,7 +18,6 @@ from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import finger_of
 
 INPUTS: dict[str, str] = {}
-SECTIONS = ("actuator", "finger")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

@@ -13,7 +13,6 @@ from reporting.figures.parts.tables import Inputs
 from squeezefilm.studies.config import Config
 
 INPUTS: dict[str, str] = {}
-SECTIONS = ("actuator",)
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

@@ -15,7 +15,6 @@ from squeezefilm.studies.config import Config
 INPUTS = {
     "plan": "simulations/four_factor/scenes.csv",
 }
-SECTIONS = ("actuator", "finger")
 
 
 def build(inputs: Inputs, config: Config) -> pd.DataFrame:

@@ -59,12 +59,16 @@ PLACED = (
 )
 """Plans whose points come out of a design or a fit."""
 
+NOT_DECIDING = {
+    *("study", "paper", "numerics", "simulation", "outputs"),
+    *("sweep", "models", "comparison", "optimal", "refine"),  # not the paper's
+}
+"""Sections of a study that decide nothing which is compared."""
+
 
 def setting_quantities(config: Config) -> Iterator[Quantity]:
     """Every key that decides a result: the study must be the one that the reference is of."""
-    for section in config:
-        if section in ("paper", "numerics"):  # say what is made besides, and decide no number
-            continue
+    for section in (name for name in config if name not in NOT_DECIDING):
         yield Quantity(SETTINGS, section, "keys", dict(_leaves(section, config[section])), SAME)
 
 

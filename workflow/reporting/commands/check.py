@@ -19,24 +19,6 @@ from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 
-SECTIONS = (
-    "paper",
-    "gas",
-    "actuator",
-    "finger",
-    "solver",
-    "screen",
-    "fit",
-    "design",
-    "positions",
-    "four_factor_design",
-    "four_factor_control",
-    "error_map",
-    "validation",
-    "extrapolation",
-    "numerics",
-)
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("results", type=Path, metavar="RESULTS", help="the study's results")
@@ -50,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     reference = read_reference(options.reference)
     quantities = study_quantities(options.results, config, options.reference)
     table = to_table(compare(quantities, reference))

@@ -33,7 +33,6 @@ from squeezefilm.models.prediction_interval import ranking_half
 from squeezefilm.models.validation import error_sizes, relative_errors
 from squeezefilm.studies.config import load_config
 
-SECTIONS = ("comparison",)
 TITLES = {"two_factor": "the finger centred", "four_factor": "the finger anywhere on the surface"}
 COLUMNS = (
     "model",
@@ -85,7 +84,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    candidates = load_config(options.config).only(SECTIONS)["comparison"][options.space]
+    candidates = load_config(options.config)["comparison"][options.space]
     sample = read_forces(options.forces)
     factors = factors_of(sample, limits=options.limits)
     known = ranking_half(len(sample)) & (sample["status"] == "ok").to_numpy()

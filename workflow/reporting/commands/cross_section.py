@@ -9,13 +9,11 @@ import pandas as pd
 
 from reporting.cross_section import cross_section
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
-
-SECTIONS = ("gas", "actuator", "finger", "solver")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     points = scene_points(read_scenes(options.scenes))
     with node_cache.one_build_at_a_time():
         device = choose_device(config["solver"]["device"])

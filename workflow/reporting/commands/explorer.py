@@ -22,8 +22,6 @@ from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.studies.config import load_config
 
-SECTIONS = ("study", "gas", "actuator", "extrapolation")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fits", nargs="+", metavar="FIT.json", help="fitted models")
@@ -36,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     from plotly.offline import get_plotlyjs  # slow to import
 
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     plans = [word.partition("=")[0] for word in options.forces]
     paths = parse_sources(options.forces, names=plans, user="explorer")
     fits, fitted_on, left_out = _named(options.fits, paths)

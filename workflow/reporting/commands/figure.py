@@ -20,9 +20,6 @@ from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
 from squeezefilm.studies.config import load_config
 
-# For the note; those of the figure alone are in its module.
-SECTIONS = ("gas", "actuator", "screen")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("figure", metavar="FIGURE", help=HELP)
@@ -40,12 +37,11 @@ def run(options: argparse.Namespace) -> None:
     drawings = [path for path in options.output if path not in tables]
     check_formats(drawings)
     study = load_config(options.config)
-    inertia = study.only(SECTIONS)
-    beyond = Inertia.of(inertia).note(inertia["screen"]["h0_m"]["stop"])
+    beyond = Inertia.of(study).note(study["screen"]["h0_m"]["stop"])
     if hasattr(module, "build"):
         if len(tables) != 1:
             raise InputError(f"{options.figure}: name one table to write, FIGURE.csv")
-        table = module.build(inputs, study.only(getattr(module, "SECTIONS", ())))
+        table = module.build(inputs, study)
         write_table(
             table.assign(note=[f"{each} {beyond}".strip() for each in table["note"]]), tables[0]
         )

@@ -14,8 +14,6 @@ from squeezefilm.io.atomic import read_text, write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import load_config
 
-SECTIONS = ("gas", "actuator", "screen")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("markdown", nargs="+", type=Path, metavar="PAGE.md")
@@ -28,7 +26,7 @@ def run(options: argparse.Namespace) -> None:
         raise InputError("--output: give one name for every page of Markdown")
     note = ""
     if options.config:
-        config = load_config(options.config).only(SECTIONS)
+        config = load_config(options.config)
         note = Inertia.of(config).note(config["screen"]["h0_m"]["stop"])
     for source, target in zip(options.markdown, options.output, strict=True):
         text = read_text(source, what="page")

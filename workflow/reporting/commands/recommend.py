@@ -30,7 +30,6 @@ from squeezefilm.models.validation import relative_errors
 from squeezefilm.models.working_point import working_point
 from squeezefilm.studies.config import Config, load_config
 
-SECTIONS = ("extrapolation",)
 LEAST = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""
 COLUMNS = (
@@ -52,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     plans = [word.partition("=")[0] for word in options.forces]
     paths = parse_sources(options.forces, names=plans, user="recommend")
     forces = {plan: read_forces(path).query("status == 'ok'") for plan, path in paths.items()}

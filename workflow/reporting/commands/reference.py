@@ -16,23 +16,6 @@ from reporting.check.study import study_quantities
 from squeezefilm.io.errors import RunError
 from squeezefilm.studies.config import load_config
 
-SECTIONS = (
-    "paper",
-    "gas",
-    "actuator",
-    "finger",
-    "solver",
-    "screen",
-    "fit",
-    "design",
-    "positions",
-    "four_factor_design",
-    "four_factor_control",
-    "error_map",
-    "validation",
-    "extrapolation",
-    "numerics",
-)
 MOST_SHOWN = 60
 
 
@@ -44,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     quantities = study_quantities(options.results, config, options.output)
     old = read_reference(options.output) if list(options.output.glob("*.csv")) else {}
     changed = differences(quantities, old)

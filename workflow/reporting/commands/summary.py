@@ -23,8 +23,6 @@ from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("paper", "gas", "actuator", "finger", "solver", "screen", "validation")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("results", type=Path, metavar="RESULTS", help="the study's results")
@@ -37,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     results: Path = options.results
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     text = to_markdown(
         study=results.resolve().name,
         settings=config,

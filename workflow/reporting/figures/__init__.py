@@ -6,7 +6,6 @@ matplotlib or anything else (``reporting.rooms``):
 - its docstring: a line ``Name: what it shows.``, and below it the caption for the report;
 - ``INPUTS``: the files it is made from, by name, each with its place among a study's results.
   ``{space}`` in a place stands for a space of factors: there is such a figure for each;
-- ``SECTIONS``: the sections of the configuration that decide its table, if any;
 
 and has
 

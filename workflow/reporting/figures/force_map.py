@@ -26,7 +26,6 @@ INPUTS = {
     "forces": "simulations/error_map/forces.csv",
     "recommended": "models/recommended.csv",
 }
-SECTIONS = ("extrapolation",)
 ALONE_MM = 5.0
 """What is shown either way of a single position."""
 DECADE = 10.0

@@ -21,7 +21,6 @@ INPUTS = {
     "levitation": "simulations/screen/levitation.csv",
     "screen": "simulations/screen/scenes.csv",
 }
-SECTIONS = ("actuator",)
 MOST_REYNOLDS = reynolds_limit("inertia neglected").not_above
 COLOURS = (style.BLUE, style.GREEN, style.VERMILLION)
 COLUMNS = (

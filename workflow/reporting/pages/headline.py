@@ -13,8 +13,8 @@ from reporting.pages.notes import Inertia, percent
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import read_columns
-from squeezefilm.io.typed_units import to_its_error
-from squeezefilm.runs.console import headline
+from squeezefilm.io.tables import read_json
+from squeezefilm.io.typed_units import to_its_error, with_error
 
 IN_SHORT = "## In short"
 WORDS = {"two_factor": "with the finger at the centre", "four_factor": "with the finger anywhere"}
@@ -28,7 +28,7 @@ def in_short(results: Path, config: Mapping[str, Any]) -> list[str]:
 
     Of another study than the paper's also the recommended models and their amplitudes.
     """
-    found = [line[0].upper() + line[1:] for line in headline(results)]
+    found = [*_force(results), *_model(results), *_claims(results / "claims.csv")]
     amplitudes: list[str] = []
     recommended = results / "models" / "recommended.csv"
     if not config["paper"] and recommended.exists():
@@ -44,6 +44,42 @@ def in_short(results: Path, config: Mapping[str, Any]) -> list[str]:
     found += _left_out(results / "simulations" / "screen" / "budget.csv")
     found += filter(None, [Inertia.of(config).note(config["screen"]["h0_m"]["stop"])])
     return [f"{IN_SHORT}\n", "".join(f"- {line}\n" for line in found), *amplitudes]
+
+
+def _force(results: Path) -> Iterator[str]:
+    """That at the operating point, beyond the screen."""
+    forces = results / "simulations" / "extrapolation" / "forces.csv"
+    if not forces.exists():
+        return
+    table = read_columns(forces, columns=("point_id", "status", "force_n", "force_error_n"))
+    scan = results / "profile" / "summary.json"
+    noise = read_json(scan).get("largest_force_noise_share") if scan.exists() else None
+    more = f", the solver's error; the scan's noise: up to {noise:.1%} more" if noise else ""
+    solved = (table["point_id"] == "operating_point") & (table["status"] == "ok")
+    for row in table[solved].to_dict("records"):
+        h0, hv = (1e6 * row[name] for name in ("h0_m", "hv_m"))
+        force = with_error(row["force_n"], row["force_error_n"])
+        yield f"F(h0 = {h0:g} µm, hv = {hv:g} µm, finger centred) = {force}{more}"
+
+
+def _model(results: Path) -> Iterator[str]:
+    """How far off the fit to the five-point design is."""
+    validation = results / "validation" / "two_factor_design_on_screen.json"
+    fit = results / "fits" / "two_factor_design.json"
+    if validation.exists() and fit.exists():
+        summary = read_json(validation)
+        yield (
+            f"The model fitted to {read_json(fit)['points']:.0f} points is "
+            f"{100 * summary['global_error']:.2g} % off over the {summary['points']:.0f} points "
+            "of the screen"
+        )
+
+
+def _claims(claims: Path) -> Iterator[str]:
+    """How many of the paper's agree."""
+    if claims.exists():
+        agrees = read_columns(claims, columns=("verdict",))["verdict"].str.startswith("agrees")
+        yield f"{agrees.sum()} of {len(agrees)} claims of the paper agree"
 
 
 def _recommended(row: pd.Series, *, band: float) -> str:

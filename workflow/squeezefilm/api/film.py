@@ -16,14 +16,12 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device
-from squeezefilm.studies.config import Config, parse_sections
+from squeezefilm.studies.config import Config, parse_film
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
 if TYPE_CHECKING:
     import xarray
-
-SECTIONS = ("gas", "actuator", "finger", "solver")
 
 
 @dataclass(frozen=True, repr=False)
@@ -58,7 +56,7 @@ class Film:
         given = {"gas": gas, "actuator": actuator, "finger": finger, "solver": solver}
         sections = {name: dict(keys or {}) for name, keys in given.items()}
         place = Path("film")
-        return Film(Config(place, parse_sections(sections, sections=SECTIONS, place=place)))
+        return Film(Config(place, parse_film(sections, place=place)))
 
     @property
     def device(self) -> Device:

@@ -20,13 +20,10 @@ from pathlib import Path
 from types import ModuleType
 
 from squeezefilm import __version__
-from squeezefilm.io import job
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.found import modules_in
-from squeezefilm.runs import provenance
 
 LIBRARY = ("squeezefilm.cli.use", "squeezefilm.cli.study", "squeezefilm.cli.steps")
-UPKEEP = "squeezefilm.cli.upkeep"
 ENTRY_POINTS = "squeezefilm.commands"
 NEGATIVE = re.compile(r"-\.?\d")
 OPTION = re.compile(r"--[a-z][a-z0-9-]*")
@@ -40,7 +37,7 @@ def installed() -> tuple[str, ...]:
     """
     above = sorted(point.value for point in importlib.metadata.entry_points(group=ENTRY_POINTS))
     there = (name for name in above if importlib.util.find_spec(name.partition(".")[0]))
-    return (*LIBRARY, *there, UPKEEP)
+    return (*LIBRARY, *there)
 
 
 def commands_of(packages: Sequence[str]) -> dict[str, str]:
@@ -103,12 +100,7 @@ def _run(arguments: Sequence[str] | None, *, packages: Sequence[str] | None) -> 
     if unknown:
         parser.error(_unknown_option(unknown[0], asked))
     try:
-        status = int(options.run(options) or 0)
-        provenance.finish(words)
-        return status
-    except job.Superseded as end:
-        print(f"squeezefilm: {end}", file=sys.stderr)
-        return 0
+        return int(options.run(options) or 0)
     except InputError as error:
         return _complain(error, status=2)
     except RunError as error:

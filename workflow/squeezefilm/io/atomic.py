@@ -12,7 +12,6 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from squeezefilm.io import job
 from squeezefilm.io.errors import InputError
 
 PART = ".part"
@@ -23,7 +22,6 @@ def whole_file(path: Path | str) -> Iterator[Path]:
     """A name beside the target to write to; renamed when all of it is on the disk.
 
     Raises InputError where the file cannot be written; what was there before stays as it was.
-    Raises Superseded when the job that writes belongs to a run that another one has followed.
     """
     path = Path(path)
     try:
@@ -38,14 +36,11 @@ def whole_file(path: Path | str) -> Iterator[Path]:
         with part.open("rb") as handle:
             os.fsync(handle.fileno())
         part.chmod(0o644)
-        sha256 = digest(part)
-        job.check_wanted()
         part.replace(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
         part.unlink(missing_ok=True)
-    job.note_file(path, sha256=sha256)
 
 
 def read_text(path: Path | str, *, what: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from squeezefilm.studies.derived import ENDS, whole_gas, with_derived
 from squeezefilm.studies.mistakes import mistakes
 from squeezefilm.studies.schema import Part, filled, in_si, schema
 
+FILM_SECTIONS = ("gas", "actuator", "finger", "solver")
 DEFAULT, DERIVED = "default", "derived"
 LARGEST_INTEGER = 2**53
 """Integers up to here are the same number when they are used as a float."""
@@ -73,7 +74,7 @@ for _tag, _pattern, _first in (
 
 @dataclass(frozen=True)
 class Config(Mapping[str, Any]):
-    """The whole of one study, defaults included; a section not asked for cannot be read.
+    """The whole of one study, defaults included.
 
     ``origins`` names every key that was not written, by its dotted place, with DEFAULT or DERIVED.
     """
@@ -91,10 +92,6 @@ class Config(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self.sections)
 
-    def only(self, sections: Iterable[str]) -> Config:
-        """The same configuration with nothing but the named sections."""
-        return Config(path=self.path, sections={name: self.sections[name] for name in sections})
-
 
 def load_config(path: Path | str) -> Config:
     """Read and validate a configuration file; what it lacks has its default.
@@ -105,8 +102,8 @@ def load_config(path: Path | str) -> Config:
     return parse_config(read_text(path, what="configuration file"), path=path)
 
 
-def load_sections(path: Path | str, sections: Sequence[str]) -> Config:
-    """Read some sections of a configuration file; the others are not checked and may be missing.
+def load_film(path: Path | str) -> Config:
+    """Read the sections of a film from a configuration; others are not checked and may be missing.
 
     Raises InputError as ``load_config`` does.
     """
@@ -115,9 +112,9 @@ def load_sections(path: Path | str, sections: Sequence[str]) -> Config:
     values = {
         name: value
         for name, value in _values_of(text, path=Path(path)).items()
-        if name in sections or name not in known
+        if name in FILM_SECTIONS or name not in known
     }
-    return Config(Path(path), parse_sections(values, sections=sections, place=Path(path)))
+    return Config(Path(path), parse_film(values, place=Path(path)))
 
 
 def parse_config(text: str, *, path: Path) -> Config:
@@ -150,18 +147,16 @@ def _values_of(text: str, *, path: Path) -> dict[str, Any]:
     return values
 
 
-def parse_sections(
-    values: dict[str, Any], *, sections: Sequence[str], place: Path
-) -> dict[str, Any]:
-    """Some sections of a study, checked and filled with defaults as a file's are.
+def parse_film(values: dict[str, Any], *, place: Path) -> dict[str, Any]:
+    """The sections of a film, checked and filled with defaults as a file's are.
 
     Raises InputError naming the place, the key, what is wrong with it and what is allowed.
     """
     whole = schema()
     part = {
         **whole,
-        "properties": {name: whole["properties"][name] for name in sections},
-        "required": [name for name in whole["required"] if name in sections],
+        "properties": {name: whole["properties"][name] for name in FILM_SECTIONS},
+        "required": [name for name in whole["required"] if name in FILM_SECTIONS],
     }
     found = dict(filled(_checked(values, part, path=place), part))
     if "gas" in found:

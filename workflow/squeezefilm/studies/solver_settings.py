@@ -5,10 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from squeezefilm.io import job
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import checked_outputs
-from squeezefilm.reynolds.device import Device, choose_device, describe
+from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import Config
 
@@ -35,13 +34,11 @@ class SolverSettings:
 
 
 def device_of(config: Config, *, option: str | None = None) -> Device:
-    """The device that an option or the study asks for; this job's record names it.
+    """The device that an option or the study asks for.
 
     Raises InputError as choose_device does.
     """
-    device = choose_device(config["solver"]["device"], option=option)
-    job.note(device=describe(device))
-    return device
+    return choose_device(config["solver"]["device"], option=option)
 
 
 def add_solver_arguments(parser: argparse.ArgumentParser) -> None:

@@ -25,8 +25,6 @@ from squeezefilm.studies.study import scene_of, surface_of
 
 Array = NDArray[np.float64]
 
-SECTIONS = ("gas", "actuator", "finger", "screen", "positions")
-
 
 @dataclass(frozen=True)
 class Space:

@@ -24,7 +24,6 @@ from squeezefilm.studies.symmetry import no_symmetry, symmetry
 if TYPE_CHECKING:
     from squeezefilm.film.vibration.scans import SmoothedScan
 
-SECTIONS = ("gas", "actuator", "finger")
 SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
 """Of the environment: where a run keeps the smooth profile of its study's scan."""
 

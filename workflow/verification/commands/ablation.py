@@ -14,7 +14,6 @@ from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 from verification.ablation import ablation
 
-SECTIONS = ("gas", "actuator", "finger", "solver", "numerics")
 TOLERANCES = (1e-2, 1e-4, 1e-6)
 
 
@@ -25,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     device = device_of(config)
     points = [point for path in options.scenes for point in scene_points(read_scenes(path))]
     scenes = [scene_of(point, config) for point in points]

@@ -16,7 +16,6 @@ from squeezefilm.studies.solver_settings import device_of
 from verification.cases import SAMPLE, cases
 from verification.stability import stability
 
-SECTIONS = ("solver", "numerics")
 NOTE = "Forces to 1e-4; the checks, columns of the table, are explained in docs/numerics.md."
 
 
@@ -26,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     full = config["numerics"]["extent"] == "full"
     table = stability(cases() if full else cases()[SAMPLE], device=device_of(config))
     write_table(table.assign(note=NOTE), options.output)

@@ -16,7 +16,6 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from verification.work_precision import FILMS, work_precision
 
-SECTIONS = ("solver", "numerics")
 SAMPLE = (FILMS[1],)
 BATCH = 100
 RUNGS = {"full": 10, "sample": 3}
@@ -29,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     settings = config["numerics"]
     device = device_of(config)
     table = work_precision(

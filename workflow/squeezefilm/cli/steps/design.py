@@ -20,14 +20,11 @@ from squeezefilm.models.fitted import read_fit
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
 
-SECTIONS = {
-    "two-factor": ("design", "screen"),
-    "four-factor": ("four_factor_design", "positions", "screen", "actuator", "finger"),
-}
+MODELS = ("two-factor", "four-factor")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("model", choices=SECTIONS, help=" or ".join(SECTIONS), metavar="MODEL")
+    parser.add_argument("model", choices=MODELS, help=" or ".join(MODELS), metavar="MODEL")
     parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="DESIGN.csv", help="the design")
@@ -40,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     if (options.distinct is not None) != (options.model == "four-factor"):
         raise InputError("--distinct belongs to the four-factor design, and to no other")
-    config = load_config(options.config).only(SECTIONS[options.model])
+    config = load_config(options.config)
     fit = read_fit(options.fit)
     if fit.model != options.model.replace("-", "_"):
         raise InputError(f"{options.fit}: a fit of the model {fit.model}, not of {options.model}")

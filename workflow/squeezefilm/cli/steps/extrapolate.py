@@ -16,8 +16,6 @@ from squeezefilm.models.working_point import amplitude_for_force
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import plan
 
-SECTIONS = ("extrapolation",)
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fits", nargs="+", metavar="FIT.json", help="fitted models")
@@ -26,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    point = load_config(options.config).only(SECTIONS)["extrapolation"]
+    point = load_config(options.config)["extrapolation"]
     amplitudes = {"operating_point": point["hv_m"]}
     for path in options.fits:
         fit = read_fit(path)

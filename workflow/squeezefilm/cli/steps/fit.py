@@ -40,8 +40,6 @@ from squeezefilm.studies.study import film_of, symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation
 
-SECTIONS = ("gas", "fit", "models", "actuator", "finger", "screen", "positions")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("forces", metavar="FORCES.csv", help="simulated forces")
@@ -63,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     model = model_named(options.model, config["models"], place=options.config)
     profile_uncertainty = scan_error_of(config, options.scan)
     forces = read_ok_forces(options.forces)

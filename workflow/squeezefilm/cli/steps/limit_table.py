@@ -14,8 +14,6 @@ from squeezefilm.io.tables import write_json
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
-SECTIONS = ("gas", "actuator", "finger", "screen", "positions")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
@@ -23,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     try:
         values = limit_table_of(config).to_dict()
     except InputError as error:

@@ -16,8 +16,6 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
-SECTIONS = ("gas", "actuator", "finger")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
@@ -26,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     table = read_scenes(options.scenes)
     scenes = [scene_of(point, config) for point in scene_points(table)]
     write_table(with_limits(table, scenes)[as_in(LIMIT_COLUMNS, table)], options.output)

@@ -43,11 +43,6 @@ from squeezefilm.studies.tasks.optimal_designs import (
     summary_of,
 )
 
-SECTIONS = {
-    "two_factor": ("gas", "actuator", "finger", "screen", "optimal"),
-    "four_factor": ("gas", "actuator", "finger", "screen", "positions", "optimal"),
-}
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
@@ -69,8 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     fit, forces = read_fit(options.fit), read_ok_forces(options.forces)
-    space = "two_factor" if fit.force_model.is_centred else "four_factor"
-    config = load_config(options.config).only(SECTIONS[space])
+    config = load_config(options.config)
     names = [word.partition("=")[0] for word in options.plans]
     plans = parse_sources(options.plans, names=names, user="optimal")
     existing = None if options.existing is None else read_scenes(options.existing)

@@ -32,18 +32,6 @@ from squeezefilm.studies.plans import (
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import surface_of
 
-SECTIONS = {
-    "screen": ("screen",),
-    "error_map": ("error_map",),
-    "four_factor_control": ("four_factor_control", "screen", "positions", "actuator", "finger"),
-    "sweep": ("sweep", "screen", "positions", "actuator", "finger"),
-    "validation_two_factor": ("validation", "screen", "positions", "gas", "actuator", "finger"),
-    "validation_four_factor": ("validation", "screen", "positions", "gas", "actuator", "finger"),
-    "four_factor": ("positions", "actuator", "finger"),
-    "two_factor_design": (),
-    "four_factor_design": (),
-    "four_factor_design_distinct": (),
-}
 FORMS = {"polar": POLAR, "cartesian": CARTESIAN}
 OF_A_DESIGN = (
     "four_factor",
@@ -51,10 +39,12 @@ OF_A_DESIGN = (
     "four_factor_design",
     "four_factor_design_distinct",
 )
+OF_THE_STUDY = ("screen", "error_map", "four_factor_control", "sweep", *VALIDATION_SAMPLES)
+PLANS = (*OF_THE_STUDY, *OF_A_DESIGN)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("kind", choices=SECTIONS, metavar="KIND", help=", ".join(SECTIONS))
+    parser.add_argument("kind", choices=PLANS, metavar="KIND", help=", ".join(PLANS))
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--design", metavar="DESIGN.csv", help="the design a plan is made from")
     parser.add_argument(
@@ -67,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS[options.kind])
+    config = load_config(options.config)
     if (options.design is not None) != (options.kind in OF_A_DESIGN):
         takes = "needs a --design" if options.kind in OF_A_DESIGN else "takes no --design"
         raise InputError(f"the plan {options.kind} {takes}")

@@ -20,8 +20,6 @@ from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import smoothed_scan_of
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
-SECTIONS = ("gas", "actuator", "finger", "solver", "screen", "positions")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml")
@@ -36,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     if not 2 <= options.draws <= 10_000:
         raise InputError(f"--draws {options.draws}: a spread needs 2 to 10000 profiles")
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     smoothed = smoothed_scan_of(config)
     if smoothed is None:
         kind = config["actuator"]["profile"]["kind"]

@@ -37,20 +37,6 @@ from squeezefilm.studies.tasks.refined_model import SimulatedSpace, refined_mode
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation
 
-SECTIONS = {
-    "two_factor": ("gas", "actuator", "finger", "solver", "screen", "fit", "models", "refine"),
-    "four_factor": (
-        "gas",
-        "actuator",
-        "finger",
-        "solver",
-        "screen",
-        "positions",
-        "fit",
-        "models",
-        "refine",
-    ),
-}
 TABLES = {
     "rounds": ROUND_COLUMNS,
     "forces": FORCE_COLUMNS,
@@ -84,7 +70,7 @@ def run(options: argparse.Namespace) -> None:
     space = options.space.replace("-", "_")
     if space not in SPACES:
         raise InputError(f"--space {options.space!r} is unknown; known are {', '.join(SPACES)}")
-    config = load_config(options.config).only(SECTIONS[space])
+    config = load_config(options.config)
     model = model_named(options.model, config["models"], place=options.config)
     profile_uncertainty = scan_error_of(config, options.scan)
     simulated = SimulatedSpace(config, centred=space == "two_factor")

@@ -13,8 +13,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scan_path, smoothed_anew, smoothing_settings
 
-SECTIONS = ("actuator",)
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml")
@@ -22,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     if scan_path(config) is None:
         kind = config["actuator"]["profile"]["kind"]
         raise InputError(f"{options.config}: actuator.profile: {kind} is not measured")

@@ -26,8 +26,6 @@ from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.validation import relative_errors, summarise
 from squeezefilm.studies.config import load_config
 
-SECTIONS = ("validation",)
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", metavar="FIT.json", help="the fitted model")
@@ -43,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    band = load_config(options.config).only(SECTIONS)["validation"]["relative_error_band"]
+    band = load_config(options.config)["validation"]["relative_error_band"]
     fit, sets = read_fit(options.fit), options.forces
     limits = options.limits or [None] * len(sets)
     for option, files in (

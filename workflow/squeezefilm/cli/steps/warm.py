@@ -8,14 +8,12 @@ Writes which device the study's simulations run on.
 import argparse
 
 from squeezefilm.io.tables import ScenePoint, write_json
+from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import describe
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
-
-SECTIONS = ("gas", "actuator", "finger", "solver")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     at_rest = ScenePoint("any", h0_m=5e-6, hv_m=0.0)
     # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
     scene = scene_of(at_rest, config, check=False)

@@ -28,8 +28,6 @@ from squeezefilm.reynolds.effects.words import budget_row
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
@@ -41,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     table = read_scenes(options.scenes)
     scenes = [scene_of(point, config) for point in scene_points(table)]
     device = choose_device(config["solver"]["device"], option=options.device)

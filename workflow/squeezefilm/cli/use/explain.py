@@ -33,8 +33,6 @@ from squeezefilm.studies.solver_settings import (
 )
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver", "outputs")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
@@ -47,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config).only(SECTIONS)
+    config = load_config(options.config)
     settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
     points = scene_points(read_scenes(options.scenes))
     with naming(options.scenes):

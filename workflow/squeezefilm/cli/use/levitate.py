@@ -41,14 +41,13 @@ from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import ScenePoint, read_forces, write_table
 from squeezefilm.io.typed_units import quantities, quantity
+from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.dynamics.levitation import Levitation, levitate, trustworthy
 from squeezefilm.reynolds.dynamics.resonance import Resonance, resonance
 from squeezefilm.reynolds.effects.words import budget_text
-from squeezefilm.runs import node_cache
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
 LOADS, AMPLITUDES = 8, 3
 AMPLITUDES_M = (1e-9, 1e-4)
 GRAVITY_M_PER_S2 = 9.80665
@@ -89,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.study_at(options.config, SECTIONS)
+    config = which_study.film_at(options.config)
     settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:

@@ -18,8 +18,6 @@ from squeezefilm.io.atomic import whole_file
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", metavar="CONFIG.yaml", help=which_study.HELP)
@@ -39,7 +37,7 @@ def run(options: argparse.Namespace) -> None:
     given = {name: getattr(options, name) for name in OPTIONS}
     if not (given["h0"] and given["hv"]):
         raise InputError("give --h0 and --hv")
-    film = Film(which_study.study_at(options.config, SECTIONS))
+    film = Film(which_study.film_at(options.config))
     field = film.pressure(**given, places=options.places, instants=options.instants)
     if options.output.endswith(".nc"):
         with whole_file(options.output) as path:

@@ -39,6 +39,7 @@ from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.io.typed_units import quantities
+from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import (
     CHANGED,
@@ -50,11 +51,9 @@ from squeezefilm.reynolds.dynamics.response import (
     steps_of,
 )
 from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes
-from squeezefilm.runs import node_cache
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver")
 CALLED = {
     "gain": "gain for slow modulation",
     "corner": "corner",
@@ -89,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.study_at(options.config, SECTIONS)
+    config = which_study.film_at(options.config)
     settings = solver_settings(config, outputs=())
     points = points_in(options)
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))

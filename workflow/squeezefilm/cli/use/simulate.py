@@ -50,12 +50,11 @@ from squeezefilm.io.tables import (
     scene_points,
     table_writer,
 )
-from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds import Solution, node_cache, solve
 from squeezefilm.reynolds.answers.outputs import with_outputs
 from squeezefilm.reynolds.effects.automatic import kept_out
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.runs import node_cache
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
@@ -65,7 +64,6 @@ from squeezefilm.studies.solver_settings import (
 )
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
-SECTIONS = ("gas", "actuator", "finger", "solver", "outputs")
 # Scenes whose results are held before they are written.
 PIECE = 4096
 
@@ -96,7 +94,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.study_at(options.config, SECTIONS)
+    config = which_study.film_at(options.config)
     settings = solver_settings(
         config, tolerance=options.tolerance, method=options.method, outputs=options.outputs
     )

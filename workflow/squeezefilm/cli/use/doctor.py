@@ -1,4 +1,4 @@
-"""Check this installation: OpenCL device, caches, lock of the workflow, versions.
+"""Check this installation: OpenCL device, caches, versions.
 
 Ends with status 1 when there is no OpenCL device that computes in double precision.
 """
@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.provenance import versions
 from squeezefilm.reynolds.device import (
     DEVICE_VARIABLE,
     choose_device,
@@ -16,23 +17,17 @@ from squeezefilm.reynolds.device import (
     list_devices,
 )
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.runs import locks
-from squeezefilm.runs.provenance import versions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--device", help="part of the wanted device's name, instead of SQUEEZEFILM_DEVICE"
     )
-    parser.add_argument(
-        "--folder", type=Path, default=Path("."), help="where snakemake runs; here if left out"
-    )
 
 
 def run(options: argparse.Namespace) -> None:
     _section("versions", versions())
     _section("caches", caches())
-    _section("workflow", {"lock": lock_state(options.folder)})
     try:
         _section("devices", {device_name(device): _kind(device) for device in list_devices()})
         device = choose_device(option=options.device)
@@ -60,21 +55,6 @@ def caches() -> dict[str, str]:
         "pytools (XDG_CACHE_HOME)": home / "pytools",
     }
     return {name: f"{folder}: {_folder_state(folder)}" for name, folder in folders.items()}
-
-
-def lock_state(folder: Path) -> str:
-    """Whether a run goes on in a folder, or has left a lock behind."""
-    held = {cards: locks.is_held(cards) for cards in locks.studies(folder)}
-    for cards, answer in held.items():
-        if answer:
-            return locks.held_by(cards)
-    if not locks.has_snakemake_lock(folder):
-        return "free"
-    return (
-        "locked by a run on another host, which cannot be asked from here"
-        if None in held.values()
-        else "locked by a run that is dead: make resume"
-    )
 
 
 def _folder_state(folder: Path) -> str:

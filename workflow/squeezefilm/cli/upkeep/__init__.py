@@ -1,1 +1,0 @@
-"""Upkeep of an installation and its results."""

@@ -1,0 +1,93 @@
+"""What made a study's results: the code, the packages, the device, the configuration."""
+
+import hashlib
+import importlib.metadata
+import platform
+import subprocess
+import sys
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from squeezefilm import __version__
+
+WORKFLOW = Path(__file__).resolve().parents[1]
+PACKAGES = (
+    *("snakemake", "numpy", "scipy", "pandas", "matplotlib", "pymoo", "pyopencl"),
+    *("pocl-binary-distribution", "pyarrow", "scikit-fem"),
+)
+SOLVER = [
+    *(f"squeezefilm/{room}" for room in ("film", "formulas", "io", "reynolds", "studies")),
+    *("squeezefilm/api/forces.py", "squeezefilm/api/points.py", "squeezefilm/designs/box.py"),
+    *("squeezefilm/cli/points.py", "squeezefilm/cli/which_study.py"),
+    *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "plan", "smooth", "warm")),
+    *(
+        f"squeezefilm/cli/use/{command}.py"
+        for command in ("budget", "explain", "levitate", "response", "simulate")
+    ),
+]
+MODELS = [*SOLVER, *(f"squeezefilm/{room}" for room in ("cli/steps", "designs", "models"))]
+SOURCES = {
+    "solver": SOLVER,
+    "models": MODELS,
+    "verification": [*MODELS, "verification"],
+    "figures": [*MODELS, "paper", "reporting"],
+}
+"""The folders and files, below workflow/, that decide the numbers of a stage."""
+
+
+def code_digest(stage: str) -> str:
+    """A digest of all files in the sources of a stage, with their names.
+
+    Raises FileNotFoundError where a source is not there.
+    """
+    together = " ".join(map(_source_digest, SOURCES[stage]))
+    return hashlib.sha256(together.encode()).hexdigest()[:16]
+
+
+@cache
+def _source_digest(source: str) -> str:
+    together = hashlib.sha256(source.encode())
+    for path in sorted((WORKFLOW / source).rglob("*.*")) or [WORKFLOW / source]:
+        if path.suffix != ".pyc":
+            together.update(str(path.relative_to(WORKFLOW)).encode() + path.read_bytes())
+    return together.hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Versions of the system and of the packages that results depend on."""
+    found = {
+        "squeezefilm": __version__,
+        "python": f"{platform.python_version()} ({sys.executable})",
+        "system": platform.platform(),
+    }
+    for name in PACKAGES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def provenance(config: Mapping[str, Any], *, device: Mapping[str, Any]) -> dict[str, Any]:
+    """The facts, for ``results/STUDY/provenance.json``; without git no commit is known."""
+    changed = _git("status", "--porcelain", "--", ".", ":!results")
+    return {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "commit": _git("rev-parse", "HEAD"),
+        "changed_since_commit": None if changed is None else changed.splitlines(),
+        "code_digests": {stage: code_digest(stage) for stage in SOURCES},
+        "packages": versions(),
+        "device": dict(device),
+        "configuration": dict(config),
+    }
+
+
+def _git(*arguments: str) -> str | None:
+    try:
+        words = ["git", "-C", str(WORKFLOW.parent), *arguments]
+        return subprocess.run(words, capture_output=True, text=True, check=True).stdout.rstrip()
+    except (OSError, subprocess.CalledProcessError):
+        return None

@@ -1,1 +1,0 @@
-"""What keeps runs safe and traceable: whole files, locks, caches, cards."""
