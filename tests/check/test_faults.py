@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 
 from reporting.check.pictures import PLACE
 from reporting.check.study import study_quantities
-from reporting.commands.check import SECTIONS
 from reporting.figures import PLAIN, figure_module
 from reporting.figures.parts import style
 from squeezefilm.io.tables import read_json, write_json
@@ -198,7 +197,7 @@ def test_stiff_films_are_compared_where_they_are_the_sample_of_the_reference(res
     full = tmp_path / "full.yaml"
     full.write_text(sample.read_text().replace("extent: sample", "extent: full"))
     for config, compared in ((sample, True), (full, False)):
-        settings = load_config(config).only(SECTIONS)
+        settings = load_config(config)
         quantities = study_quantities(results.folder, settings, results.checkout / REFERENCE)
         assert any(each.part == "numerics" for each in quantities) == compared
 
