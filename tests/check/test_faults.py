@@ -15,7 +15,6 @@ import pytest
 from matplotlib.figure import Figure
 
 from reporting.check.study import study_quantities
-from reporting.commands.check import SECTIONS
 from reporting.figures import figure_module
 from reporting.figures.parts import style
 from squeezefilm.io.tables import read_json, write_json
@@ -189,7 +188,7 @@ def test_stiff_films_are_compared_where_they_are_the_sample_of_the_reference(res
     full = tmp_path / "full.yaml"
     full.write_text(sample.read_text().replace("extent: sample", "extent: full"))
     for config, compared in ((sample, True), (full, False)):
-        quantities = study_quantities(results.folder, load_config(config).only(SECTIONS))
+        quantities = study_quantities(results.folder, load_config(config))
         assert any(each.part == "numerics" for each in quantities) == compared
 
 
