@@ -30,12 +30,13 @@ def plans_of(rows: list[dict[str, str]]) -> set[str]:
     return {Path(row["output_file"]).parts[3] for row in rows if row["rule"] == "simulate"}
 
 
-TWO_FACTOR = {"screen", "error_map", "two_factor_design", "extrapolation"}
+TWO_FACTOR = {"screen", "error_map", "two_factor_design", "extrapolation", "validation_two_factor"}
 FOUR_FACTOR = {
     "four_factor",
     "four_factor_design",
     "four_factor_design_distinct",
     "four_factor_control",
+    "validation_four_factor",
 }
 
 
@@ -62,7 +63,7 @@ def test_the_default_target_is_everything(fresh):
         ("paper", TWO_FACTOR | FOUR_FACTOR),
         ("two_factor", TWO_FACTOR),
         ("fig07", set()),
-        ("fig08", {"screen"}),
+        ("fig08", {"screen", "validation_two_factor"}),  # a fit has its error from the sample
         ("fig13", TWO_FACTOR),  # a fit is judged on all its sets of points in one job
     ],
 )

@@ -28,7 +28,7 @@ rule compare_with_reference:
         "../../envs/figures.yaml"
     params:
         code=CODE["figures"],
-        study=sections(),
+        study=sections(*CONFIG),
         results=lambda wildcards, output: str(Path(output.csv).parents[1]),
         reference=lambda wildcards: relative(REFERENCE),
     message:

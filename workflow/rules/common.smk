@@ -75,8 +75,8 @@ FILM = ["gas", *SHAPES]
 
 
 def sections(*names):
-    """Sections of the study, all if none are named, with what is in the files that they name."""
-    found = {name: CONFIG[name] for name in names or CONFIG}
+    """Sections of the study with what is in the files that they name: a rule's parameter."""
+    found = {name: CONFIG[name] for name in names}
     named = [
         CONFIG.path.parent / file
         for file, section in ((SCAN, "actuator"), (OUTLINE, "finger"))
@@ -89,7 +89,7 @@ def sections(*names):
 
 def checked_study():
     """The number of chunks by plan, of a study that is checked; kept, for that takes a second."""
-    key = hashlib.sha256(f"{CODE['models']} {sections()}".encode()).hexdigest()[:16]
+    key = hashlib.sha256(f"{CODE['models']} {sections(*CONFIG)}".encode()).hexdigest()[:16]
     kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())

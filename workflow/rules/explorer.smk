@@ -34,7 +34,7 @@ rule explorer:
         "../../envs/tables.yaml"
     params:
         code=CODE["figures"],
-        study=sections(),
+        study=sections(*CONFIG),
         forces=lambda wildcards, input: named(input.forces, names=EXPLORER_PLANS),
     message:
         "The explorer: a page to play with the models"

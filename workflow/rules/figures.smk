@@ -29,7 +29,7 @@ rule figure:
         "../../envs/figures.yaml"
     params:
         code=CODE["figures"],
-        study=sections(),
+        study=sections(*CONFIG),
         module=lambda wildcards: FIGURES[wildcards.place].module,
         caption=lambda wildcards: "**{0.title}.** {0.caption}".format(FIGURES[wildcards.place]),
         tables=lambda wildcards, input: named_inputs(FIGURES[wildcards.place].inputs, input),

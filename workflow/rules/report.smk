@@ -42,7 +42,7 @@ rule summary:
         "../../envs/simulate.yaml"
     params:
         code=CODE["figures"],
-        study=sections(),
+        study=sections(*CONFIG),
         results=lambda wildcards, output: str(Path(output[0]).parent),
         plans=SUMMARY_PLANS,
         fits=FITS,

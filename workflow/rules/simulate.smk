@@ -303,7 +303,7 @@ rule provenance:
         "../../envs/simulate.yaml"
     params:
         code=CODE["figures"],
-        study=sections(),
+        study=sections(*CONFIG),
     message:
         "What makes these results: code, packages, device, study"
     shell:
