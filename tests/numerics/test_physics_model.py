@@ -137,6 +137,7 @@ def test_table_of_limits_has_points_enough_for_a_wavy_profile(paper, monkeypatch
     ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0129)}
     monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
     profile = {"kind": "bessel", "nodal_diameters": 0, "wave_number_rad_per_m": 700.0}
+    profile |= {"edge_share": 0.0, "direction_deg": 0.0}
     disc = {"frequency_hz": 40e3, "surface_radius_m": 0.02, "profile": profile}
     study = Config(path=paper.path, sections=paper.sections | {"actuator": disc})
     table = limits.limit_table_of(study)

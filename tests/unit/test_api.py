@@ -50,7 +50,7 @@ def test_a_force_has_its_error_and_what_its_equation_leaves_out(study):
     assert float(force) == pytest.approx(0.962042, abs=force.error_n + 5e-7)
     assert 0 < force.error_n < 1e-4 * float(force)  # the study's tolerance
     least, most = force.left_out_percent
-    assert -0.3 < least < 0.1 < 0.5 < most < 1.0  # README: −0.17 to +0.78 %
+    assert -0.3 < least < 0.1 < 0.5 < most < 1.0  # README: −0.16 to +0.77 %
     assert force.scene.epsilon == pytest.approx(0.44)
     assert force.status == "ok"
     for word in ("force 0.962", "h0 5 µm", "x 0 mm", "beyond the equation: inertia +2.1 %"):

@@ -60,7 +60,7 @@ def test_the_readme_counts_the_films_that_the_solver_s_page_has(readme, reposito
     page = (repository / "docs/solver.md").read_text(encoding="utf-8")
     table = page.partition("### Are forces as good as they say?")[2].partition("\n### ")[0]
     counts = [int(count) for count in re.findall(r"\| 0 of (\d+) \|", table)]
-    of_any_gap = table[: table.index("--draw any-gap")].count("| 0 of ")
+    of_any_gap = table[: table.index("| tilted, crowned")].count("| 0 of ")
     plain, any_gap = sum(counts[:of_any_gap]), sum(counts[of_any_gap:])
     assert f"Of {plain} random films" in readme
     assert f"and {any_gap} that are tilted" in readme

@@ -149,6 +149,12 @@ def files_of_fits(model):
     return expand(["<results>/fits/{fit}.json", "<results>/fits/{fit}_runs.csv"], fit=fits)
 
 
+def files_of_figures(places):
+    """All that figures leave: table, pictures, and the one that the check compares."""
+    shown = expand("<results>/{place}.{format}", place=places, format=["csv", "png", "svg"])
+    return shown + expand("<results>/check/{place}.plain.png", place=places)
+
+
 def limit_tables(space):
     """The files of what physics says of the points that a space's models are fitted to or judged by."""
     plans = [FITTED_PLAN[space], f"validation_{space}"]

@@ -103,14 +103,14 @@ for place in OWN:
         name:
             Path(place).name
         input:
-            expand("<results>/{place}.{format}", place=place, format=["csv", "png", "svg"]),
+            files_of_figures([place]),
         message:
             "{rule} is drawn"
 
 
 rule figures:
     input:
-        expand("<results>/{place}.{format}", place=OWN, format=["csv", "png", "svg"]),
+        files_of_figures(OWN),
     message:
         "The study's figures are drawn"
 

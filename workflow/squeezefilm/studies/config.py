@@ -18,7 +18,7 @@ from squeezefilm.studies.derived import ENDS, whole_gas, with_derived
 from squeezefilm.studies.mistakes import mistakes
 from squeezefilm.studies.schema import Part, filled, in_si, schema
 
-FILM_SECTIONS = ("gas", "actuator", "finger", "solver")
+FILM_SECTIONS = ("gas", "actuator", "finger", "solver", "outputs")
 DEFAULT, DERIVED = "default", "derived"
 LARGEST_INTEGER = 2**53
 """Integers up to here are the same number when they are used as a float."""
