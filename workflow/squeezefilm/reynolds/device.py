@@ -227,7 +227,7 @@ def device_name(device: Any) -> str:
 
 
 def describe(device: Device) -> dict[str, Any]:
-    """What ``doctor`` and a run card say of the device."""
+    """What ``doctor`` and provenance say of the device."""
     handle = device.context.devices[0]
     return {
         "device": device.name,
