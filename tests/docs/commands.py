@@ -89,7 +89,6 @@ BY_HAND = {
 """Commands that nothing runs, and why."""
 
 PARTS = {
-    "snakemake --forcerun",
     "snakemake --report",
     "squeezefilm simulate --derivatives",
 }

@@ -33,7 +33,7 @@ fit: {seeds: {two_factor: 1}}
 SMALLER_PLATE = {
     r"levels: 4": "levels: 3",
     r"levels: 6": "levels: 4",
-    r"y: \[0, 5 mm\]": "y: [5 mm]",
+    r"points: 16": "points: 5",
     r"(validation: {points:) \d+": r"\1 40",
     r"\Z": "solver: {tolerance: 1e-2}\n",
 }
