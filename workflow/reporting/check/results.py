@@ -50,6 +50,8 @@ FIT_NAMES = (
     "four_factor_design",
     "four_factor_design_distinct",
 )
+OF_THE_PAPER = "four_factor_control"
+"""The plan of PLANS that only the paper's studies have."""
 PLACED = (
     "two_factor_design",
     "extrapolation",
@@ -96,9 +98,13 @@ def _claims(path: Path, closeness: Closeness) -> Iterator[Quantity]:
             yield Quantity(CLAIMS, claim["claim_id"], "ours", cells, closeness.shown)
 
 
-def simulation_quantities(results: Path, closeness: Closeness) -> Iterator[Quantity]:
+def simulation_quantities(
+    results: Path, config: Config, closeness: Closeness
+) -> Iterator[Quantity]:
     """The points of every plan, their forces, and how their error estimates keep the tolerance."""
     for plan in PLANS:
+        if plan == OF_THE_PAPER and not config["paper"]:
+            continue
         path = results / "simulations" / plan / "forces.csv"
         yield from guarded(SIMULATIONS, plan, partial(_simulations, plan, path, closeness))
 
@@ -197,14 +203,18 @@ VALIDATIONS = (
     *(
         (fit, plan)
         for fit in ("four_factor", "four_factor_design", "four_factor_design_distinct")
-        for plan in ("four_factor", "four_factor_control")
+        for plan in ("four_factor", OF_THE_PAPER)
     ),
 )
 
 
-def validation_quantities(results: Path, closeness: Closeness) -> Iterator[Quantity]:
+def validation_quantities(
+    results: Path, config: Config, closeness: Closeness
+) -> Iterator[Quantity]:
     """The errors of every fit on every plan."""
     for fit, plan in VALIDATIONS:
+        if plan == OF_THE_PAPER and not config["paper"]:
+            continue
         path = results / "validation" / f"{fit}_on_{plan}.json"
         yield from guarded(
             VALIDATION,

@@ -29,10 +29,10 @@ def study_quantities(results: Path, config: Config, reference: Path) -> list[Qua
         *figure_quantities(results, closeness),
         *(table_quantities(results, closeness) if config["paper"] else ()),
         *(claim_quantities(results, closeness) if config["paper"] else ()),
-        *simulation_quantities(results, closeness),
+        *simulation_quantities(results, config, closeness),
         *fit_quantities(results, config, closeness),
         *design_quantities(results, config, closeness),
-        *validation_quantities(results, closeness),
+        *validation_quantities(results, config, closeness),
         *picture_quantities(results, reference),
         # A reference has a sample of the films; all of them take minutes.
         *(numerics_quantities(results) if config["numerics"]["extent"] == "sample" else ()),
