@@ -83,6 +83,9 @@ BY_HAND = {
     "pip install nvidia-cuda-nvcc-cu12": "a compiler for processors that no test needs",
     "python tests/device/registers.py PATH/TO/ptxas": "needs the two above; tested where they are",
     "podman build .": "needs a container engine and a registry",
+    "python -m verification random-studies --studies 100 --seed 1 --output TABLE.csv": (
+        "minutes; ten such studies are a test"
+    ),
     "make lock": "takes the newest versions of all packages from the network",
     "python -m squeezefilm.reynolds.limits.inertial_layer": "makes a committed table anew",
 }
