@@ -185,7 +185,8 @@ def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison
         first = [force.budget.effects[each] for each in effects]
         change = sum(each.percent for each in first) / 100 * stated
         off = sum(each.off_percent for each in first) / 100 * abs(stated) + 2 * force.error_n
-        usable = not set(effects) & set(force.budget.above_range)
+        # Effects of another pad are a guide; their sum is stated as not known.
+        usable = not (force.budget.basis or set(effects) & set(force.budget.above_range))
         if with_them.gas.rarefaction != "none" and with_them.gas.inertia == "included":
             # Inertia is derived for first-order slip: its relative part is taken from there.
             full, error = _change_with_slip(scene, with_them, stated, study)
@@ -291,7 +292,8 @@ def _of_levitation(force: Force, study: Study, settings: SolverSettings) -> Iter
         per_percent = load_n / found.stiffness_n_per_m / 100
         change = sum(each.percent for each in first) * per_percent
         off = sum(each.off_percent for each in first) * abs(per_percent) + 2 * found.h0_error_m
-        usable = budget.status == "ok" and not set(effects) & set(budget.above_range)
+        another = budget.status != "ok" or budget.basis
+        usable = not (another or set(effects) & set(budget.above_range))
         gap = _gap_under(with_them, load_n, study)
         yield Comparison(
             "levitate",
