@@ -46,7 +46,7 @@ help:
 	@echo "make clean    remove results, logs and the environment"
 
 paper: $(VENV)/.run
-	@echo "Every simulation, fit, design, table and figure of the paper: a minute on two idle cores."
+	@echo "Every simulation, fit, design, table and figure of the paper: some minutes on two cores."
 	@echo "What is made already stays; a run that was stopped goes on by make resume."
 	@$(SNAKEMAKE)
 
