@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.finger import Finger
+from squeezefilm.film.profiles import Piston, Profile, Sinc
 from squeezefilm.film.scene import Actuator, Gas, Scene
-from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.limits.films import Films, films_of, limit_axis

@@ -15,8 +15,8 @@ from numpy.linalg import solve as solve_linear
 from periodic_strip import PeriodicStrip
 
 from squeezefilm.cli.main import main
+from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import Profile
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device

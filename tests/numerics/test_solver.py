@@ -7,7 +7,7 @@ import pytest
 from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 from physics_facts import ASIDE_N, CENTRED_N, slow_piston
 
-from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.film.profiles import Sinc
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device

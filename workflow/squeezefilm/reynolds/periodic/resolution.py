@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.under_finger import Probe, UnderFinger
