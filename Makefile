@@ -114,6 +114,7 @@ lint: $(VENV)/.dev
 	$(RUN) ruff check .
 	$(RUN) ruff format --check .
 	$(RUN) mypy
+	$(RUN) PYTHONPATH=workflow lint-imports --no-cache
 	$(RUN) snakefmt --check Snakefile workflow
 	$(RUN) snakemake --lint
 
