@@ -14,17 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 DAEMONS = ("munged", "slurmctld", "slurmd")
-CLIENTS = ("sbatch", "srun", "squeue", "scancel", "scontrol", "sinfo", "sacct", "sacctmgr", "sshare")
-    "sbatch",
-    "srun",
-    "squeue",
-    "scancel",
-    "scontrol",
-    "sinfo",
-    "sacct",
-    "sacctmgr",
-    "sshare",
-)
+CLIENTS = tuple("sbatch srun squeue scancel scontrol sinfo sacct sacctmgr sshare".split())
 PARTITION = "loopback"
 SYSTEM_PATH = "/usr/sbin:/usr/bin:/sbin:/bin"
 USER = pwd.getpwuid(os.getuid()).pw_name
