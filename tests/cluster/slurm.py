@@ -14,7 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 DAEMONS = ("munged", "slurmctld", "slurmd")
-CLIENTS = tuple("sbatch srun squeue scancel scontrol sinfo sacct sacctmgr sshare".split())
+CLIENTS = (
+    *("sbatch", "srun", "squeue", "scancel", "scontrol"),
+    *("sinfo", "sacct", "sacctmgr", "sshare"),
+)
 PARTITION = "loopback"
 SYSTEM_PATH = "/usr/sbin:/usr/bin:/sbin:/bin"
 USER = pwd.getpwuid(os.getuid()).pw_name
