@@ -113,6 +113,7 @@ class AsTheGap:
     """A surface that moves most where the gap is wide, s = gap at rest / h0."""
 
     scene: Scene
+    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         finger = self.scene.finger

@@ -255,6 +255,7 @@ class Ridge:
     """The paper's profile along x, the same all along y."""
 
     largest = 1.0
+    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.asarray(np.sinc(109.8 * x_m) + 0 * y_m)
