@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from example_scan import scan_text
 
-from squeezefilm.cli.study.example_scan import scan_text
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from example_scan import scan_text
 from scipy.special import jv
 
 from paper.figures import fig05
 from reporting.figures import figure_module
 from reporting.figures.parts import style
-from squeezefilm.cli.study.example_scan import scan_text
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan
 from squeezefilm.film.measured.tables import described, profile_table, summary_of
@@ -173,7 +173,7 @@ def test_forces_of_the_worked_example_are_within_two_percent(repository):
     assert smoothed.degree < 10  # noise is left out: points that were left out are not fitted
 
 
-def test_the_worked_example_is_made_by_its_command(repository):
+def test_the_worked_example_is_the_paper_s_sinc_with_noise(repository):
     text = (repository / "config" / "vibrometer.csv").read_text(encoding="utf-8")
     assert text == scan_text(noise=0.02, missing=0.03, seed=1)
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from example_scan import EXAMPLES, PLATE, scan_text
 
-from squeezefilm.cli.study.example_scan import EXAMPLES, PLATE, scan_text
 from squeezefilm.film.existence import check_scene
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.profiles import StandingWave, largest_magnitude
