@@ -11,13 +11,11 @@ import numpy as np
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
+from squeezefilm.reynolds.error_estimate import ITERATION_SHARE, margin_of
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic.changes import how_many_tell, margin_of
-from squeezefilm.reynolds.periodic.first_grids import first_grids
 from squeezefilm.reynolds.periodic.judging import Progress, judge, judged_alike
 from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
-from squeezefilm.reynolds.periodic.resolution import MOST_UNKNOWNS
+from squeezefilm.reynolds.periodic.resolution import MOST_UNKNOWNS, first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.terms import Terms
@@ -25,9 +23,9 @@ from squeezefilm.reynolds.terms import Terms
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-2
 # Share of the allowed error that the iteration may leave where the estimate counts it once; and of
-# that on grids that differ in time alone, or that go on from a known state.
+# that on grids that go on from a known state.
 LEFT_SHARE = 0.5
-TIMELY = 0.04
+GOING_ON = 0.04
 # Launches under way at a time: the host judges one while the device is at the other.
 IN_FLIGHT = 2
 # Scenes begun together.
@@ -133,13 +131,10 @@ def _batch_of(group: Sequence[Progress], *, tolerance: float) -> Batch:
     grids = group[0].grids
     share = LEFT_SHARE if margin_of(group[0].needs.terms) == 1 else ITERATION_SHARE
     left = share * tolerance
-    telling = how_many_tell(grids)
-    shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
-    if telling > 2:  # so that it does not hide the error in time
-        shares[-telling] = shares[-telling + 1] = TIMELY * left
+    shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
     known = [progress.state for progress in group if progress.state is not None]
     if known:  # so that the finer grid does not take the state over as it is
-        shares = [TIMELY * left] * len(grids)
+        shares = [GOING_ON * left] * len(grids)
     tolerances = dict(zip(grids, shares, strict=True))
     problems = problems_on(scenes, tolerances, terms=group[0].needs.terms)
     guess = np.stack(known) if known else None
