@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +13,11 @@ from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE, margin_of
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic.judging import Progress, judge, judged_alike
+from squeezefilm.reynolds.periodic.judging import Landed, Progress, judge, judged_alike
 from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
 from squeezefilm.reynolds.periodic.resolution import MOST_UNKNOWNS, first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
+from squeezefilm.reynolds.periodic.states import State
 from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.terms import Terms
 
@@ -26,6 +27,9 @@ START_TOLERANCE = 1e-2
 # that on grids that go on from a known state.
 LEFT_SHARE = 0.5
 GOING_ON = 0.04
+# And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
+# error alone.
+KEPT = 0.04
 # Launches under way at a time: the host judges one while the device is at the other.
 IN_FLIGHT = 2
 # Scenes begun together.
@@ -44,6 +48,7 @@ def solve_periodic(
     *,
     tolerance: float,
     device: Device,
+    keep_states: bool = False,
     report: Callable[[int], object] = lambda solved: None,
 ) -> list[Solution]:
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
@@ -55,7 +60,9 @@ def solve_periodic(
 
     def fly(waiting: Iterable[Progress]) -> None:
         for groups in _launches(waiting, most=size):
-            batches = [_batch_of(group, tolerance=tolerance) for group in groups]
+            batches = [
+                _batch_of(group, tolerance=tolerance, keep_states=keep_states) for group in groups
+            ]
             flying.append((groups, launch(batches, device=device)))
 
     while True:
@@ -70,15 +77,29 @@ def solve_periodic(
         groups, landing = flying.popleft()
         unfinished = []
         for landed in judged_alike(groups, landing.states()):
-            for progress, solution in judge(landed, tolerance=tolerance, room=room):
+            judged = judge(landed, tolerance=tolerance, room=room)
+            for (progress, solution), (batch, position) in zip(judged, _each(landed), strict=True):
                 if solution is None:
                     unfinished.append(progress)
                 else:
+                    if keep_states and solution.status == "ok":
+                        solution.states = _kept(batch, position)
                     solutions[progress.index] = solution
                     report(1)
         landing.end()
         fly(unfinished)
     return [solutions[index] for index in range(len(scenes))]
+
+
+def _each(landed: Iterable[Landed]) -> Iterator[tuple[Landed, int]]:
+    """Where the states of each scene are, in the order of ``judge``."""
+    return ((batch, position) for batch in landed for position in range(len(batch.group)))
+
+
+def _kept(batch: Landed, position: int) -> tuple[State, ...]:
+    """A scene's states on the last two grids: copies, for the launch's arrays are used again."""
+    last = zip(batch.grids[-2:], batch.stages[-2:], strict=True)
+    return tuple(State(grid, states.unknowns[position].copy()) for grid, states in last)
 
 
 def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float) -> Progress:
@@ -126,11 +147,11 @@ class _Filled:
     size: int = 0
 
 
-def _batch_of(group: Sequence[Progress], *, tolerance: float) -> Batch:
+def _batch_of(group: Sequence[Progress], *, tolerance: float, keep_states: bool) -> Batch:
     scenes = [progress.scene for progress in group]
     grids = group[0].grids
     share = LEFT_SHARE if margin_of(group[0].needs.terms) == 1 else ITERATION_SHARE
-    left = share * tolerance
+    left = (KEPT if keep_states else 1.0) * share * tolerance
     shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
     known = [progress.state for progress in group if progress.state is not None]
     if known:  # so that the finer grid does not take the state over as it is
@@ -138,4 +159,4 @@ def _batch_of(group: Sequence[Progress], *, tolerance: float) -> Batch:
     tolerances = dict(zip(grids, shares, strict=True))
     problems = problems_on(scenes, tolerances, terms=group[0].needs.terms)
     guess = np.stack(known) if known else None
-    return Batch(grids=grids, problems=problems, guess=guess, every=False)
+    return Batch(grids=grids, problems=problems, guess=guess, every=keep_states)
