@@ -24,12 +24,11 @@ from squeezefilm.reynolds.error_estimate import (
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import refinement
-from squeezefilm.reynolds.periodic.first_grids import first_grids, grid_for
-from squeezefilm.reynolds.periodic.resolution import profile_fall
+from squeezefilm.reynolds.periodic.resolution import first_grids, grid_for, profile_fall
 
 DISC = Disc(0.012)
 JUDGED = pd.read_csv(Path(__file__).parent / "data" / "judged_films.csv", comment="#")
-FIRST_GRID = "squeezefilm.reynolds.periodic.first_grids.first_grid"
+FIRST_GRID = "squeezefilm.reynolds.periodic.resolution.first_grid"
 
 
 def quarter(points: int) -> Grid:
