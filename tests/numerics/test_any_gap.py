@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from films import PISTON, AsTheGap, film, mean_overpressure, periodic_state
 
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Formula, Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.dynamics import levitation

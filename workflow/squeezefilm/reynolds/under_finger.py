@@ -15,8 +15,8 @@ import numpy as np
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.profiles import landmarks_of
 from squeezefilm.film.scene import AtPlace, Scene
+from squeezefilm.reynolds.conformal_axis import Around, around
 from squeezefilm.reynolds.grid import MOST_SPACE
-from squeezefilm.reynolds.outlines.around import Around, around
 from squeezefilm.reynolds.spectral import Axis, axis, period
 
 # Values of a profile that should agree by symmetry agree to rounding, relative to its largest.

@@ -8,13 +8,13 @@ from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config

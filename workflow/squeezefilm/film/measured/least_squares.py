@@ -69,7 +69,7 @@ def best_fit(
             break
         residual = measured - orthogonal[:, :count] @ along[:count]
         errors[degree] = residual / (1 - leverage)
-        scores[degree] = float(np.sqrt(np.mean(errors[degree] ** 2)))
+        scores[degree] = float(np.sqrt(np.mean(np.abs(errors[degree]) ** 2)))
     if not scores:
         raise InputError(f"{path}: the points do not determine a profile")
     best = min(scores, key=lambda degree: scores[degree])
