@@ -21,6 +21,7 @@ import csv
 import io
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -422,7 +423,7 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
     unplaced = [node for node in nodes if node not in places]
-    twice = [node for node in nodes if nodes.count(node) > 1]
+    twice = [node for node, count in Counter(nodes).items() if count > 1]
     _refuse(
         str(path),
         {
@@ -465,6 +466,7 @@ def _line_at(
     nearest = int(np.argmin(np.abs(lines - frequency_hz)))
     apart = float(np.diff(lines).max()) if len(lines) > 1 else 0.0
     farthest = FARTHEST_LINE * apart if apart else FARTHEST_SHARE * frequency_hz
+    off = abs(lines[nearest] - frequency_hz)
     kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
     _refuse(
         f"{path}: node {int(function['rsp_node'])}",
@@ -473,10 +475,7 @@ def _line_at(
             or over != FREQUENCY,
             "a power spectrum; export amplitudes or frequency responses": kind in POWER_SPECTRA,
             f"its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the actuator "
-            f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)": abs(
-                lines[nearest] - frequency_hz
-            )
-            > farthest,
+            f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)": off > farthest,
         },
     )
     if not (np.any(data) and np.abs(data[nearest]) <= LARGEST):
