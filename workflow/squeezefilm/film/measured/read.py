@@ -88,7 +88,7 @@ class Scan:
 
     Without angles ``y_m`` is None and ``x_m`` the distance from the centre. ``lines`` are the
     rows' places in the file and ``missing`` counts points without an amplitude. ``signed`` tells
-    whether phase, sign or an amplitude below zero says on which side of a node a point is.
+    whether phase, sign or an amplitude below zero tells on which side of a node a point is.
     ``notes`` say how the file was read.
     """
 
@@ -244,7 +244,7 @@ def _columns(header: Sequence[str], *, where: str) -> tuple[dict[str, Column], l
         },
     )
     ignored = [each.name for each in known if each.place not in taken] + unknown
-    notes = [f"columns left out: {', '.join(map(repr, ignored))}"] if ignored else []
+    notes = [f"ignored columns: {', '.join(map(repr, ignored))}"] if ignored else []
     return columns, notes
 
 
@@ -331,7 +331,7 @@ def read_cells(
     notes = [] if encoding == "utf-8" else [f"read as {encoding}"]
     before = sum(bool(line.strip()) and not line.lstrip().startswith("#") for line in lines[:index])
     if before:
-        notes.append(f"{before} lines before the header left out")
+        notes.append(f"{before} lines before the header ignored")
     numbered_by = [line for line, _ in rows]
     table = pd.DataFrame(
         [cells for _, cells in rows], numbered_by, range(len(header)), dtype=object

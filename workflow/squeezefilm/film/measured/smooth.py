@@ -1,9 +1,9 @@
 """Amplitudes measured by a scanning vibrometer, made into a smooth profile with known errors.
 
 The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
-which degree they describe the points best; two degrees more are taken, so that what is left out of
-the profile is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
-Statistics, 2006, 5.7). Points far from the rest are left out and the rest is fitted anew. The film
+which degree they describe the points best; two degrees more are taken, so that what the profile
+neglects is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
+Statistics, 2006, 5.7). Points far from the rest are excluded and the rest is fitted anew. The film
 equation needs the profile's curvature, so that a smooth global basis serves it better than splines
 with their knots. Least squares also say how sure the profile is at every place: the standard error
 that noise leaves, from the residuals.
@@ -40,7 +40,7 @@ LARGEST_ERROR = 0.25
 # Nor is one that has no measured point within this share of a disc's radius, or of half a
 # rectangle's shorter side.
 LARGEST_HOLE = 0.35
-# What the smooth motion out of phase may do to forces, as a share, and be left out.
+# What the smooth motion out of phase may do to forces, as a share, and be neglected.
 LARGEST_OUT_OF_PHASE = 1e-3
 # A point is far from the rest beyond this many standard deviations of the noise, and never if it is
 # nearer than this share of the largest amplitude: that may be the profile's own fine structure.
@@ -286,7 +286,7 @@ def _without_outliers(
 ) -> tuple[Fit, np.ndarray]:
     """Least squares on the points that are not far from the rest, and which those are.
 
-    Points are left out and taken back in until they stay the same (iterated trimming; Rousseeuw
+    Points are excluded and taken back in until they stay the same (iterated trimming; Rousseeuw
     and Leroy, Robust Regression and Outlier Detection, 1987).
     """
     kept: np.ndarray = np.ones(len(measured), dtype=bool)
