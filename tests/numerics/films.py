@@ -17,7 +17,6 @@ from squeezefilm.reynolds.limits.films import Films, films_of, limit_axis
 from squeezefilm.reynolds.limits.forces import LimitForces
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.states import States
-from squeezefilm.reynolds.problems import problems_of
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
@@ -75,8 +74,7 @@ def periodic_state(
     """The scene solved on one given grid: ``points`` across the finger in both directions."""
     unknowns = points // 2 if fold else points
     grid = Grid(nx=unknowns, ny=unknowns, nt=instants, fold_x=fold, fold_y=fold)
-    problems = problems_of([scene], grid, tolerance=tolerance)
-    return grid, solve_batch(problems=problems, grid=grid, device=choose_device())
+    return grid, solve_batch([scene], grid, tolerance=tolerance, device=choose_device())
 
 
 def mean_overpressure(

@@ -194,9 +194,9 @@ def test_films_of_many_gaps_share_what_is_known_of_their_place():
     """And each is still the film that is so much thicker."""
     even = [replace(film(epsilon=0.3, sigma=300.0), h0_m=h0_m) for h0_m in (5e-6, 6e-6, 9e-6)]
     grid = Grid(16, 16, 12, fold_x=False, fold_y=False)
-    together = problems_of([shaped(each, Raised(rise=1e-6)) for each in even], grid, tolerance=1e-9)
-    assert len(together.parts) == 1
-    forces = solve_batch(problems=together, grid=grid, device=choose_device()).mean
+    raised = [shaped(each, Raised(rise=1e-6)) for each in even]
+    assert len(problems_of(raised, grid, tolerance=1e-9).parts) == 1
+    forces = solve_batch(raised, grid, tolerance=1e-9, device=choose_device()).mean
     thicker = [replace(each, h0_m=each.h0_m + 1e-6) for each in even]
     expected = [mean_overpressure(each, points=16, instants=12) for each in thicker]
     assert forces == pytest.approx(expected, rel=1e-6)

@@ -29,7 +29,6 @@ from squeezefilm.reynolds.effects.sensitivity import answer, response, sensitivi
 from squeezefilm.reynolds.effects.words import budget_row, budget_text, notes_of_budget
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.spectral import axis
 
 
@@ -174,8 +173,7 @@ def test_the_adjoint_answers_as_the_equation_itself(rarefaction: str, exponent: 
         polytropic_exponent=exponent,
     )
     grid = Grid(nx=16, ny=16, nt=12, fold_x=False, fold_y=True)
-    problems = problems_of([scene], grid, tolerance=1e-8)
-    states = solve_batch(problems=problems, grid=grid, device=choose_device())
+    states = solve_batch([scene], grid, tolerance=1e-8, device=choose_device())
     films = Fields(problems, grid, states.overpressure)
     source = np.random.default_rng(1).normal(size=(1, *grid.shape))
     change = response(films, source, tolerance=1e-12)
@@ -318,8 +316,7 @@ def test_a_profile_that_passes_against_a_march_along_it(place: float) -> None:
         grid = Grid(nx=24, ny=40, nt=12, fold_x=False, fold_y=False)
         films = []
         for each in sliding.line(scene):
-            problems = problems_of([each], grid, tolerance=1e-9)
-            states = solve_batch(problems=problems, grid=grid, device=choose_device())
+            states = solve_batch([each], grid, tolerance=1e-9, device=choose_device())
             films.append(Fields(problems, grid, states.overpressure))
         orders = sliding.change_by_passing(films, bearing=np.array([-rate * sigma / 2]))
         found.append(aspect * np.array(orders)[:, 0])

@@ -34,7 +34,6 @@ from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.pressure import pressure
-from squeezefilm.reynolds.problems import problems_of
 
 AREA_M2 = LENGTH_M**2
 FORCE_N = PRESSURE_PA * AREA_M2
@@ -63,8 +62,7 @@ class WithUnknowns(Fields):
 def on_nodes(scene: Scene, *, points: int, instants: int) -> WithUnknowns:
     """The film's own fields on one grid, whole."""
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
-    problems = problems_of([scene], grid, tolerance=1e-10)
-    state = solve_batch(problems=problems, grid=grid, device=choose_device())
+    state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     assert state.status[0] == 0
     fields = WithUnknowns(problems, grid, state.overpressure)
     fields.unknowns = state.unknowns[0]

@@ -16,7 +16,6 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import launch, refinement
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.study import scene_of
 
@@ -235,9 +234,7 @@ def test_no_more_is_left_of_an_iteration_than_it_says(tolerance):
     """Also where the residual behind the last step is not computed (periodic.cl)."""
     grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
     exact, found = (
-        solve_batch(
-            problems=problems_of(FEW_FILMS, grid, tolerance=each), grid=grid, device=choose_device()
-        )
+        solve_batch(FEW_FILMS, grid, tolerance=each, device=choose_device())
         for each in (1e-12, tolerance)
     )
     narrowest = 1 - np.array([each.epsilon for each in FEW_FILMS])
@@ -254,8 +251,7 @@ def test_grids_of_all_even_sizes_have_the_same_state(items, monkeypatch):
     device = choose_device(work_items=items)
 
     def force(scene, grid):
-        problems = problems_of([scene], grid, tolerance=1e-9)
-        states = solve_batch(problems=problems, grid=grid, device=device)
+        states = solve_batch([scene], grid, tolerance=1e-9, device=device)
         assert states.status[0] == 0
         return float(states.mean[0])
 
@@ -274,10 +270,9 @@ def test_grids_of_all_even_sizes_have_the_same_state(items, monkeypatch):
 
 def test_single_precision_in_a_step_moves_no_force(monkeypatch):
     grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
-    problems = problems_of(FEW_FILMS, grid, tolerance=1e-10)
-    single = solve_batch(problems=problems, grid=grid, device=choose_device())
+    single = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
     monkeypatch.setattr(launch, "in_single", lambda terms: False)
-    double = solve_batch(problems=problems, grid=grid, device=choose_device())
+    double = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
     assert single.mean == pytest.approx(double.mean, rel=2e-10)
     assert (single.mean != double.mean).any()  # it was another kernel
 

@@ -13,7 +13,6 @@ from physics_facts import SINC_CONVERGED, SPRING_AT_20
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.layout import Joined
 from squeezefilm.reynolds.periodic import launch as periodic
 from squeezefilm.reynolds.periodic import profiles
 from squeezefilm.reynolds.periodic.states import States
@@ -148,11 +147,9 @@ def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, mo
 def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch):
     sound = periodic.grid_matrices
 
-    def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+    def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.ndarray]:
         matrices = sound(grid, aspect=aspect, terms=terms)
-        values, at = matrices.values.copy(), matrices.starts[matrices.names.index("sine")]
-        values[at : at + grid.nt] *= -1
-        return replace(matrices, values=values)
+        return matrices | {"sine": -matrices["sine"]}
 
     monkeypatch.setattr(periodic, "grid_matrices", spoilt)
     monkeypatch.setattr(periodic, "_of_grids", periodic._of_grids.__wrapped__)  # kept no longer

@@ -18,7 +18,6 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import finer_grid
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.solver import ways_of
 from squeezefilm.reynolds.spectral import period
@@ -68,8 +67,7 @@ def pressure(
     ending = NO_STATE
     work, most = 0.0, min((term.MOST_WORK for term in needs.terms), default=MOST_WORK)
     while grid is not None and work <= most:
-        problems = problems_of([scene], grid, tolerance=ITERATION_SHARE * tolerance)
-        states = solve_batch(problems=problems, grid=grid, device=device)
+        states = solve_batch([scene], grid, tolerance=ITERATION_SHARE * tolerance, device=device)
         work += float(states.krylov_iterations[0]) * iteration_flops(grid, needs.terms)
         if states.status[0] != 0:
             before, ending = None, STATUS[states.status[0]]

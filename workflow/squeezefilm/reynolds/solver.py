@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import Solution
@@ -20,7 +20,7 @@ from squeezefilm.reynolds.limits import forces as limits
 from squeezefilm.reynolds.limits.domain import unknown_to
 from squeezefilm.reynolds.limits.films import films_of, limit_axis
 from squeezefilm.reynolds.limits.forces import LimitForces, limit_points
-from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
+from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of_each
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile, unseen_profile
 from squeezefilm.reynolds.self_test import check_device
@@ -190,7 +190,7 @@ def _solve(
     device: Device | None,
     report: Callable[[int], object],
 ) -> list[Solution]:
-    needs = [needs_of(scene) for scene in scenes]
+    needs = needs_of_each(Scenes.of(scenes))
     solutions: dict[int, Solution] = {}
     group: list[int] = []
     ways = ways_of(scenes, needs, tolerance=tolerance, method=method)

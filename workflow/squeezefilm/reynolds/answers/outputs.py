@@ -14,7 +14,7 @@ from math import isfinite
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.solution import OUTPUTS, Outputs, Solution, checked_outputs
 from squeezefilm.reynolds.answers.numbers import answered
 from squeezefilm.reynolds.answers.refused import formula_refusals
@@ -31,7 +31,6 @@ from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, profile_fall
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, States
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.solver import each_on_its_own, unexpected, ways_of
 from squeezefilm.reynolds.terms import state_refused, stiffness_of
@@ -182,10 +181,11 @@ def _solved(
     if len(grids) < 2:
         return [each.best or _refused(COARSE) for each in group]
     scenes = [each.scene for each in group]
-    problems = [problems_of(scenes, grid, tolerance=LEFT_SHARE * tolerance) for grid in grids]
     known = [each.guess for each in group if each.guess is not None]
     guess = np.stack(known) if known else None
-    (states,) = launch([Batch(grids, problems, guess)], device=device).states()
+    left = [LEFT_SHARE * tolerance] * len(grids)
+    batch = Batch(Scenes.of(scenes), group[0].needs.terms, grids, left, guess)
+    (states,) = launch([batch], device=device).states()
     return [_one(each, grids, states, k, tolerance=tolerance) for k, each in enumerate(group)]
 
 

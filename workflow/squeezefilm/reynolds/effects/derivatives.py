@@ -15,7 +15,7 @@ from math import isfinite
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.solution import DERIVATIVES, Derivatives, Solution
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
@@ -27,8 +27,8 @@ from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, unseen_profile
 from squeezefilm.reynolds.periodic.states import STATUS
-from squeezefilm.reynolds.problems import problems_of
-from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of
+from squeezefilm.reynolds.problems import numbers_table, problems_of
+from squeezefilm.reynolds.terms import Terms, terms_of
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.polytropic import Polytropic
@@ -110,7 +110,8 @@ def _derivatives(
 ) -> list[Derivatives]:
     """Derivatives of scenes of like terms, by two grids."""
     problems = [problems_of(scenes, grid, tolerance=STATE_SHARE * tolerance) for grid in grids]
-    (states,) = launch([Batch(grids, problems)], device=device).states()
+    batch = Batch(Scenes.of(scenes), problems[0].terms, grids, [STATE_SHARE * tolerance] * 2)
+    (states,) = launch([batch], device=device).states()
     with np.errstate(all="ignore"):
         (before, _), (growth, rounded) = (
             _growths(scenes, Fields(each, grid, state.overpressure), tolerance=tolerance)
@@ -162,7 +163,7 @@ def _growths(
 
 def _equation(scene: Scene) -> object:
     """All that a scene's dimensionless equation depends on."""
-    return numbers_of(scene, terms_of(scene)), scene.place
+    return numbers_table(Scenes.of([scene]), terms_of(scene)).tolist(), scene.place
 
 
 def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:

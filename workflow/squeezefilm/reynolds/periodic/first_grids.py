@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic.changes import judged_from_coarser, margin_of
@@ -73,7 +73,7 @@ def grid_for(
         tolerance=tolerance,
         share=share,
         # Only what has unknowns of its own lags; without terms no layer but the squeezing's counts.
-        slow=float(numbers_of(scene, terms)["slow"]) if unknown_fields(terms) > 1 else 1.0,  # type: ignore[arg-type]
+        slow=float(numbers_of(Scenes.of([scene]), terms)["slow"][0]) if unknown_fields(terms) > 1 else 1.0,
         stiffness=layer_stiffness_of(scene, terms, sigma=numbers["sigma"]) if terms else 1.0,
         room=room,
         step=step,

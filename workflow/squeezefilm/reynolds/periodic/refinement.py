@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
@@ -19,7 +19,6 @@ from squeezefilm.reynolds.periodic.judging import Progress, judge, judged_alike
 from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
 from squeezefilm.reynolds.periodic.resolution import MOST_UNKNOWNS
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
-from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.terms import Terms
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
@@ -140,7 +139,6 @@ def _batch_of(group: Sequence[Progress], *, tolerance: float) -> Batch:
     known = [progress.state for progress in group if progress.state is not None]
     if known:  # so that the finer grid does not take the state over as it is
         shares = [TIMELY * left] * len(grids)
-    tolerances = dict(zip(grids, shares, strict=True))
-    problems = problems_on(scenes, tolerances, terms=group[0].needs.terms)
     guess = np.stack(known) if known else None
-    return Batch(grids=grids, problems=problems, guess=guess, every=False)
+    terms = group[0].needs.terms
+    return Batch(Scenes.of(scenes), terms, grids, shares, guess=guess, every=False)

@@ -11,8 +11,7 @@ from math import asinh, ceil, inf, log, log10, pi, sqrt
 
 from squeezefilm.film.outlines import Outline
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
-from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.under_finger import Probe, UnderFinger
+from squeezefilm.reynolds.needs import Needs, Probe, ProfileAt
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
 MOST_TIME = 192
@@ -61,7 +60,7 @@ def nodes_for_profile(needs: Needs, *, tolerance: float) -> tuple[int, int]:
 
 
 @lru_cache(maxsize=4096)
-def _nodes_for(profile: UnderFinger, share: float) -> tuple[int, int]:
+def _nodes_for(profile: ProfileAt, share: float) -> tuple[int, int]:
     return profile.probe(share).nodes(share)
 
 
