@@ -214,11 +214,15 @@ class Scene(OperatingPoints):
 
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and finger touch (``Scenes``)."""
+        if self.finger.gap.flat:
+            return self.epsilon * getattr(self.actuator.profile, "largest", 1.0)
         return float(_alone(self).closure[0])
 
     @property
     def rest_range(self) -> tuple[float, float]:
         """Least and largest gap over h0 without vibration."""
+        if self.finger.gap.flat:
+            return 1.0, 1.0
         least, most = _alone(self).rest_range
         return float(least[0]), float(most[0])
 
