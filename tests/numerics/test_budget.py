@@ -29,6 +29,7 @@ from squeezefilm.reynolds.effects.sensitivity import answer, response, sensitivi
 from squeezefilm.reynolds.effects.words import budget_row, budget_text, notes_of_budget
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.spectral import axis
 
 
@@ -174,7 +175,7 @@ def test_the_adjoint_answers_as_the_equation_itself(rarefaction: str, exponent: 
     )
     grid = Grid(nx=16, ny=16, nt=12, fold_x=False, fold_y=True)
     states = solve_batch([scene], grid, tolerance=1e-8, device=choose_device())
-    films = Fields(problems, grid, states.overpressure)
+    films = Fields(problems_of([scene], grid, tolerance=1e-8), grid, states.overpressure)
     source = np.random.default_rng(1).normal(size=(1, *grid.shape))
     change = response(films, source, tolerance=1e-12)
     rise = films.with_rim(change) / (films.gap * films.density_slope)
@@ -317,6 +318,7 @@ def test_a_profile_that_passes_against_a_march_along_it(place: float) -> None:
         films = []
         for each in sliding.line(scene):
             states = solve_batch([each], grid, tolerance=1e-9, device=choose_device())
+            problems = problems_of([each], grid, tolerance=1e-9)
             films.append(Fields(problems, grid, states.overpressure))
         orders = sliding.change_by_passing(films, bearing=np.array([-rate * sigma / 2]))
         found.append(aspect * np.array(orders)[:, 0])

@@ -34,6 +34,7 @@ from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.pressure import pressure
+from squeezefilm.reynolds.problems import problems_of
 
 AREA_M2 = LENGTH_M**2
 FORCE_N = PRESSURE_PA * AREA_M2
@@ -64,6 +65,7 @@ def on_nodes(scene: Scene, *, points: int, instants: int) -> WithUnknowns:
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     assert state.status[0] == 0
+    problems = problems_of([scene], grid, tolerance=1e-10)
     fields = WithUnknowns(problems, grid, state.overpressure)
     fields.unknowns = state.unknowns[0]
     return fields

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from math import pi, sqrt
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -346,8 +347,10 @@ class Scenes(OperatingPoints):
     def scene(self, row: int) -> Scene:
         """One of them."""
         film = self.films[self.film_index[row]]
-        numbers = (float(each[row]) for each in (self.h0_m, self.hv_m, self.x_m, self.y_m))
-        return Scene(str(row + 1), *numbers, film.gas, film.actuator, film.finger)
+        h0_m, hv_m, x_m, y_m = (
+            float(each[row]) for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)
+        )
+        return Scene(str(row + 1), h0_m, hv_m, x_m, y_m, film.gas, film.actuator, film.finger)
 
     def column(self, of_film: Callable[[Film], Any]) -> Any:
         """What scenes have by their film: one for all of a single film, else shape (n, …)."""
@@ -375,7 +378,7 @@ class Scenes(OperatingPoints):
         if len(self.films) == 1:
             return self.films[0].gas
         names = [each.name for each in fields(Gas)]
-        return Gas(**{name: self.column(lambda film: getattr(film.gas, name)) for name in names})
+        return Gas(**{name: self.column(attrgetter(f"gas.{name}")) for name in names})
 
     @cached_property
     def actuator(self) -> Actuator:  # type: ignore[override]
@@ -391,7 +394,7 @@ class Scenes(OperatingPoints):
         if len(self.films) == 1:
             return first
         names = ("length_x_m", "length_y_m", "speed_x_m_per_s")
-        columns = {name: self.column(lambda film: getattr(film.finger, name)) for name in names}
+        columns = {name: self.column(attrgetter(f"finger.{name}")) for name in names}
         return replace(first, **columns)
 
     @cached_property
@@ -426,11 +429,8 @@ class Scenes(OperatingPoints):
     @cached_property
     def rest_range(self) -> tuple[np.ndarray, np.ndarray]:
         """Least and largest gap over h0 without vibration."""
-        least, most = (
-            1 + self.column(lambda film, at=at: _rises(film.finger)[at]) / self.h0_m
-            for at in (0, 1)
-        )
-        return least, most
+        least_m, most_m, _, _ = self._rises
+        return 1 + least_m / self.h0_m, 1 + most_m / self.h0_m
 
     @property
     def typical_rest(self) -> np.ndarray:
@@ -438,9 +438,13 @@ class Scenes(OperatingPoints):
 
         (mean of 1/G⁴)^(-1/4), to second order in what G is more than its mean.
         """
-        mean = 1 + self.column(lambda film: _rises(film.finger)[2]) / self.h0_m
-        variance = self.column(lambda film: _rises(film.finger)[3]) / self.h0_m**2
+        _, _, mean_m, variance_m2 = self._rises
+        mean, variance = 1 + mean_m / self.h0_m, variance_m2 / self.h0_m**2
         return np.asarray(mean**2 / np.sqrt(mean**2 + 5 * variance))
+
+    @cached_property
+    def _rises(self) -> np.ndarray:
+        return np.array(self.column(lambda film: _rises(film.finger))).T
 
     @cached_property
     def _on_net(self) -> tuple[np.ndarray, np.ndarray]:

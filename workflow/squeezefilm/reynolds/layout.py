@@ -58,9 +58,7 @@ class Packed:
         """The items of several, of the same arrays."""
         if len(parts) == 1:
             return parts[0]
-        return cls(
-            parts[0].names, np.concatenate([each.values for each in parts]), parts[0].starts
-        )
+        return cls(parts[0].names, np.concatenate([each.values for each in parts]), parts[0].starts)
 
 
 def packed(stages: Sequence[Mapping[str, np.ndarray]], *, absent: Sequence[str] = ()) -> Packed:
@@ -136,8 +134,8 @@ def rows_of(
     reals = table.view(np.float64)
     if numbers.dtype.itemsize:
         reals[..., places[-1]] = numbers.view(np.float64).reshape(len(numbers), 1, -1)
-    for column, values in enumerate(more.values(), start=reals.shape[-1] - len(more)):
-        reals[..., column] = np.reshape(values, (len(numbers), -1))
+    for column, each in enumerate(more.values(), start=reals.shape[-1] - len(more)):
+        reals[..., column] = np.reshape(each, (len(numbers), -1))
     return table.reshape(-1, table.shape[-1]).view(kind)[:, 0]
 
 

@@ -7,8 +7,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from squeezefilm.film.outlines import Outline
 from squeezefilm.film.finger import Finger
+from squeezefilm.film.outlines import Outline
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, sampled_profiles
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of_each
@@ -106,14 +106,13 @@ def needs_of(scene: Scene) -> Needs:
 
 def needs_of_each(scenes: Scenes) -> list[Needs]:
     terms, which_terms = terms_of_each(scenes)
-    found: list[Needs] = [None] * len(scenes)
-    for film, rows, some in scenes.of_each_film():
+    found: dict[int, Needs] = {}
+    for _, rows, some in scenes.of_each_film():
         places, which = some.places
         sampled = sampled_profiles(places)
-        rows = range(len(scenes)) if isinstance(rows, slice) else rows.tolist()
-        for row, at in zip(rows, which.tolist()):
+        for row, at in zip(np.arange(len(scenes))[rows].tolist(), which.tolist(), strict=True):
             found[row] = _needs(sampled, at, terms[which_terms[row]])
-    return found
+    return [found[row] for row in range(len(scenes))]
 
 
 @lru_cache(maxsize=4096)

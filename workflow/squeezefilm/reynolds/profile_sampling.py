@@ -124,7 +124,7 @@ class SampledProfiles:
             return
         sampler = _sampler(LEVELS[level], self.places.pad.finger.smooth_outline)
         step = max(1, TOGETHER // (sampler.grid_x.size + sampler.x.size))
-        alone = np.isin(rows, list(self._landmarks)) if self._landmarks else np.zeros(len(rows), bool)
+        alone = np.isin(rows, list(self._landmarks))
         plain = rows[~alone]
         batches = [plain[start : start + step] for start in range(0, len(plain), step)]
         batches += list(rows[alone][:, None])
@@ -139,12 +139,9 @@ class SampledProfiles:
                 self._look(some, samples, s, between)
         self._samples[level] = _joined(parts)
 
-    def _look(
-        self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray
-    ) -> None:
+    def _look(self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray) -> None:
         """Find symmetries from the values of the first level, at the nodes and between them."""
-        sizes = [np.abs(each).max(axis=0).reshape(len(rows), -1).max(axis=1) for each in (s, between)]
-        self._largest[rows] = np.maximum(*sizes)
+        self._largest[rows] = _largest(s, between)
         same = SYMMETRIC * self._largest[rows]
         outline = self.places.pad.finger.smooth_outline
         # Else what the nodes show holds between them.
@@ -157,8 +154,7 @@ class SampledProfiles:
             if closer.any():
                 far = _mirrored(self.places.some(rows[closer]), along_x=axis_ == 2)
                 even[rows[closer]] = far <= same[closer]
-        off = [np.abs(each - 1).max(axis=0).reshape(len(rows), -1).max(axis=1) for each in (s, between)]
-        self.uniform[rows] = (np.maximum(*off) < SYMMETRIC) & (len(s) == 1)
+        self.uniform[rows] = (_largest(s - 1, between - 1) < SYMMETRIC) & (len(s) == 1)
 
 
 def sampled_profiles(places: Places) -> SampledProfiles:
@@ -178,14 +174,21 @@ def _joined(parts: Sequence[Samples]) -> Samples:
     if len(parts) == 1:
         return parts[0]
     width = max(each.tail.shape[2] for each in parts)
-    wide = [((0, 0), (0, 0), (0, width - each.tail.shape[2])) for each in parts]
-    return Samples(
-        *(
-            np.concatenate([getattr(each, name) for each in parts])
-            for name in ("missed", "worst", "curvature")
-        ),
-        tail=np.concatenate([np.pad(each.tail, pads) for each, pads in zip(parts, wide, strict=True)]),
+    tails = np.zeros((sum(len(each.tail) for each in parts), 2, width))
+    first = 0
+    for each in parts:
+        tails[first : first + len(each.tail), :, : each.tail.shape[2]] = each.tail
+        first += len(each.tail)
+    missed, worst, curvature = (
+        np.concatenate([getattr(each, name) for each in parts])
+        for name in ("missed", "worst", "curvature")
     )
+    return Samples(missed, worst, curvature, tails)
+
+
+def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:
+    """Largest magnitude on the nodes and between them, (positions,)."""
+    return np.maximum(np.abs(s).max(axis=(0, 2, 3)), np.abs(between).max(axis=(0, 2)))
 
 
 def _mirrored(places: Places, *, along_x: bool) -> np.ndarray:

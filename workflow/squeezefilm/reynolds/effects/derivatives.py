@@ -163,7 +163,7 @@ def _growths(
 
 def _equation(scene: Scene) -> object:
     """All that a scene's dimensionless equation depends on."""
-    return numbers_table(Scenes.of([scene]), terms_of(scene)).tolist(), scene.place
+    return numbers_table(Scenes.of([scene]), terms_of(scene)).tobytes(), scene.place
 
 
 def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:

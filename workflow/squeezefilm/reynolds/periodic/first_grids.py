@@ -80,7 +80,9 @@ def grid_for(
         tolerance=tolerance,
         share=share,
         # Only what has unknowns of its own lags; without terms no layer but the squeezing's counts.
-        slow=float(numbers_of(Scenes.of([scene]), terms)["slow"][0]) if unknown_fields(terms) > 1 else 1.0,
+        slow=float(numbers_of(Scenes.of([scene]), terms)["slow"][0])
+        if unknown_fields(terms) > 1
+        else 1.0,
         stiffness=layer_stiffness_of(scene, terms, sigma=numbers["sigma"]) if terms else 1.0,
         room=room,
         step=step,

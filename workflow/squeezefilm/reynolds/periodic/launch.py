@@ -309,7 +309,10 @@ def _columns(buffer: Buffer, batch: Batch, places: Sequence[_Place]) -> list[Col
 def _of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> tuple[Columns, Packed]:
     """The sizes of some grids, and their matrices with those that carry a state to the next."""
     sizes = [sizes_of(grid, terms) for grid in grids]
-    carried: list[Arrays] = [{}, *(carrying_matrices(*pair, terms=terms) for pair in pairwise(grids))]
+    carried: list[Arrays] = [
+        {},
+        *(carrying_matrices(*pair, terms=terms) for pair in pairwise(grids)),
+    ]
     matrices = [
         {**carrying, **grid_matrices(grid, aspect=aspect, terms=terms)}
         for carrying, grid in zip(carried, grids, strict=True)

@@ -118,7 +118,9 @@ def modes_of(
     instants, lag = [grid.nt for grid in grids], numbers["lag"]
     if not lag.any():  # all that tells them apart is how the gaps move
         near = np.rint(motion / VARIATION_STEP)
-        _, first, which = np.unique(1000 * near[0] + near[1], return_index=True, return_inverse=True)
+        _, first, which = np.unique(
+            1000 * near[0] + near[1], return_index=True, return_inverse=True
+        )
         kinds = steps_of(motion[:, first], lag=lag[first], slow=np.ones(len(first)))
         return _packed_kinds(instants, [[steps] * len(grids) for steps in kinds]), which
     on_grids = []
