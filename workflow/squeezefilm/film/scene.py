@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from squeezefilm.film.finger import Finger, net
-from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of, phasor_of
-from squeezefilm.film.vibration.surfaces import Surface
+from squeezefilm.film.profiles import Profile
+from squeezefilm.film.surfaces import Surface
 
 
 @dataclass(frozen=True)
@@ -45,14 +45,11 @@ class Gas:
 
 @dataclass(frozen=True)
 class Actuator:
-    """A surface that vibrates normal to itself at one frequency, by hv · s(x, y) sin ωt.
-
-    Or, with a profile in two phases, by hv · (s₁ sin ωt + s₂ cos ωt).
-    """
+    """A surface that vibrates normal to itself at one frequency, by hv · Im(s(x, y) e^(iωt))."""
 
     frequency_hz: float
     surface: Surface
-    profile: Vibration
+    profile: Profile
 
     @property
     def angular_frequency_rad_per_s(self) -> float:
@@ -154,46 +151,26 @@ class Scene(OperatingPoints):
         return Film(self.gas, self.actuator, self.finger)
 
     @property
-    def place(self) -> tuple[Vibration, Finger, float, float]:
+    def place(self) -> tuple[Profile, Finger, float, float]:
         """All that the profile under the finger depends on: equal for scenes that share it."""
         return self.actuator.profile, self.finger, self.x_m, self.y_m
 
     @property
-    def two_phases(self) -> bool:
-        """Whether the surface does not move in one phase: a travelling wave, modes with a lag."""
-        return isinstance(self.actuator.profile, TwoPhases)
-
-    @property
     def plain(self) -> bool:
         """Whether the gap is even at rest and moves in one phase."""
-        return self.finger.gap.flat and not self.two_phases
+        return self.finger.gap.flat and not self.actuator.profile.is_complex
 
-    def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The profile's s, or s₁ and s₂, at positions x, y in [0, 1] across the finger.
-
-        Shape (phases, …), x and y of any common shape.
-        """
-        return parts_of(self.actuator.profile, **self._place_of(x, y))
-
-    def phasor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """s, or s₁ + i s₂, at positions in [0, 1] across the finger."""
-        return phasor_of(self.actuator.profile, **self._place_of(x, y))
-
-    def _place_of(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
-        """Positions across the finger on the actuator."""
+    def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The profile's s at positions x, y in [0, 1] across the finger, any common shape."""
         along_x, along_y = self.finger.turned(
             (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
         )
-        return {"x_m": self.x_m + along_x, "y_m": self.y_m + along_y}
+        return self.actuator.profile.amplitude(x_m=self.x_m + along_x, y_m=self.y_m + along_y)
 
-    def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Profile s of a vibration in one phase at positions in [0, 1] across the finger."""
-        (s,) = self.parts(x, y)
-        return s
-
-    def magnitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """How far the surface moves over a period, |s| or √(s₁² + s₂²)."""
-        return np.abs(self.phasor(x, y))
+    def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Real and, of a complex one, imaginary part of ``amplitude``, shape (1 or 2, …)."""
+        s = self.amplitude(x, y)
+        return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
 
     def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Gap over h0 without vibration at positions in [0, 1] across the finger."""
@@ -204,8 +181,7 @@ class Scene(OperatingPoints):
 
         It widens while sin ωt > 0: the surface goes down.
         """
-        moves = zip(self.parts(x, y), (np.sin(phase), np.cos(phase)), strict=False)
-        moved = sum(part[..., None] * each for part, each in moves)
+        moved = (self.amplitude(x, y)[..., None] * np.exp(1j * phase)).imag
         return self.rest_gap(x, y)[..., None] + self.epsilon * moved
 
     @property
@@ -240,7 +216,7 @@ def _alone(scene: Scene) -> "Scenes":
 class PadProfile:
     """A vibration profile and the pad over it: with the pad's position, the profile under it."""
 
-    profile: Vibration
+    profile: Profile
     finger: Finger
 
     def __hash__(self) -> int:
@@ -253,14 +229,16 @@ class PadProfile:
     def parts(
         self, x: np.ndarray, y: np.ndarray, *, x_m: np.ndarray, y_m: np.ndarray
     ) -> np.ndarray:
-        """The profile's s, or s₁ and s₂, with the pad at some positions x_m, y_m (positions,).
+        """The profile's real and, of a complex one, imaginary part, with the pad at some positions.
 
-        At points x, y (points,) in [0, 1] across the pad; shape (phases, positions, points).
+        At points x, y (points,) in [0, 1] across the pad, whose centre is at x_m, y_m (positions,);
+        shape (parts, positions, points).
         """
         along_x, along_y = self.finger.turned(
             (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
         )
-        return parts_of(self.profile, x_m=x_m[:, None] + along_x, y_m=y_m[:, None] + along_y)
+        s = self.profile.amplitude(x_m=x_m[:, None] + along_x, y_m=y_m[:, None] + along_y)
+        return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
 
 
 @dataclass(frozen=True)

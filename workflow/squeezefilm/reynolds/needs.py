@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from squeezefilm.film.finger import Finger
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, sampled_profiles
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of_each

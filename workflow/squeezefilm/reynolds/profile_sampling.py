@@ -14,9 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
+from squeezefilm.film.profiles import landmarks_of
 from squeezefilm.film.scene import PadProfile, Places
-from squeezefilm.film.vibration.landmarks import landmarks_of
 from squeezefilm.reynolds.grid import MOST_SPACE
 from squeezefilm.reynolds.outlines.around import Around, around
 from squeezefilm.reynolds.spectral import Axis, axis, period
