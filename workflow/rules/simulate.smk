@@ -2,10 +2,10 @@
 
 # What a plan is made from: a design, or the fits that an extrapolation is beyond.
 SOURCES_OF_PLAN = {
-    "two_factor_design": "<results>/designs/two_factor.csv",
-    "four_factor": "<results>/designs/two_factor.csv",
-    "four_factor_design": "<results>/designs/four_factor.csv",
-    "four_factor_design_distinct": "<results>/designs/four_factor_distinct.csv",
+    "two_factor_design": ["<results>/designs/two_factor.csv"],
+    "four_factor": ["<results>/designs/two_factor.csv"],
+    "four_factor_design": ["<results>/designs/four_factor.csv"],
+    "four_factor_design_distinct": ["<results>/designs/four_factor_distinct.csv"],
     "extrapolation": ["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
 }
 # Sections of the study that decide the points of a plan, besides its sources.

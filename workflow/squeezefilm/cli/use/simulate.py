@@ -33,8 +33,8 @@ from squeezefilm.api.points import scene_points_of
 from squeezefilm.api.simulation import missing_of, simulate_table
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
+from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.validity import OK
-from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.solution import OUTPUTS
 from squeezefilm.studies.config import Config
