@@ -36,7 +36,7 @@ def test_a_scan_is_smoothed_anew_where_it_changes(planned):
 def test_a_scan_is_smoothed_by_one_rule_that_all_who_need_it_read(planned):
     _, edges = planned
     readers = {target for source, target in edges if source == "smooth"}
-    assert {"compile_kernels", "figure", "plan"} <= readers
-    # Whatever simulates has a plan and the device.
-    assert {("plan", "simulate"), ("compile_kernels", "smooth_profile")} <= edges
+    assert {"compile_kernels", "figure"} <= readers
+    # Whatever simulates has the device.
+    assert {("compile_kernels", "simulate_plan"), ("compile_kernels", "smooth_profile")} <= edges
     assert not [source for source, target in edges if target == "smooth"]

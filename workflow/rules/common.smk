@@ -125,11 +125,23 @@ SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
 WITH_SCAN = "--scan {input.scan:q} " if SCAN else ""
 
 
-def chunk_files(plan, suffix):
+PLAN = "<results>/simulations/{plan}"
+
+
+def code_of_plan(wildcards):
+    return CODE["models" if wildcards.plan == "extrapolation" else "solver"]
+
+
+def keep_failed(wildcards):
+    """A scene of a validation sample that has no force counts as infinitely wrong."""
+    return wildcards.plan.startswith("validation_")
+
+
+def chunk_files(wildcards, kind):
     """The files of the chunks in which a plan is simulated; their number is known from the start."""
-    chunks = CHUNKS.get(plan, 1)
+    chunks = CHUNKS[wildcards.plan]
     return [
-        f"<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}{suffix}"
+        f"{PLAN}/chunks/{chunk}-of-{chunks}{kind}.{{suffix}}".format(**wildcards)
         for chunk in range(1, chunks + 1)
     ]
 
@@ -221,6 +233,7 @@ wildcard_constraints:
     fit="|".join(FITS),
     chunk="[0-9]+",
     chunks="[0-9]+",
+    suffix="csv|parquet",
 
 
 onstart:

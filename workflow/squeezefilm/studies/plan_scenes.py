@@ -1,13 +1,14 @@
-"""From a plan to the forces of its scenes."""
+"""The scenes of each plan, as a table to simulate."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import pandas as pd
 
 from squeezefilm.io.errors import naming
 from squeezefilm.io.positions import as_in
-from squeezefilm.io.tables import SCENE_COLUMNS
-from squeezefilm.models.fitted import FittedModel
+from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
+from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.working_point import amplitude_for_force
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import (
@@ -25,26 +26,30 @@ from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import surface_of
 
 
-def scenes_of(
-    name: str, config: Config, *, design: pd.DataFrame | None = None
-) -> Iterable[pd.DataFrame]:
-    """The scenes of a plan; those of a sweep in pieces.
+def write_scenes(
+    name: str, config: Config, *, sources: Sequence[Path | str] = (), output: Path | str
+) -> None:
+    """Write the table of a plan; a sweep is made and written in pieces.
 
     Args:
-        design: the table of a design, for the plans that are made from one.
+        sources: the design that a plan is made from, and of ``extrapolation`` the fits.
     """
-    if name == "sweep":
-        sweep = config["sweep"]
-        return sweep_pieces(
-            points=sweep["points"],
-            first=sweep["first"],
-            seed=sweep["seed"],
-            **box_of(config).ranges,
-        )
-    return [_small_plan(name, config, design=design)]
+    with table_writer(output) as write:
+        if name == "sweep":
+            points, first, seed = (config["sweep"][key] for key in ("points", "first", "seed"))
+            ranges = box_of(config).ranges
+            for piece in sweep_pieces(points=points, first=first, seed=seed, **ranges):
+                write(piece)
+        elif name == "extrapolation":
+            fits = {Path(path).stem: read_fit(path) for path in sources}
+            write(extrapolation_scenes(config, fits))
+        else:
+            design = read_design(sources[0]) if sources else None
+            write(scenes_of(name, config, design=design))
 
 
-def _small_plan(name: str, config: Config, *, design: pd.DataFrame | None) -> pd.DataFrame:
+def scenes_of(name: str, config: Config, *, design: pd.DataFrame | None = None) -> pd.DataFrame:
+    """The scenes of a plan that the study or a design gives."""
     position = surface_of(config).position
     if name in ("screen", "error_map"):
         levels = config[name]
