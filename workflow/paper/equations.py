@@ -38,14 +38,6 @@ VALIDATIONS = {
     ("four_factor_design_distinct", "four_factor"): "all points",
     ("four_factor_design_distinct", "four_factor_control"): "random points",
 }
-PLANS = ("screen", "four_factor", "extrapolation")
-FILES = (
-    *(f"simulations/{plan}/forces.csv" for plan in PLANS),
-    *(f"fits/{fit}.json" for fit in FITS),
-    *(f"designs/{design}.csv" for design in DESIGNS),
-    *(f"validation/{fit}_on_{plan}.json" for fit, plan in VALIDATIONS),
-)
-"""What is needed of either study."""
 SHOWN = {
     "h0_m": ("h0", 1e6, "µm"),
     "hv_m": ("hv", 1e6, "µm"),

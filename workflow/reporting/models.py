@@ -218,8 +218,8 @@ def _recommended(
     positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
     if space == "two_factor":  # the centre alone: models know no other
         positions = pd.DataFrame([dict.fromkeys(form_of(every), 0.0)])
-    for place in positions.sort_values(list(positions)).to_dict("records"):
-        place = {str(name): float(value) for name, value in place.items()}
+    for row in positions.sort_values(list(positions.columns)).to_dict("records"):
+        place = {str(name): float(value) for name, value in row.items()}
         at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
         found = working_point(fit, at, force_n=wanted["force_n"])
         yield {**about, "h0_m": wanted["h0_m"], **place, **found}

@@ -12,7 +12,8 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_design, read_json, read_ok_forces, read_scenes
 from squeezefilm.models.fitted import FittedModel, number, read_fit
-from squeezefilm.studies.config import Config
+from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.effective import NAME as STUDY
 
 VALIDATION_NUMBERS = (
     *("points", "global_error", "sum_of_squares", "band", "share_within_band"),
@@ -29,6 +30,11 @@ class Results:
 
     folder: Path
     config: Config
+
+    @classmethod
+    def of(cls, folder: Path, study: Path | str | None = None) -> "Results":
+        """The results in a folder, of a study's file, or else of the one that was left there."""
+        return cls(folder, load_config(study or folder / STUDY))
 
     def forces(self, plan: str) -> pd.DataFrame:
         """The simulated forces of a plan, of which none may be missing."""
@@ -78,7 +84,7 @@ class Results:
         """A row by its index, of a table read from a file."""
         if name not in table.index:
             raise InputError(f"{self.folder / file}: there is no point {name!r}")
-        return table.loc[name]
+        return pd.Series(table.loc[name])
 
     @property
     def beyond(self) -> str:
