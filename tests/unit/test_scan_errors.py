@@ -137,11 +137,6 @@ def test_an_unsigned_scan_without_a_node_that_matters_is_taken(settings):
         assert not smooth(unsigned(scan_of(profile(settings), noise=noise, seed=seed))).folded
 
 
-def test_an_unsigned_scan_of_few_points_is_taken():
-    few = scan_of(profile(DOME), noise=0.01, seed=1, step_mm=3.0)
-    assert not smooth(unsigned(few)).folded
-
-
 def test_a_fold_that_is_accepted_is_named():
     scan = unsigned(scan_of(profile(RING), noise=0.05, seed=1))
     assert smooth(scan, sign="unknown").folded

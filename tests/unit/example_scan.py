@@ -1,13 +1,9 @@
-"""Write a vibrometer's table of an example: its profile, with noise and missing points.
-
-    squeezefilm example-scan --output config/vibrometer.csv
-    squeezefilm example-scan --surface plate --output config/plate.csv
+"""The examples' scans, config/vibrometer.csv and config/plate.csv: profiles, with noise and gaps.
 
 The disc is the paper's with its sinc; the plate, 30 × 20 mm, has a wave of 24 mm along x that is
-weaker towards its sides. Equal options give the same file, byte for byte: these are in config/.
+weaker towards its sides.
 """
 
-import argparse
 import csv
 import io
 
@@ -15,8 +11,6 @@ import numpy as np
 
 from squeezefilm.film.profiles import Formula, Profile, Sinc
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
-from squeezefilm.io.atomic import write_text
-from squeezefilm.io.errors import InputError
 
 PLATE = Rectangle(0.030, 0.020)
 EXAMPLES: dict[str, tuple[Surface, Profile, float]] = {
@@ -26,23 +20,6 @@ EXAMPLES: dict[str, tuple[Surface, Profile, float]] = {
 """Where points lie, the profile, and the raster's step in mm."""
 PEAK_UM = 1.2
 PHASE_NOISE_DEG = 1.0
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--output", required=True, metavar="SCAN.csv")
-    parser.add_argument("--surface", choices=EXAMPLES, default="disc", help="what is scanned")
-    parser.add_argument("--noise", type=float, default=0.02, help="share of the largest amplitude")
-    parser.add_argument("--missing", type=float, default=0.03, help="share of the points")
-    parser.add_argument("--seed", type=int, default=1)
-
-
-def run(options: argparse.Namespace) -> None:
-    if not (0 <= options.noise <= 1 and 0 <= options.missing <= 0.9 and options.seed >= 0):
-        raise InputError("--noise lies in 0 … 1, --missing in 0 … 0.9, --seed is not negative")
-    text = scan_text(
-        noise=options.noise, missing=options.missing, seed=options.seed, surface=options.surface
-    )
-    write_text(text, options.output)
 
 
 def scan_text(*, noise: float, missing: float, seed: int, surface: str = "disc") -> str:
