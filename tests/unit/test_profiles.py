@@ -87,12 +87,6 @@ def test_a_mode_with_nodal_diameters_turns_its_sign_across_them():
     assert values == pytest.approx(jv(2, 2.4) / largest * np.array([1, 0, -1, 1]), abs=1e-9)
 
 
-def test_a_standing_wave_has_its_length():
-    wave = profile(kind="standing-wave", wavelength_m=0.012, direction_deg=90.0, crest_m=0.001)
-    y_m = np.array([0.001, 0.004, 0.007])
-    assert wave.amplitude(x_m=np.full(3, 0.003), y_m=y_m) == pytest.approx([1, 0, -1], abs=1e-12)
-
-
 def test_without_noise_the_profile_comes_back(smooth):
     x, y = raster()
     shape = profile(**ANALYTIC[0])
@@ -224,16 +218,6 @@ def test_a_scan_that_cannot_be_read_is_named(tmp_path):
         read_scan(tmp_path / "none.csv")
     with pytest.raises(InputError, match="cannot be read"):
         read_scan(tmp_path)
-
-
-def test_comments_blank_lines_and_byte_order_mark_do_not_matter(tmp_path):
-    path = tmp_path / "scan.csv"
-    path.write_text(f"\ufeff# a laser scan\n\n{GOOD}\n", encoding="utf-8")
-    plain = tmp_path / "plain.csv"
-    plain.write_text(GOOD, encoding="utf-8")
-    first, second = read_scan(path), read_scan(plain)
-    assert np.array_equal(first.amplitude_m, second.amplitude_m)
-    assert list(first.lines - second.lines) == [2] * len(first.lines)
 
 
 @pytest.mark.parametrize(

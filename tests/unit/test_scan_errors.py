@@ -198,9 +198,14 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     again = read_smoothed(tmp_path / "smoothed.npz", path, settings={"surface": Disc(RADIUS_M)})
     assert scan.profile.is_complex
     assert again.profile == scan.profile
+    assert again.scan.notes == scan.scan.notes
+    assert np.array_equal(again.measured_m, scan.measured_m)
     first, second = (each.residual_bootstrap(count=3, seed=1) for each in (scan, again))
     assert first == second
     assert len({*first, scan.profile}) == 4
+    path.write_text("measured again")
+    with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
+        read_smoothed(tmp_path / "smoothed.npz", path, settings={"surface": Disc(RADIUS_M)})
 
 
 def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene):
