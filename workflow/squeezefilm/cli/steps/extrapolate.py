@@ -11,8 +11,8 @@ from pathlib import Path
 
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_table
-from squeezefilm.models.fitted import read_fit
-from squeezefilm.models.working_point import amplitude_for_force
+from squeezefilm.models.amplitude_for_force import amplitude_for_force
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plans import plan
 
