@@ -24,7 +24,7 @@ from squeezefilm.io.tables import (
     read_ok_forces,
     read_timings,
 )
-from squeezefilm.models.fitted import number, read_fit
+from squeezefilm.models.fit_file import number, read_fit
 
 COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation")
 

@@ -19,8 +19,8 @@ from paper.tables import SYMBOLS, UNITS, five_digits
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import FACTOR_COLUMNS, read_design, read_json, read_ok_forces
-from squeezefilm.models.fitted import FittedModel, number, read_fit
-from squeezefilm.models.force_model import Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel, number, read_fit
 
 INPUTS = {
     "screen": "simulations/screen/forces.csv",

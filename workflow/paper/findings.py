@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import Factors, get_model
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.models.force_model import get_model
 
 BUDGET_COLUMNS = (
     "point_id",

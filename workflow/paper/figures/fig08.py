@@ -11,7 +11,7 @@ from reporting.figures.parts import style, surface
 from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
 from reporting.pages.notes import percent, simulations_note
 from squeezefilm.io.tables import read_ok_forces
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.config import Config
 
 INPUTS = {

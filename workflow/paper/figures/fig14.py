@@ -14,7 +14,7 @@ from reporting.figures.parts.errors import error_note, error_table
 from reporting.figures.parts.tables import Inputs
 from reporting.pages.notes import simulations_note
 from squeezefilm.io.tables import read_ok_forces
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.config import Config
 
 INPUTS = {

@@ -17,7 +17,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.found import modules_in
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import read_json, read_ok_forces
-from squeezefilm.models.fitted import FittedModel, number, read_fit
+from squeezefilm.models.fit_file import FittedModel, number, read_fit
 
 Inputs = Mapping[str, Path]
 

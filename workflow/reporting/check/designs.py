@@ -15,7 +15,7 @@ from squeezefilm.designs.box import coordinates, pair_distances
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_design, read_json
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of

@@ -20,8 +20,8 @@ from reporting.check.tolerances import (
 from squeezefilm.io.positions import POLAR, as_in, form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import FACTOR_COLUMNS, read_json, read_ok_forces
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import number, read_fit
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import number, read_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.config import Config
 

@@ -25,12 +25,11 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import read_forces, read_json, write_table
-from squeezefilm.models.error_by_region import QUANTITIES
-from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.force_model import Factors
-from squeezefilm.models.prediction_interval import ranking_half
-from squeezefilm.models.validation import error_sizes, relative_errors
+from squeezefilm.models.cross_validation import error_sizes, relative_errors
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import check_columns
+from squeezefilm.models.prediction_interval import QUANTITIES, ranking_half
 from squeezefilm.studies.config import load_config
 
 TITLES = {"two_factor": "the finger centred", "four_factor": "the finger anywhere on the surface"}

@@ -19,7 +19,7 @@ from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources, read_columns
 from squeezefilm.io.tables import read_json, read_ok_forces
-from squeezefilm.models.fitted import FittedModel, read_fit
+from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.studies.config import load_config
 
 

@@ -22,12 +22,11 @@ import pandas as pd
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import parse_sources, read_columns
 from squeezefilm.io.tables import read_forces, write_table
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.force_model import Factors
-from squeezefilm.models.library import SPACES
-from squeezefilm.models.validation import relative_errors
-from squeezefilm.models.working_point import working_point
+from squeezefilm.models.amplitude_for_force import working_point
+from squeezefilm.models.cross_validation import relative_errors
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import SPACES
 from squeezefilm.studies.config import Config, load_config
 
 LEAST = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")

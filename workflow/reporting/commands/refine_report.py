@@ -30,9 +30,9 @@ from squeezefilm.io.tables import (
     read_ok_forces,
     write_table,
 )
-from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import ExpressionModel, check_columns
 
 TABLE_COLUMNS = (
     "model",

@@ -2,7 +2,7 @@
 
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
 server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
-model.js what ``squeezefilm.models.working_point`` does with it, modulation.js reads what
+model.js what ``squeezefilm.models.amplitude_for_force`` does with it, modulation.js reads what
 ``squeezefilm response`` found, and words.js has numbers in words.
 """
 
@@ -19,13 +19,13 @@ from reporting.pages.notes import Inertia
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
-from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.generated_code import source
+from squeezefilm.models.export import source
+from squeezefilm.models.fit_file import FittedModel
 
 HERE = Path(__file__).parent
 PAGE = "page.html"
 # Its file, so that the page rests on it.
-LANGUAGE = "javascript.yaml"
+LANGUAGE = "javascript"
 PARTS = {
     "STYLE": "page.css",
     "MODEL": "model.js",
@@ -109,7 +109,7 @@ def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
-        "interval": None if fit.interval is None else fit.interval.to_dict(),
+        "interval": None if fit.interval is None else fit.interval.model_dump(mode="json"),
         "statement": fit.statement,
         "gaps_m": fit.ranges["h0_m"] if fit.interval is None else fit.interval.ranges["h0_m"],
     }
@@ -117,7 +117,7 @@ def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
 
 def _code(name: str, fit: FittedModel) -> str:
     """The model as a script's line that puts it among MODELS."""
-    code = source(fit, LANGUAGE.removesuffix(".yaml")).replace("</", "<\\/")
+    code = source(fit, LANGUAGE).replace("</", "<\\/")
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
 
 

@@ -19,7 +19,7 @@ from reporting.figures.parts.tables import Inputs, micrometres, plane_table
 from reporting.pages.notes import percent
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_ok_forces
-from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.data import factors_of
 from squeezefilm.studies.config import Config
 
 INPUTS = {

@@ -11,7 +11,7 @@ from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.positions import POLAR, form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json, read_ok_forces
-from squeezefilm.models.fitted import number, read_fit
+from squeezefilm.models.fit_file import number, read_fit
 
 PURPOSES = {
     "screen": "finger centred, gap and amplitude on a grid: the first fit",

@@ -8,7 +8,7 @@ from reporting.figures.parts.tables import micrometres, plane_table
 from reporting.pages.notes import percent
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json
-from squeezefilm.models.fitted import number
+from squeezefilm.models.fit_file import number
 
 
 def error_table(errors: Path, validation: Path, *, layer: str) -> pd.DataFrame:

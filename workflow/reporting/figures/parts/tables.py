@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel
 
 Inputs = Mapping[str, Path]
 
