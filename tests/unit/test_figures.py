@@ -154,7 +154,11 @@ def test_what_has_no_style_is_refused_and_not_left_out(place, file, row, study, 
     columns = ("film", "relative_error", "worst_over_allowed")
     source = study.root / file
     results = study.changed(tmp_path, "designs/two_factor.csv", lambda table: table)
-    table = pd.read_csv(source) if source.exists() else pd.DataFrame([[1] * len(columns)], columns=columns)
+    table = (
+        pd.read_csv(source)
+        if source.exists()
+        else pd.DataFrame([[1] * len(columns)], columns=columns)
+    )
     (tmp_path / file).parent.mkdir(exist_ok=True)
     table.assign(**row).to_csv(tmp_path / file, index=False)
     with pytest.raises(InputError, match=r"no style is known for .*magic"):

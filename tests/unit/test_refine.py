@@ -11,8 +11,8 @@ import yaml
 
 from squeezefilm.cli.main import main
 from squeezefilm.io.tables import SCENE_COLUMNS, read_forces, write_table
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks import refined_model
 

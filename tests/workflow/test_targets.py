@@ -63,7 +63,7 @@ def test_the_default_target_is_everything(fresh):
     [
         ("paper", TWO_FACTOR | FOUR_FACTOR),
         ("two_factor", TWO_FACTOR),
-        ("fig07", set()),
+        ("fig07", {"screen"}),
         ("fig08", {"screen", "validation_two_factor"}),  # a fit has its error from the sample
         ("fig13", TWO_FACTOR),  # a fit is judged on all its sets of points in one job
     ],

@@ -220,7 +220,7 @@ rule film_tables:
 
 rule provenance:
     input:
-        device=rules.compile_kernels.output,
+        rules.compile_kernels.output,
     output:
         "<results>/provenance.json",
     log:

@@ -7,5 +7,5 @@ from squeezefilm.studies.config import load_config
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])
-facts = provenance(config, device=read_json(snakemake.input.device))
+facts = provenance(config, device=read_json(snakemake.input[0]))
 write_json(facts, snakemake.output[0])

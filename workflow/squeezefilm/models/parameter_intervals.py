@@ -22,8 +22,9 @@ from scipy.optimize import brentq
 from scipy.special import fdtri
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitting.local_fit import local_fit, sum_of_squares
-from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fitting import local_fit, sum_of_squares
+from squeezefilm.models.force_model import ExpressionModel
 
 Array = NDArray[np.float64]
 

@@ -17,17 +17,22 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import Bounds, differential_evolution
+from scipy.optimize import Bounds, differential_evolution, least_squares
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.parallel import parallel_map
-from squeezefilm.models.fitting.local_fit import local_fit
-from squeezefilm.models.fitting.search import Array, Objective, genetic_search, nelder_mead
-from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.models.search import Array, Objective, genetic_search, nelder_mead
 
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
 MOST_SEARCHES = 32
+DRAWS, SEED = 400, 1
+SPREADS = (2.0, 16.0)
+"""Parameters are drawn as sinh of a uniform number within these: up to 4 and up to 4 million."""
+LEAST_SINGULAR_VALUE = 1e-9
+SHARE_OF_DIRECTION = 0.1
 
 
 @dataclass(frozen=True)
@@ -236,3 +241,136 @@ def _fit(
         points=len(force_n),
         **(how | {"search_theta": tuple(float(value) for value in how["search_theta"])}),
     )
+
+
+def local_fit(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    start: ArrayLike,
+    *,
+    fixed: int | None = None,
+) -> Array:
+    """Parameters of the least sum of squares next to a start, shape (p,).
+
+    A parameter may be held fixed, by its place. force_n has shape (n,). Where the model is linear
+    the start does not matter. Steps to where the model is undefined are taken back.
+    Raises InputError where the model is undefined at the start, or has no derivative on the way.
+    """
+    force = np.asarray(force_n, dtype=float)
+    theta = np.array(start, dtype=float)
+    free = np.array([index for index in range(len(theta)) if index != fixed], dtype=int)
+
+    def whole(part: Array) -> Array:
+        full = theta.copy()
+        full[free] = part
+        return full
+
+    def residuals(part: Array) -> Array:
+        return model.evaluate(whole(part), factors) - force
+
+    def slopes(part: Array) -> Array:
+        return model.gradient(whole(part), factors)[:, free]
+
+    undefined = np.flatnonzero(np.isnan(residuals(theta[free])))
+    if len(undefined):
+        raise InputError(
+            f"fit: the {model.name} model is undefined "
+            f"{model.described(theta, factors, undefined[0])}"
+        )
+    if len(free) == 0:
+        return theta
+    if model.is_linear:  # exact in one step, whatever the parameters' sizes
+        rows = slopes(theta[free])
+        size = np.linalg.norm(rows, axis=0)
+        size = np.where(size > 0, size, 1.0)
+        change = np.linalg.lstsq(rows / size, -residuals(theta[free]), rcond=None)[0] / size
+        return whole(theta[free] + change)
+    with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
+        found = least_squares(
+            residuals, theta[free], jac=slopes, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15
+        )
+    return whole(found.x)
+
+
+def sum_of_squares(
+    model: ExpressionModel, factors: Factors, force_n: ArrayLike, theta: ArrayLike
+) -> float:
+    """Sum of squared residuals in N^2; infinite where the model is undefined at a point."""
+    misses = model.evaluate(theta, factors) - np.asarray(force_n, dtype=float)
+    total = float(np.sum(misses**2))
+    return total if np.isfinite(total) else np.inf
+
+
+def best_told_apart(model: ExpressionModel, factors: Factors) -> tuple[float, Array, Array]:
+    """Where experiments tell a model's parameters apart best, of random theta.
+
+    The least singular value of the gradient with columns scaled to one, its direction, shape (p,),
+    and theta, shape (p,). The least value is -1 where the model is undefined at every theta tried,
+    and at most LEAST_SINGULAR_VALUE where no theta was found that the experiments tell apart.
+    """
+    count = len(model.parameter_names)
+    random = np.random.default_rng(SEED)
+    best, direction, where = -1.0, np.zeros(count), np.zeros(count)
+    for draw in range(DRAWS):
+        spread = SPREADS[draw % len(SPREADS)]
+        theta = np.sinh(random.uniform(-spread, spread, count))
+        try:
+            gradient = model.gradient(theta, factors)
+        except InputError:  # a number within the formula that exceeds the largest there is
+            continue
+        gradient = gradient[np.isfinite(gradient).all(axis=1)]
+        if len(gradient) < count:
+            continue
+        least, along = _weakest(gradient)
+        if least > best:
+            best, direction, where = least, along, theta
+        if best > 1e3 * LEAST_SINGULAR_VALUE:
+            break
+    return best, direction, where
+
+
+def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
+    """See that the gradient has full rank at some theta, so that a fit can have one answer.
+
+    The rank is taken numerically, with columns scaled to one, at many random theta at which the
+    model is defined: what fails at all of them is a property of the model and the points.
+    Raises InputError naming the parameters that the points cannot tell apart, or a model that is
+    undefined wherever it was tried.
+    """
+    if not model.parameter_names:
+        return
+    best, direction, _ = best_told_apart(model, factors)
+    if best < 0:
+        raise InputError(
+            f"{model.place}: the formula is undefined at {DRAWS} random parameter sets; no fit can "
+            "start from there"
+        )
+    if best <= LEAST_SINGULAR_VALUE:
+        share = np.abs(direction) / np.abs(direction).max()
+        names = [
+            name
+            for name, each in zip(model.parameter_names, share, strict=True)
+            if each > SHARE_OF_DIRECTION
+        ]
+        what = (
+            f"{names[0]} has no effect on the force"
+            if len(names) == 1
+            else f"{', '.join(names)} cannot be told apart"
+        )
+        raise InputError(
+            f"{model.place}: {what} at these points; leave a parameter out, or vary the factors "
+            "that it belongs to"
+        )
+
+
+def _weakest(gradient: Array) -> tuple[float, Array]:
+    """The least singular value of a gradient with columns of length one, and its direction."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        length = np.linalg.norm(gradient, axis=0)
+    if np.any(length == 0):
+        return 0.0, (length == 0).astype(float)
+    if not np.all(np.isfinite(length)):
+        return -1.0, length
+    _, values, directions = np.linalg.svd(gradient / length, full_matrices=False)
+    return float(values[-1]), directions[-1]
