@@ -11,21 +11,20 @@ from typing import TypeVar
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.film.validity import validity
+from squeezefilm.film.validity import validities
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.solution import Solution
+from squeezefilm.io.solution import Solution, Solutions
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.limits import forces as limits
 from squeezefilm.reynolds.limits.domain import unknown_to
 from squeezefilm.reynolds.limits.films import films_of, limit_axis
 from squeezefilm.reynolds.limits.forces import LimitForces, limit_points
-from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of_each
+from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
-from squeezefilm.reynolds.periodic.resolution import nodes_for_profile, unseen_profile
+from squeezefilm.reynolds.periodic.resolution import nodes_for_profile, unseen_profiles
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solution import solution_of
-from squeezefilm.reynolds.terms import first_reason, terms_of
+from squeezefilm.reynolds.terms import first_reason, left_out_of, terms_of
 
 # The methods from cheap to dear; the limits know their own error before anything is solved.
 LIMITS = ("closed-form", "fast-limit", "boundary-layer", "small-amplitude", "matched-limit")
@@ -41,6 +40,7 @@ LIMIT_BATCH = 256
 RESOLVES_LAYERS = {"small-amplitude", "matched-limit"}
 
 Result = TypeVar("Result")
+Batch = TypeVar("Batch", Scenes, Sequence[Scene])
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ ON_GRID = Way("periodic")
 
 
 def solve(
-    scenes: Sequence[Scene],
+    scenes: Scenes | Sequence[Scene],
     *,
     tolerance: float,
     model_tolerance: float = MODEL_TOLERANCE,
@@ -109,7 +109,7 @@ def solve(
     device: Device | None = None,
     keep_states: bool = False,
     report: Callable[[int], object] = lambda solved: None,
-) -> list[Solution]:
+) -> Solutions:
     """Mean forces of scenes: |error| ≤ tolerance · |force| + round-off floor, or a reason why not.
 
     Each scene is solved by itself: its result does not depend on the others, and an unexpected
@@ -130,7 +130,7 @@ def solve(
             number for those that an unexpected error asks to be solved again.
     """
 
-    def attempt(some: Sequence[Scene]) -> list[Solution]:
+    def attempt(some: Scenes) -> Solutions:
         finished = 0
 
         def count(more: int) -> None:
@@ -139,17 +139,20 @@ def solve(
             report(more)
 
         try:
-            chosen = decided(some, model_tolerance=model_tolerance, method=method, device=device)
+            if any("auto" in (film.gas.inertia, film.gas.heat) for film in some.films):
+                each = [some.scene(row) for row in range(len(some))]
+                some = Scenes.of(
+                    decided(each, model_tolerance=model_tolerance, method=method, device=device)
+                )
             solutions = _solve(
-                chosen,
+                some,
                 tolerance=tolerance,
                 method=method,
                 device=device,
                 keep_states=keep_states,
                 report=count,
             )
-            for scene, solution in zip(chosen, solutions, strict=True):
-                solution.validity = validity(scene)
+            solutions.validity[:] = validities(some)
             return solutions
         except Exception:
             report(-finished)
@@ -159,15 +162,15 @@ def solve(
         report(1)
         return Solution(status=unexpected(error), method=method)
 
-    return each_on_its_own(attempt, scenes, failed=failed)
+    return Solutions.of(each_on_its_own(attempt, Scenes.of(scenes), failed=failed))
 
 
 def each_on_its_own(
-    work: Callable[[Sequence[Scene]], list[Result]],
-    scenes: Sequence[Scene],
+    work: Callable[[Batch], Sequence[Result]],
+    scenes: Batch,
     *,
     failed: Callable[[Exception], Result],
-) -> list[Result]:
+) -> Sequence[Result]:
     """``work`` on all scenes; where it ends in an unexpected error, that of one scene alone.
 
     Raises:
@@ -191,76 +194,108 @@ def unexpected(error: Exception) -> str:
 
 
 def _solve(
-    scenes: Sequence[Scene],
+    scenes: Scenes,
     *,
     tolerance: float,
     method: str,
     device: Device | None,
     keep_states: bool,
     report: Callable[[int], object],
-) -> list[Solution]:
-    needs = needs_of_each(Scenes.of(scenes))
-    solutions: dict[int, Solution] = {}
-    group: list[int] = []
-    ways = ways_of(scenes, needs, tolerance=tolerance, method=method)
-    for index, way in enumerate(ways):
-        if way.refused:
-            solutions[index] = Solution(status=way.refused, method=way.method)
-        elif way.limit is not None:
-            limit = way.limit
-            solutions[index] = _limit_solution(scenes[index], needs[index], limit, tolerance)
+) -> Solutions:
+    if not len(scenes):
+        return Solutions.of([])
+    needs = needs_of(scenes)
+    ways = ways_of(needs, tolerance=tolerance, method=method)
+    report(len(ways))
+    if not ways:
+        return _periodic(
+            needs, tolerance=tolerance, device=device, keep_states=keep_states, report=report
+        )
+    solutions = Solutions.of_method(method, len(scenes))
+    for row, way in ways.items():
+        if way.limit is None:
+            solutions.status[row], solutions.method[row] = way.refused, way.method
         else:
-            group.append(index)
-    report(len(solutions))
-    if group:
-        some, theirs = [scenes[index] for index in group], [needs[index] for index in group]
-        chosen = device or choose_device()
-        if not chosen.processor:
-            check_device(chosen)
-        try:
-            rest = solve_periodic(
-                some,
-                theirs,
-                tolerance=tolerance,
-                device=chosen,
-                keep_states=keep_states,
-                report=report,
-            )
-        except Exception:
-            chosen.queue.finish()  # kernels under way write into arrays that this sets free
-            raise
-        solutions.update(zip(group, rest, strict=True))
-    return [solutions[index] for index in range(len(scenes))]
+            one = _limit_solution(scenes.scene(row), needs, row, way.limit, tolerance)
+            solutions.put(np.array([row]), Solutions.of([one]))
+    rest = np.setdiff1d(np.arange(len(scenes)), list(ways))
+    if rest.size:
+        found = _periodic(
+            needs[rest], tolerance=tolerance, device=device, keep_states=keep_states, report=report
+        )
+        solutions.put(rest, found)
+    return solutions
 
 
-def ways_of(
-    scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
-) -> list[Way]:
-    """How ``solve`` treats each scene, as far as that is decided before solving."""
-    unseen = [unseen_profile(need, tolerance=tolerance) for need in needs]
-    seen = [index for index, reason in enumerate(unseen) if reason is None]
-    found = by_limits(
-        [scenes[index] for index in seen],
-        [needs[index] for index in seen],
-        tolerance=tolerance,
-        method=method,
-    )
-    limit_results = {seen[place]: result for place, result in found.items()}
-    return [
-        Way("periodic" if method == "auto" else method, refused=reason)
-        if reason
-        else _way(scene, need, limit_results.get(index), method=method)
-        for index, (scene, need, reason) in enumerate(zip(scenes, needs, unseen, strict=True))
+def _periodic(
+    needs: Needs,
+    *,
+    tolerance: float,
+    device: Device | None,
+    keep_states: bool,
+    report: Callable[[int], object],
+) -> Solutions:
+    chosen = device or choose_device()
+    if not chosen.processor:
+        check_device(chosen)
+    try:
+        return solve_periodic(
+            needs, tolerance=tolerance, device=chosen, keep_states=keep_states, report=report
+        )
+    except Exception:
+        chosen.queue.finish()  # kernels under way write into arrays that this sets free
+        raise
+
+
+def ways_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Way]:
+    """How ``solve`` treats each scene, as far as that is decided before solving.
+
+    Of those that are not solved by the periodic state: others have ON_GRID.
+    """
+    scenes, count = needs.scenes, len(needs)
+    refused = unseen_profiles(needs, tolerance=tolerance)
+    ways = {
+        row: Way("periodic" if method == "auto" else method, refused=reason)
+        for row, reason in refused.items()
+    }
+    open_ = np.ones(count, dtype=bool)
+    open_[list(ways)] = False
+    if method != "periodic":
+        tried = open_ & _may_promise(needs, tolerance) if method == "auto" else open_
+        rows = np.flatnonzero(tried).tolist()
+        some = [scenes.scene(row) for row in rows]
+        theirs = [needs[np.array([row])] for row in rows]
+        found = by_limits(some, theirs, tolerance=tolerance, method=method)
+        ways |= {rows[at]: Way(result.method, limit=result) for at, result in found.items()}
+        if method in LIMITS:
+            return ways | {
+                row: Way(method, refused=unknown_to(method, some[at], theirs[at]))
+                for at, row in enumerate(rows)
+                if at not in found
+            }
+        open_[list(ways)] = False
+    # What a scene's terms allow depends on its film alone.
+    kind = scenes.film_index * len(needs.kinds) + needs.kind
+    for each in np.unique(kind[open_]):
+        rows = np.flatnonzero(open_ & (kind == each)).tolist()
+        scene, terms = scenes.scene(rows[0]), needs.kinds[needs.kind[rows[0]]]
+        if reason := first_reason(term.refused_on_grid(scene) for term in terms):
+            ways |= dict.fromkeys(rows, Way("periodic", refused=reason))
+    return ways
+
+
+def _may_promise(needs: Needs, tolerance: float) -> np.ndarray:
+    """Whether any limit may hold the tolerance (``_promises``), (n,)."""
+    scenes = needs.scenes
+    flat = scenes.column(lambda film: film.finger.gap.flat)
+    square, thin = scenes.epsilon**2, scenes.sigma**-1.5
+    orders = [
+        0.3 * scenes.sigma**-0.5,
+        np.where(needs.uniform & flat, 0.3, 100) * thin,
+        square,
+        np.where(needs.uniform, 3, 15) * square * thin,
     ]
-
-
-def _way(scene: Scene, needs: Needs, limit: LimitResult | None, *, method: str) -> Way:
-    if limit is not None:
-        return Way(limit.method, limit=limit)
-    if method in LIMITS:
-        return Way(method, refused=unknown_to(method, scene, needs))
-    refused = first_reason(term.refused_on_grid(scene) for term in needs.terms)
-    return Way("periodic", refused=refused) if refused else ON_GRID
+    return np.asarray(np.minimum.reduce(orders) <= tolerance)
 
 
 def by_limits(
@@ -324,7 +359,7 @@ def _evaluate(
     for index in which:
         scene = scenes[index]
         layers = scene.sigma if name in RESOLVES_LAYERS else 1.0
-        seen_x, seen_y = nodes_for_profile(needs[index], tolerance=tolerance)
+        seen_x, seen_y = nodes_for_profile(needs[index], tolerance=tolerance)[0].tolist()
         # The error estimate wants every other node to see the profile.
         groups[
             max(limit_points(tolerance=tolerance, sigma=layers), 2 * seen_x + 1),
@@ -377,13 +412,15 @@ def _numbers_of_terms(scenes: Sequence[Scene]) -> dict[str, np.ndarray]:
     return {name: np.array([numbers.get(name, 0.0) for numbers in each]) for name in names}
 
 
-def _limit_solution(scene: Scene, needs: Needs, result: LimitResult, tolerance: float) -> Solution:
+def _limit_solution(
+    scene: Scene, needs: Needs, row: int, result: LimitResult, tolerance: float
+) -> Solution:
     finite = isfinite(result.error)
-    return solution_of(
-        scene,
-        mean=result.mean if finite else np.nan,
-        error=result.error if finite else np.nan,
-        left_out=(result.left_out, *needs.terms_left_out),
+    neglected = result.left_out, *left_out_of(needs.kinds[needs.kind[row]])
+    return Solution(
+        force_n=result.mean * scene.force_scale_n if finite else np.nan,
+        force_error_n=result.error * scene.force_scale_n if finite else np.nan,
+        left_out="; ".join(part.what for part in neglected),
         status=result.status(tolerance),
         method=result.method,
         nx=result.nx,

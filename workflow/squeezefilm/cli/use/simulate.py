@@ -173,7 +173,7 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
         for piece in pieces:
             scenes = _scenes(piece, config, path=options.scenes)
             start = time.perf_counter()
-            solutions = solve(scenes, **how, report=bar.update)
+            solutions: Sequence[Solution] = solve(scenes, **how, report=bar.update)
             wall = time.perf_counter() - start
             seconds += wall
             if options.derivatives:

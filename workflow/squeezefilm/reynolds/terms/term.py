@@ -154,6 +154,6 @@ class Term:
         """Why the periodic state is not solved for a scene that has it; empty where it is."""
         return ""
 
-    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
-        """Why a state found lies outside its range, given the smallest ρ H; else empty."""
-        return ""
+    def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
+        """The scenes whose states lie outside its range, given the smallest ρ H, and why."""
+        return {}
