@@ -241,9 +241,8 @@ def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(
     half = instants // 2
     near = 10 ** (round(20 * np.log10(lag)) / 20) if lag else 0.0
     one = np.ones(1)
-    (steps,) = steps_of(
-        variation=variation * one, lagging=lagging * one, lag=lag * one, slow=0.5 * one
-    )
+    motion = np.array([[variation], [lagging]])
+    (steps,) = steps_of(motion, lag=lag * one, slow=0.5 * one)
     modes = time_modes(instants, steps)
     rate = period(instants).derivative
     nodes = period(instants).nodes

@@ -1,5 +1,6 @@
 """What ``solve`` promises: the tolerance, an honest error, independence of grouping."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -116,7 +117,7 @@ class Broken:
         return np.full(np.broadcast(x_m, y_m).shape, np.nan)
 
 
-def alike(some: list[Solution], others: list[Solution]) -> bool:
+def alike(some: Sequence[Solution], others: Sequence[Solution]) -> bool:
     """The same but for rounding, which in the limits depends on how many are solved together."""
     forces = [[each.force_n for each in solutions] for solutions in (some, others)]
     ways = [[(each.method, each.status) for each in solutions] for solutions in (some, others)]
@@ -211,7 +212,7 @@ def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved():
 )
 def test_symmetry_is_found_from_the_scene(scene, expected):
     needs = needs_of(scene)
-    assert (needs.fold_x, needs.fold_y) == expected
+    assert (needs.fold_x[0], needs.fold_y[0]) == expected
 
 
 def test_work_groups_of_many_items_give_the_same_forces(paper_scenes, monkeypatch):

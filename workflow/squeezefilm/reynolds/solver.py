@@ -293,8 +293,10 @@ def _may_promise(needs: Needs, tolerance: float) -> np.ndarray:
         0.3 * scenes.sigma**-0.5,
         np.where(needs.uniform & flat, 0.3, 100) * thin,
         square,
-        np.where(needs.uniform, 3, 15) * square * thin,
     ]
+    if tolerance >= MATCHED_LEAST_TOLERANCE:
+        matched = np.where(needs.uniform, 3, 15) * square * thin
+        orders.append(np.where(scenes.gas.inertia == "included", matched, np.inf))
     return np.asarray(np.minimum.reduce(orders) <= tolerance)
 
 
