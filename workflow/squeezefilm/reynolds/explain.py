@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 from math import log10, nan
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.asymptotics.scenes import Expanded
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.resolution import first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
-from squeezefilm.reynolds.solver import LimitResult, Way, each_on_its_own, unexpected, ways_of
+from squeezefilm.reynolds.plan import Plan, plans_of
+from squeezefilm.reynolds.solver import each_on_its_own, unexpected
 from squeezefilm.reynolds.terms import Terms
 
 
@@ -51,7 +53,7 @@ def explain(
 
     def ways(some: Sequence[Scene]) -> list[Explanation]:
         needs = [needs_of(scene) for scene in some]
-        decided = ways_of(some, needs, tolerance=tolerance, method=method)
+        decided = plans_of(some, needs, tolerance=tolerance, method=method)
         return [
             _explanation(scene, need, way, tolerance=tolerance)
             for scene, need, way in zip(some, needs, decided, strict=True)
@@ -63,19 +65,19 @@ def explain(
     return each_on_its_own(ways, scenes, failed=failed)
 
 
-def _explanation(scene: Scene, need: Needs, way: Way, *, tolerance: float) -> Explanation:
+def _explanation(scene: Scene, need: Needs, way: Plan, *, tolerance: float) -> Explanation:
     if way.refused:
         return Explanation(way.method, status=way.refused)
-    if way.limit is not None:
-        explanation = _by_limit(need, way.limit, tolerance=tolerance)
+    if way.expanded is not None:
+        explanation = _by_limit(need, way.expanded, tolerance=tolerance)
     else:
         explanation = _on_grids(scene, need, tolerance=tolerance)
     return replace(explanation, terms=("squeeze", *(term.label for term in need.terms)))
 
 
-def _by_limit(need: Needs, result: LimitResult, *, tolerance: float) -> Explanation:
+def _by_limit(need: Needs, result: Expanded, *, tolerance: float) -> Explanation:
     return Explanation(
-        method=result.method,
+        method="composite",
         status=result.status(tolerance),
         domain="whole",
         nx=result.nx,

@@ -17,9 +17,9 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS
+from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import ways_of
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.reynolds.terms import state_refused
 
@@ -57,7 +57,7 @@ def pressure(
     Raises RunError saying why there is no such pressure.
     """
     needs = needs_of(scene)
-    (way,) = ways_of([scene], [needs], tolerance=tolerance, method="periodic")
+    (way,) = plans_of([scene], [needs], tolerance=tolerance, method="periodic")
     if way.refused:
         raise RunError(way.refused)
     if not device.processor:

@@ -31,7 +31,7 @@ from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, States
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import each_on_its_own, unexpected, ways_of
+from squeezefilm.reynolds.solver import each_on_its_own, plans_of, unexpected
 from squeezefilm.reynolds.terms import state_refused, stiffness_of
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
@@ -116,7 +116,9 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
 
     By their names in OUTPUTS. Inertia must be decided.
     """
-    (way,) = ways_of([scene], [needs_of(scene)], tolerance=_tolerated(tolerance), method="periodic")
+    (way,) = plans_of(
+        [scene], [needs_of(scene)], tolerance=_tolerated(tolerance), method="periodic"
+    )
     return dict.fromkeys(OUTPUTS, way.refused) if way.refused else formula_refusals(scene)
 
 
@@ -133,7 +135,7 @@ def _from_states(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
     found: dict[int, Outputs] = {}
     waiting: list[_Progress] = []
     needs = [needs_of(scene) for scene in scenes]
-    ways = ways_of(scenes, needs, tolerance=tolerance, method="periodic")
+    ways = plans_of(scenes, needs, tolerance=tolerance, method="periodic")
     for index, (scene, need, way) in enumerate(zip(scenes, needs, ways, strict=True)):
         if way.refused:
             found[index] = _refused(way.refused)

@@ -7,6 +7,7 @@ gap that is even at rest and moves in one phase, H = 1 + ε s sin T (grid_over_p
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from squeezefilm.film.scene import Scene
@@ -70,8 +71,8 @@ class AnyGap(Term):
         numbers: Numbers = {"narrowest": scene.narrowest, "per_rise": 1 / scene.h0_m}
         return {**numbers, **_preconditioners(scene, self.parts)} if self.parts else numbers
 
-    def knows_limit(self, name: str) -> bool:
-        return name != "closed-form"
+    def expansion_numbers(self, scene: Scene) -> Mapping[str, float]:
+        return {}
 
 
 def _preconditioners(scene: Scene, count: int) -> dict[str, tuple[float, ...]]:

@@ -132,10 +132,7 @@ class Inertia(Term):
         layered = scene.sigma > LAYERED_SIGMA and steepness(scene) > STEEPENING
         return SIZE_SHARE if layered else 0.0
 
-    def knows_limit(self, name: str) -> bool:
-        return name != "closed-form"
-
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+    def expansion_numbers(self, scene: Scene) -> Mapping[str, float]:
         return {"reynolds": scene.modified_reynolds}
 
     def refused_on_grid(self, scene: Scene) -> str:

@@ -56,11 +56,8 @@ class Rarefaction(Term):
     def numbers(self, scene: Scene) -> Numbers:
         return {"flow": flow_coefficients(scene)}
 
-    def knows_limit(self, name: str) -> bool:
-        return self.label == "slip" and name != "closed-form"
-
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
-        return {"slip": sum(flow_coefficients(scene)[1:])}
+    def expansion_numbers(self, scene: Scene) -> Mapping[str, float] | None:
+        return {"slip": sum(flow_coefficients(scene)[1:])} if self.label == "slip" else None
 
     def refused_state(self, scene: Scene, *, thinnest: float) -> str:
         least = scene.inverse_knudsen * thinnest
