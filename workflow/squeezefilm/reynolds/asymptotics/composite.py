@@ -63,7 +63,7 @@ def high_squeeze_limit(films: Films) -> AsymptoticForces:
     """The film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the rim.
 
     Under a gap G that is shaped at rest ∇·(G³ ∇(ψ²/G²)) = 0, and all else by the local ε s/G.
-    With inertia core and rim are others (core.py). The error is the boundary-layer correction
+    With inertia core and rim are others (core.py). The error is the edge layer's correction
     and that one's error.
     """
     return _together(films, _fast)
