@@ -6,7 +6,7 @@ import pytest
 from films import PISTON, SINC, film, limit, mean_overpressure
 from physics_facts import SINC_FAST, SINC_SECOND_ORDER, slow_piston
 
-from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.film.profiles import Profile
 from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit, small_amplitude_expansion
 from verification import analytic
 from verification.films import Film

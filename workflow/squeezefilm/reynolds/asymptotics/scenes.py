@@ -89,7 +89,7 @@ def not_derived_for(scene: Scene, needs: Needs) -> str:
     numbers = [term.label for term in needs.terms if term.expansion_numbers(scene)]
     if not scene.finger.gap.flat and numbers:
         return f"{what} a gap that is even at rest with {' and '.join(numbers)}"
-    if scene.two_phases and scene.gas.inertia == "included":
+    if scene.actuator.profile.is_complex and scene.gas.inertia == "included":
         return f"{what} a vibration in one phase with inertia"
     return ""
 
@@ -209,7 +209,7 @@ def expanded(
         ny = max(
             expansion_points(tolerance=tolerance, sigma=sigma * scene.aspect**2), 2 * nodes_y + 1
         )
-        groups[nx, ny, scene.two_phases, scene.finger.gap.flat].append(at)
+        groups[nx, ny, scene.actuator.profile.is_complex, scene.finger.gap.flat].append(at)
     results = {}
     for (nx, ny, *_), group in groups.items():
         for start in range(0, len(group), BATCH):
@@ -222,7 +222,7 @@ def expanded(
 
 def _films(scenes: Sequence[Scene], *, nx: int, ny: int) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
-    places = {scene.place: scene.phasor(x, y) for scene in scenes}
+    places = {scene.place: scene.amplitude(x, y) for scene in scenes}
     numbers = [expansion_numbers(scene) for scene in scenes]
     flat = scenes[0].finger.gap.flat
     return films_of(

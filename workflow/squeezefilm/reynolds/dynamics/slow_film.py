@@ -10,8 +10,8 @@ through the rim over many. Averaged over a period the film equation is a diffusi
 
 s the profile, s₁ + i s₂ of a vibration in two phases, n the inward normal, d, g and q the integrals
 of the rim's boundary layer (asymptotics/edge_layer.py), which follows the amplitude at once. The
-settled ψ is that of ``asymptotics.composite``. Slopes of ψ at the rim do not move its value there: ⟨H³P²⟩
-is linear across the layer.
+settled ψ is that of ``asymptotics.composite``. Slopes of ψ at the rim do not move its value there:
+⟨H³P²⟩ is linear across the layer.
 """
 
 from __future__ import annotations
@@ -279,7 +279,7 @@ def slow_film(
     slip: float = 0.0,
     layer: bool = True,
 ) -> SlowFilm:
-    """The film of a profile on the nodes of ``films.limit_axis``, shape (nx + 2, ny + 2).
+    """The film of a profile on the nodes of ``films.expansion_axis``, shape (nx + 2, ny + 2).
 
     That is s₁ + i s₂ of a vibration in two phases.
     """

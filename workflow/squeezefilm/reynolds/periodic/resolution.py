@@ -10,7 +10,7 @@ from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
 from typing import TypedDict
 
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
