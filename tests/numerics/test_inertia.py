@@ -209,7 +209,7 @@ def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
         ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
         ({"bearing": 0.1}, {}, "auto", "not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "inertia is not known under this finger"),
-        ({"profile": PISTON}, {}, "closed-form", "closed-form does not know inertia"),
+        ({}, {"shape": "ellipse"}, "composite", "derived for rectangular pads"),
     ],
 )
 def test_what_does_not_know_inertia_refuses_it(

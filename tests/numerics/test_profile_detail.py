@@ -40,7 +40,7 @@ def test_a_spot_that_no_grid_sees_is_refused_with_its_size(expression, tolerance
     assert "320 points across 10 mm" in solution.status
 
 
-@pytest.mark.parametrize("method", ["periodic", "boundary-layer", "fast-limit"])
+@pytest.mark.parametrize("method", ["periodic", "composite"])
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_no_method_solves_what_it_does_not_see(method, shape):
     scene = film(epsilon=0.4, sigma=583.0, profile=formula(SPOT))

@@ -7,18 +7,13 @@ from dataclasses import dataclass, replace
 from math import log10, nan
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.asymptotics.scenes import Expanded
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.resolution import first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
-from squeezefilm.reynolds.solver import (
-    ON_GRID,
-    LimitResult,
-    Way,
-    each_on_its_own,
-    unexpected,
-    ways_of,
-)
+from squeezefilm.reynolds.plan import PERIODIC, Plan, plans_of
+from squeezefilm.reynolds.solver import each_on_its_own, unexpected
 from squeezefilm.reynolds.terms import Terms, left_out_of
 
 
@@ -57,9 +52,9 @@ def explain(
     """How ``solve`` will treat the scenes; its arguments. What is ``auto`` has to be decided."""
 
     def ways(some: Sequence[Scene]) -> list[Explanation]:
-        decided = ways_of(needs_of(some), tolerance=tolerance, method=method)
+        plans = plans_of(needs_of(some), tolerance=tolerance, method=method)
         return [
-            _explanation(scene, needs_of(scene), decided.get(row, ON_GRID), tolerance=tolerance)
+            _explanation(scene, needs_of(scene), plans.get(row, PERIODIC), tolerance=tolerance)
             for row, scene in enumerate(some)
         ]
 
@@ -69,19 +64,19 @@ def explain(
     return each_on_its_own(ways, scenes, failed=failed)
 
 
-def _explanation(scene: Scene, need: Needs, way: Way, *, tolerance: float) -> Explanation:
+def _explanation(scene: Scene, need: Needs, way: Plan, *, tolerance: float) -> Explanation:
     if way.refused:
         return Explanation(way.method, status=way.refused)
-    if way.limit is not None:
-        explanation = _by_limit(need, way.limit, tolerance=tolerance)
+    if way.expanded is not None:
+        explanation = _by_limit(need, way.expanded, tolerance=tolerance)
     else:
         explanation = _on_grids(scene, need, tolerance=tolerance)
     return replace(explanation, terms=("squeeze", *(term.label for term in need.terms)))
 
 
-def _by_limit(need: Needs, result: LimitResult, *, tolerance: float) -> Explanation:
+def _by_limit(need: Needs, result: Expanded, *, tolerance: float) -> Explanation:
     return Explanation(
-        method=result.method,
+        method="composite",
         status=result.status(tolerance),
         domain="whole",
         nx=result.nx,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -77,6 +77,13 @@ class Needs:
         if (self.kind != self.kind[0]).any():
             raise ValueError("these scenes have unlike terms")
         return self.kinds[self.kind[0]]
+
+    def alike(self) -> Iterator[tuple[np.ndarray, Scene, Terms]]:
+        """Scenes of one film and like terms: which they are, the first of them, the terms."""
+        code = self.scenes.film_index * len(self.kinds) + self.kind
+        for each in np.unique(code):
+            rows = np.flatnonzero(code == each)
+            yield rows, self.scenes.scene(int(rows[0])), self.kinds[self.kind[rows[0]]]
 
     def samples(self, share: float) -> Samples:
         """What grids that miss no more than a share of the profiles resolve, (n,)."""

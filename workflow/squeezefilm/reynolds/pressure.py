@@ -17,8 +17,8 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS
+from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import ways_of
 from squeezefilm.reynolds.spectral import period
 from squeezefilm.reynolds.terms import states_refused
 
@@ -56,8 +56,8 @@ def pressure(
     Raises RunError saying why there is no such pressure.
     """
     needs = needs_of(scene)
-    if ways := ways_of(needs, tolerance=tolerance, method="periodic"):
-        raise RunError(ways[0].refused)
+    if plans := plans_of(needs, tolerance=tolerance, method="periodic"):
+        raise RunError(plans[0].refused)
     if not device.processor:
         check_device(device)
     grid: Grid | None = grid_for(needs, tolerance=tolerance)[0]

@@ -29,8 +29,9 @@ from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, profile_fall
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, States
+from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import each_on_its_own, unexpected, ways_of
+from squeezefilm.reynolds.solver import each_on_its_own, unexpected
 from squeezefilm.reynolds.terms import states_refused, stiffness_of
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
@@ -115,8 +116,8 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
 
     By their names in OUTPUTS. Inertia must be decided.
     """
-    ways = ways_of(needs_of(scene), tolerance=_tolerated(tolerance), method="periodic")
-    return dict.fromkeys(OUTPUTS, ways[0].refused) if ways else formula_refusals(scene)
+    plans = plans_of(needs_of(scene), tolerance=_tolerated(tolerance), method="periodic")
+    return dict.fromkeys(OUTPUTS, plans[0].refused) if plans else formula_refusals(scene)
 
 
 def _tolerated(tolerance: float) -> float:
@@ -131,11 +132,11 @@ def _from_states(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
     """All answers that follow from a periodic state, or why there are none."""
     found: dict[int, Outputs] = {}
     waiting: list[_Progress] = []
-    ways = ways_of(needs_of(scenes), tolerance=tolerance, method="periodic")
+    plans = plans_of(needs_of(scenes), tolerance=tolerance, method="periodic")
     for index, scene in enumerate(scenes):
         need = needs_of(scene)
-        if index in ways:
-            found[index] = _refused(ways[index].refused)
+        if index in plans:
+            found[index] = _refused(plans[index].refused)
         else:
             (first,) = grid_for(need, tolerance=tolerance)
             waiting.append(_Progress(index, scene, need, first))

@@ -58,11 +58,8 @@ class Rarefaction(Term):
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"flow": flow_coefficients(scene)}
 
-    def knows_limit(self, name: str) -> bool:
-        return self.label == "slip" and name != "closed-form"
-
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
-        return {"slip": sum(flow_coefficients(scene)[1:])}
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers | None:
+        return {"slip": sum(flow_coefficients(scene)[1:])} if self.label == "slip" else None
 
     def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
         if self.label != "fukui-kaneko":

@@ -117,13 +117,10 @@ class Term:
         """Factor of the relative change of pressure with that of density."""
         return 1.0
 
-    def knows_limit(self, name: str) -> bool:
-        """Whether a limit (solver.py) was derived with it."""
-        return False
-
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
-        """Arguments of the limits that know it (limits.py)."""
-        return {}
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers | None:
+        """Arguments of the expansions for σ → ∞ (asymptotics/); None where they are not derived
+        with the term."""
+        return None
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         """What its lines need of a grid, beside the matrices that all have.
