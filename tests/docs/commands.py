@@ -84,7 +84,6 @@ BY_HAND = {
         "minutes; ten such studies are a test"
     ),
     "make lock": "takes the newest versions of all packages from the network",
-    "python -m squeezefilm.reynolds.limits.inertial_layer": "makes a committed table anew",
 }
 """Commands that nothing runs, and why."""
 

@@ -433,7 +433,7 @@ def test_a_damaged_table_of_limits_is_refused(damage, message, limit_table, writ
 def test_where_the_limit_does_not_hold_the_table_says_so(edited, tmp_path):
     sliding, table = edited(finger={"speed_x_m_per_s": 2}), tmp_path / "table.json"
     assert cli.main(["limit-table", f"--config={sliding}", f"--output={table}"]) == 0
-    assert "boundary-layer does not know bearing" in json.loads(table.read_text())["refused"]
+    assert "not derived with bearing" in json.loads(table.read_text())["refused"]
 
 
 @pytest.mark.parametrize(

@@ -102,8 +102,9 @@ def _solved(
 
 
 def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
-    needs = [replace(needs_of(scene), fold_x=False, fold_y=False) for scene in scenes]
-    return _forces(solve_periodic(scenes, needs, tolerance=tolerance, device=device))
+    whole = np.zeros(len(scenes), dtype=bool)
+    needs = replace(needs_of(scenes), fold_x=whole, fold_y=whole)
+    return _forces(solve_periodic(needs, tolerance=tolerance, device=device))
 
 
 def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:

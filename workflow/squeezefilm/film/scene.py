@@ -261,6 +261,10 @@ class Film:
         return PadProfile(self.actuator.profile, self.finger)
 
 
+# Which of some scenes.
+Rows = slice | np.ndarray
+
+
 class Places(NamedTuple):
     """The pad's positions among scenes of one film, each once: x_m, y_m, shape (positions,)."""
 
@@ -277,7 +281,7 @@ class Places(NamedTuple):
         """The profile's parts at points across the pad, shape (phases, positions, points)."""
         return self.pad.parts(x, y, x_m=self.x_m, y_m=self.y_m)
 
-    def some(self, rows: "slice | np.ndarray") -> "Places":
+    def some(self, rows: Rows) -> "Places":
         return Places(self.pad, self.x_m[rows], self.y_m[rows])
 
 
@@ -318,7 +322,7 @@ class Scenes(OperatingPoints):
     def __len__(self) -> int:
         return len(self.h0_m)
 
-    def __getitem__(self, rows: slice | np.ndarray) -> "Scenes":
+    def __getitem__(self, rows: Rows) -> "Scenes":
         columns = (self.film_index, self.h0_m, self.hv_m, self.x_m, self.y_m)
         return Scenes(self.films, *(column[rows] for column in columns))
 
@@ -336,7 +340,7 @@ class Scenes(OperatingPoints):
             return of_film(self.films[0])
         return np.array([of_film(film) for film in self.films])[self.film_index]
 
-    def of_each_film(self) -> Iterator[tuple[Film, "slice | np.ndarray", "Scenes"]]:
+    def of_each_film(self) -> Iterator[tuple[Film, Rows, "Scenes"]]:
         """Each film that scenes have, which rows these are, and the scenes."""
         if len(self.films) == 1:
             yield self.films[0], slice(None), self

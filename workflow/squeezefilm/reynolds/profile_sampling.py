@@ -98,7 +98,7 @@ class SampledProfiles:
                 if not rows.size:
                     break
             order = np.argsort(np.concatenate(which))
-            self._at[share] = parts[0] if len(parts) == 1 else _joined(parts)[order]
+            self._at[share] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
         return self._at[share]
 
     def feature_m(self, position: int) -> float:
@@ -137,7 +137,7 @@ class SampledProfiles:
             parts.append(samples)
             if level == 0:
                 self._look(some, samples, s, between)
-        self._samples[level] = _joined(parts)
+        self._samples[level] = joined_samples(parts)
 
     def _look(self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray) -> None:
         """Find symmetries from the values of the first level, at the nodes and between them."""
@@ -169,7 +169,7 @@ def _kept(pad: PadProfile, x_m: bytes, y_m: bytes) -> SampledProfiles:
     return SampledProfiles(Places(pad, np.frombuffer(x_m), np.frombuffer(y_m)))
 
 
-def _joined(parts: Sequence[Samples]) -> Samples:
+def joined_samples(parts: Sequence[Samples]) -> Samples:
     """The samples behind each other; what is missed beyond the last node is nothing."""
     if len(parts) == 1:
         return parts[0]

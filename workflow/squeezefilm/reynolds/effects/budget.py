@@ -25,7 +25,7 @@ from squeezefilm.reynolds.effects.sensitivity import Answers, sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.periodic.resolution import grid_for, unseen_profile
+from squeezefilm.reynolds.periodic.resolution import grid_for, unseen_profiles
 from squeezefilm.reynolds.periodic.states import STATUS
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms, terms_of
@@ -169,10 +169,10 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
         needs = needs_of(scene)
         if scene.epsilon == 0:
             found[index] = Budget(status="no vibration, no force")
-        elif reason := unseen_profile(needs, tolerance=GRID_TOLERANCE):
-            found[index] = Budget(status=reason)
+        elif unseen := unseen_profiles(needs, tolerance=GRID_TOLERANCE):
+            found[index] = Budget(status=unseen[0])
         else:
-            grid = grid_for(scene, needs, tolerance=GRID_TOLERANCE)
+            (grid,) = grid_for(needs, tolerance=GRID_TOLERANCE)
             groups[needs.terms][grid, scene.aspect, scene.epsilon < SMALL].append(index)
     for alike in groups.values():
         for parts in _launches(alike):

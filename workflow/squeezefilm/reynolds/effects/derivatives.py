@@ -24,7 +24,7 @@ from squeezefilm.reynolds.effects.sensitivity import sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, unseen_profile
+from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, unseen_profiles
 from squeezefilm.reynolds.periodic.states import STATUS
 from squeezefilm.reynolds.problems import numbers_table, problems_of
 from squeezefilm.reynolds.terms import Terms, terms_of
@@ -95,9 +95,9 @@ def _grids(scene: Scene, needs: Needs, *, tolerance: float) -> tuple[Grid, Grid]
         return "derivatives are known of rectangular pads alone"
     if unknown := [term.label for term in needs.terms if not isinstance(term, KNOWN)]:
         return f"derivatives are not known with {unknown[0]}: its adjoint is not"
-    if reason := unseen_profile(needs, tolerance=tolerance):
-        return reason
-    coarse = grid_for(scene, needs, tolerance=tolerance)
+    if unseen := unseen_profiles(needs, tolerance=tolerance):
+        return unseen[0]
+    (coarse,) = grid_for(needs, tolerance=tolerance)
     fine = finer_grid(coarse)
     if fine is None or fine.count > MOST_UNKNOWNS:
         return f"derivatives to {tolerance:g} want more than {MOST_UNKNOWNS} unknowns"

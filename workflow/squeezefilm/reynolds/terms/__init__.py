@@ -118,9 +118,12 @@ def own_fields(terms: Terms) -> int:
     return sum(term.OWN_FIELDS for term in terms)
 
 
-def state_refused(scene: Scene, terms: Terms, *, thinnest: float) -> str:
-    """Why a state found lies outside the range of a term; empty if it does not."""
-    return first_reason(term.refused_state(scene, thinnest=thinnest) for term in terms)
+def states_refused(scenes: Scenes, terms: Terms, *, thinnest: np.ndarray) -> dict[int, str]:
+    """The scenes whose states lie outside the range of a term, and why."""
+    refused: dict[int, str] = {}
+    for term in reversed(terms):
+        refused.update(term.refused_states(scenes, thinnest=thinnest))
+    return refused
 
 
 def notes_of(scene: Scene) -> list[str]:

@@ -17,7 +17,6 @@ Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -133,10 +132,7 @@ class Inertia(Term):
         layered = (scene.sigma > LAYERED_SIGMA) & (steepness(scene) > STEEPENING)
         return np.where(layered, SIZE_SHARE, 0.0)
 
-    def knows_limit(self, name: str) -> bool:
-        return name != "closed-form"
-
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers:
         return {"reynolds": scene.modified_reynolds}
 
     def refused_on_grid(self, scene: Scene) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import OperatingPoints, Scene
+from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.film.validity import LEAST_INVERSE_KNUDSEN
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 
@@ -58,14 +58,14 @@ class Rarefaction(Term):
     def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"flow": flow_coefficients(scene)}
 
-    def knows_limit(self, name: str) -> bool:
-        return self.label == "slip" and name != "closed-form"
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers | None:
+        return {"slip": sum(flow_coefficients(scene)[1:])} if self.label == "slip" else None
 
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
-        return {"slip": sum(flow_coefficients(scene)[1:])}
-
-    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
-        least = scene.inverse_knudsen * thinnest
-        if self.label != "fukui-kaneko" or not least < LEAST_INVERSE_KNUDSEN:
-            return ""
-        return f"gas too rarefied: D falls to {least:.2g}, below {LEAST_INVERSE_KNUDSEN:g}"
+    def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
+        if self.label != "fukui-kaneko":
+            return {}
+        least = scenes.inverse_knudsen * thinnest
+        return {
+            row: f"gas too rarefied: D falls to {least[row]:.2g}, below {LEAST_INVERSE_KNUDSEN:g}"
+            for row in np.flatnonzero(least < LEAST_INVERSE_KNUDSEN).tolist()
+        }

@@ -117,13 +117,10 @@ class Term:
         """Factor of the relative change of pressure with that of density."""
         return 1.0
 
-    def knows_limit(self, name: str) -> bool:
-        """Whether a limit (solver.py) was derived with it."""
-        return False
-
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
-        """Arguments of the limits that know it (limits.py)."""
-        return {}
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers | None:
+        """Arguments of the expansions for σ → ∞ (asymptotics/); None where they are not derived
+        with the term."""
+        return None
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         """What its lines need of a grid, beside the matrices that all have.
@@ -154,6 +151,6 @@ class Term:
         """Why the periodic state is not solved for a scene that has it; empty where it is."""
         return ""
 
-    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
-        """Why a state found lies outside its range, given the smallest ρ H; else empty."""
-        return ""
+    def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
+        """The scenes whose states lie outside its range, given the smallest ρ H, and why."""
+        return {}

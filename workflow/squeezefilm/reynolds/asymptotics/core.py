@@ -1,8 +1,11 @@
-"""Expansions of the mean overpressure for a gas with inertia (terms/inertia.py), without slip.
+"""Expansions of the mean overpressure in 1/√σ and in ε: core, edge layer, and second order.
 
-At σ → ∞ the mass HP = ψ(x, y) obeys, with a = ε s, the core's equation
+At σ → ∞ the mass HP = ψ(x, y) rests but in a layer at the pad's edge. Without inertia ψ²/2 + slip ψ
+exceeds its value at rest by what is harmonic with its value on the edge.
 
-    ∇·(α ∇ψ² + β ψ² ∇a²) = 0,   α = 1 − a² β,   ψ² on the rim as the layer there leaves it.
+With inertia (terms/inertia.py), without slip, it obeys, with a = ε s,
+
+    ∇·(α ∇ψ² + β ψ² ∇a²) = 0,   α = 1 − a² β,   ψ² on the edge as the layer there leaves it.
 
 The flux is −(1/σ) ψ (A ∇ψ − ψ B ∇a) with A/H + c ∂A/∂T = 1, c = Re ψ/10, B likewise with sin T/H;
 α and (1 − α)/a = a β are the means of A and of −B, for B = (A − 1)/a. With θ the angle in which the
@@ -14,19 +17,139 @@ gap is H = √(1 − a²) Σ (∓ρ)^|k| exp ikθ, dT = H dθ/√(1 − a²), ea
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import ceil, log
+from dataclasses import dataclass, fields
+from math import ceil, log, sqrt
+from typing import TypeVar
 
 import numpy as np
 
-from squeezefilm.reynolds.limits.expansion import Expansion, SecondOrder, layer_correction
-from squeezefilm.reynolds.limits.films import Films, wide
-from squeezefilm.reynolds.limits.inertial_layer import rim_values
+from squeezefilm.reynolds.asymptotics import edge_layer
+from squeezefilm.reynolds.asymptotics.edge_layer_with_inertia import rim_values
+from squeezefilm.reynolds.asymptotics.films import Films, wide
 
+# d(a)/a², g(a)/a and q(a)/a of the edge layer at a = 0.
+LINEAR = -5 * sqrt(2) / 8, 3 / sqrt(2), -3 / sqrt(2)
 # Of the sums over harmonics, and of the rounds that solve the core's equation.
 PRECISION, MOST_HARMONICS = 1e-10, 200
 ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
 # Where functions of a over their leading power are taken for a → 0.
 TINY = 1e-4
+
+Number = float | np.ndarray
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """A mean overpressure to order 1/√σ: the mean of ``density`` over the finger and ``layer``.
+
+    ``gross`` is what ``layer`` is made of without cancellation. Shapes (B, nx + 2, ny + 2), (B,)
+    and (B,).
+    """
+
+    density: np.ndarray
+    layer: np.ndarray
+    gross: np.ndarray
+
+
+@dataclass(frozen=True)
+class SecondOrder:
+    """The mean overpressure over ε² for ε → 0: that of ``flow`` − ``loss``, and ``rim``.
+
+    ``rim``, shape (B,), is what the rim drives by itself.
+    """
+
+    flow: np.ndarray
+    loss: np.ndarray
+    rim: np.ndarray
+
+
+Part = TypeVar("Part", Expansion, SecondOrder)
+
+
+def joined(which: np.ndarray, there: Part, elsewhere: Part) -> Part:
+    """Parts of a batch put together: ``there`` where the mask ``which``, (B,), says so."""
+    values: dict[str, np.ndarray] = {}
+    for each in fields(there):
+        some: np.ndarray = getattr(there, each.name)
+        values[each.name] = np.empty((len(which), *some.shape[1:]))
+        values[each.name][which] = some
+        values[each.name][~which] = getattr(elsewhere, each.name)
+    return type(there)(**values)
+
+
+def layer_correction(
+    films: Films, *, d: np.ndarray, change: np.ndarray, influence: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(∮ d dl + ∫ u weight dA) / (√σ area), u with ``change`` on the rim; net and gross.
+
+    u jumps at corners, so it is never computed. With χ the solution of the adjoint equation with
+    the source weight that is zero on the rim, Green's identity turns ∫ u weight dA into
+    −∮ u ∂χ/∂n dl, n inward: ``influence`` is −∂χ/∂n. Under a gap G at rest the layer is G times as
+    thick, and Green's identity is that of ∇·(G³∇).
+    """
+    gap = films.rest_on_rim
+    thick = gap / np.sqrt(films.sigma / (1 + films.slip))[:, None]
+    by_core = gap**3 * influence * change
+    net = films.rim_integral(thick * (d + by_core))
+    return net, films.rim_integral(thick * (np.abs(d) + np.abs(by_core)))
+
+
+def expand(films: Films) -> Expansion:
+    """The high-squeeze limit and its edge layer's correction, without inertia."""
+    square, thick = wide(films.epsilon) ** 2, 1 + wide(films.slip)
+    gap_square = square * films.square
+    # ψ²/2 + slip ψ exceeds its value at rest by rise/2, of which `inner` is the part that makes it
+    # harmonic.
+    # Under a gap G at rest that is so of ψ²/G², and harmonic is what ∇·(G³∇) maps to zero.
+    inner = films.solve_diffusion(-(0.25 + 0.5 * thick) * square * films.diffusion(films.square))
+    rise = (0.5 + thick) * gap_square + 2 * inner
+    total = np.sqrt(thick**2 + rise)
+    root = np.sqrt(1 - gap_square)
+    # ψ/√(1 − ε²s²) − 1, free of cancellation.
+    density = (rise / (total + thick) + gap_square / (1 + root)) / root
+    epsilon = films.epsilon[:, None]
+    layer, gross = layer_correction(
+        films,
+        **_at_rim(films, *epsilon**2 * edge_layer.ratios(epsilon * np.abs(films.rim))),
+        influence=-films.inward(films.solve_diffusion(1 / (2 * total * root))),
+    )
+    return Expansion(density=density, layer=layer, gross=gross)
+
+
+def expand_second_order(films: Films) -> Expansion:
+    """The same over ε² for ε → 0."""
+    thick = 1 + wide(films.slip)
+    inner = films.solve(-(0.25 + 0.5 * thick) * films.laplacian(films.square))
+    rise = (0.5 + thick) * films.square + 2 * inner
+    weight = np.broadcast_to(1 / (2 * thick), films.s.shape)
+    layer, gross = layer_correction(
+        films, **_at_rim(films, *LINEAR), influence=-films.inward(films.solve(weight))
+    )
+    return Expansion(density=rise / (2 * thick) + films.square / 2, layer=layer, gross=gross)
+
+
+def _at_rim(films: Films, d: Number, g: Number, q: Number) -> dict[str, np.ndarray]:
+    """What the layer changes: with s as its phase, the slope's part in phase goes by g, else by q.
+
+    Args:
+        d, g, q: over the square of the amplitude, or for g and q of its product with the slope.
+    """
+    turned = films.rim.conj() * films.slope
+    return {"d": d * np.abs(films.rim) ** 2, "change": g * turned.real + q * turned.imag}
+
+
+def second_order(films: Films) -> SecondOrder:
+    """Densities v and |p̂|²/(4 (1 + slip)) of the mean over ε² (``small_amplitude_expansion``)."""
+    thick, number = 1 + wide(films.slip), wide(films.layer_number)
+    linear = films.solve(1j * number * films.s, shift=1j * number)
+    # 2 Re s*∇p̂ = Re ∇(s* p̂) + Re (s*∇p̂ − p̂ ∇s*): the first part is integrated by itself and the
+    # divergence of the second needs no derivative of p̂, whose Laplacian is iσ(p̂ + s).
+    along = films.s.conj() * linear
+    rest = films.solve(-number * along.imag - (linear * films.curvature.conj()).real)
+    drive = 0.75 * (1 + 2 * thick) / (3 * thick)
+    flow = -drive * (along.real + rest)
+    loss = np.abs(linear) ** 2 / (4 * thick)
+    return SecondOrder(flow=flow, loss=loss, rim=np.zeros_like(films.epsilon))
 
 
 def core_coefficient(
@@ -48,8 +171,8 @@ def core_coefficient(
     return beta, change
 
 
-def expand(films: Films) -> Expansion:
-    """The fast limit and its boundary-layer correction."""
+def expand_with_inertia(films: Films) -> Expansion:
+    """The high-squeeze limit and its edge layer's correction, with inertia and without slip."""
     gap_square = wide(films.epsilon) ** 2 * films.s**2
     over_gap = films.gradient(gap_square)
     rim = rim_values(films.epsilon[:, None] * films.rim, films.reynolds)
@@ -92,7 +215,7 @@ def expand(films: Films) -> Expansion:
     return Expansion(density=density, layer=layer, gross=gross)
 
 
-def expand_second_order(films: Films) -> Expansion:
+def expand_second_order_with_inertia(films: Films) -> Expansion:
     """The same over ε² for ε → 0: ψ² − 1 is ε² (rim s² + what makes it + ½ k s² harmonic)."""
     ratio = films.reynolds / 10
     lag = wide(ratio**2 / (1 + ratio**2))
@@ -110,8 +233,8 @@ def expand_second_order(films: Films) -> Expansion:
     return Expansion(density=rise / 2 + films.s**2 / 2, layer=layer, gross=gross)
 
 
-def second_order(films: Films) -> SecondOrder:
-    """The mean over ε² for ε → 0, any σ (see ``forces.small_amplitude``).
+def second_order_with_inertia(films: Films) -> SecondOrder:
+    """The mean over ε² for ε → 0, any σ (see ``composite.small_amplitude_expansion``).
 
     With m = 1/(1 + i Re/10) and λ = iσ/m the linear pressure obeys ∇²p̂ = λ(p̂ + s) and the mean one
 

@@ -1,4 +1,11 @@
-"""The rim's boundary layer with the gas' inertia: its periodic state and what the core sees of it.
+"""The edge's boundary layer with the gas' inertia: functions of excursion ratio and Re.
+
+What the core of the film sees of the layer is ψ² on the rim, the layer's own overpressure d, and
+the changes g and h of the rim's ψ² with the slopes of the profile and of the core. They were
+computed once, by ``write_table``, and are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev
+points: in Re up to MOST_REYNOLDS and, for each Re, in −ln(1 − a²) up to a = ``largest(Re)``.
+Somewhere beyond, waves steepen to a shock in the layer, and no periodic state was found that a
+finer grid would not change.
 
 Within √(1/σ) of the finger's rim, with ξ = n√σ, n the distance from the rim, and ū = v/√σ the mean
 velocity over the gap, mass w = HP and flux q = wv obey
@@ -21,21 +28,130 @@ answers linearly: far inside, ψ is changed by a multiple of either.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import sqrt
+from pathlib import Path
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
+from numpy.polynomial import chebyshev
 
-from squeezefilm.reynolds.limits.boundary_layer import all_weights
-from squeezefilm.reynolds.spectral import Period, axis
+from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
+from squeezefilm.reynolds.spectral import Period, axis, period
 
+TABLE = Path(__file__).with_name("edge_layer_with_inertia.csv")
+COLUMNS = (
+    *("reynolds", "a", "rise_over_a_squared"),
+    *("d_over_a_squared", "g_over_a", "h_over_a_squared"),
+)
+MOST_REYNOLDS = 10.0
+REYNOLDS_ROWS, ROWS = 14, 18
+# Nodes across the layer and, from small excursions to the largest, over the period.
+NODES, INSTANTS = 88, (12, 48)
+# Share of the shortest waves in time from which on a state is not to be relied on.
+MOST_UNRESOLVED = 5e-3
 # The layer on [0, DEPTH]: ξ = DEPTH (exp(k z) − 1)/(exp(k) − 1), z on a Chebyshev axis; with
 # inertia waves reach farther, and k is smaller.
 DEPTH = 60.0
 STRETCH, STRETCH_PER_REYNOLDS = 6.0, 0.2
 MOST_NEWTON = 12
 CONVERGED = 1e-9
+
+
+@dataclass(frozen=True)
+class RimValues:
+    """The layer's functions at points of the rim, each of one shape; NaN beyond the table.
+
+    rise: ψ² − 1; d: ∫₀^∞ ⟨P − ψ/H⟩ dξ; g, h: ψ² is changed by (g ∂a/∂n + h ∂ψ²/∂n)/√σ, n inward.
+    """
+
+    rise: np.ndarray
+    d: np.ndarray
+    g: np.ndarray
+    h: np.ndarray
+
+
+def largest(reynolds: np.ndarray | float) -> np.ndarray:
+    """The largest excursion ratio of the table: 0.9 without inertia, 0.4 at Re = 10."""
+    return 0.9 / (1 + np.asarray(reynolds, dtype=float) / 8)
+
+
+def rim_values(a: np.ndarray, reynolds: np.ndarray) -> RimValues:
+    """The functions at excursion ratios ``a``, shape (B, …), of films with ``reynolds``, (B,)."""
+    reynolds = np.asarray(reynolds, dtype=float)
+    films = a.reshape(len(reynolds), -1)
+    most = largest(reynolds)[:, None]
+    inside = (np.abs(films) <= most) & (reynolds[:, None] <= MOST_REYNOLDS)
+    place = 2 * _stretched(np.minimum(np.abs(films), most)) / _stretched(most) - 1
+    powers = chebyshev.chebvander(place, ROWS - 1)
+    of_film = chebyshev.chebvander(
+        2 * np.minimum(reynolds, MOST_REYNOLDS) / MOST_REYNOLDS - 1, REYNOLDS_ROWS - 1
+    )
+    series = np.einsum("br,kra->bka", of_film, _series())
+    values = np.einsum("bka,bma->kbm", series, powers)
+    ratio = np.where(inside, films, np.nan)
+    scaled = values * np.stack([ratio**2, ratio**2, ratio, ratio**2])
+    return RimValues(*scaled.reshape(4, *a.shape))
+
+
+def table_nodes() -> np.ndarray:
+    """Reynolds numbers and excursion ratios of the table's rows, shape (REYNOLDS_ROWS, ROWS, 2)."""
+    reynolds = (chebyshev.chebpts1(REYNOLDS_ROWS) + 1) / 2 * MOST_REYNOLDS
+    share = (chebyshev.chebpts1(ROWS) + 1) / 2
+    a = np.sqrt(-np.expm1(-np.outer(_stretched(largest(reynolds)), share)))
+    return np.stack([np.broadcast_to(reynolds[:, None], a.shape), a], axis=2)
+
+
+def compute(reynolds: float, excursions: np.ndarray) -> np.ndarray:
+    """Rows of the table at one Reynolds number and rising a > 0, shape (len(excursions), 6).
+
+    Raises:
+        ArithmeticError: where no state is found or it is not resolved.
+    """
+    rows = []
+    last: LayerState | None = None
+    for a in map(float, excursions):
+        share = (a / float(largest(reynolds))) ** 2
+        instants = 2 * round((INSTANTS[0] + (INSTANTS[1] - INSTANTS[0]) * share) / 2)
+        layer = Layer(a, reynolds, LayerGrid(NODES, reynolds, period(instants)))
+        last = layer.solve(last)
+        if last.unresolved > MOST_UNRESOLVED:
+            raise ArithmeticError(f"the layer at a = {a:g}, Re = {reynolds:g} is not resolved")
+        seen = layer.seen(last)
+        rise = (seen.mass_square - 1) / a**2
+        rows.append((reynolds, a, rise, seen.d / a**2, seen.g / a, seen.h / a**2))
+    return np.array(rows)
+
+
+def read_table() -> np.ndarray:
+    """The rows, Reynolds number by Reynolds number, shape (REYNOLDS_ROWS, ROWS, 6)."""
+    rows = np.loadtxt(TABLE, delimiter=",", skiprows=1)
+    return rows.reshape(REYNOLDS_ROWS, ROWS, len(COLUMNS))
+
+
+def write_table() -> None:
+    """Compute every row anew; about half an hour of one core."""
+    rows = [compute(float(of_one[0, 0]), of_one[:, 1]) for of_one in table_nodes()]
+    lines = [
+        ",".join(COLUMNS),
+        *(",".join(map(repr, row.tolist())) for row in np.concatenate(rows)),
+    ]
+    TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _stretched(a: np.ndarray | float) -> np.ndarray:
+    return -np.log1p(-np.square(a))
+
+
+@lru_cache(maxsize=1)
+def _series() -> np.ndarray:
+    """Chebyshev coefficients of the four functions in Re and a, (4, REYNOLDS_ROWS, ROWS)."""
+    values = np.moveaxis(read_table()[:, :, 2:], 2, 0)
+    of_reynolds, of_a = (
+        np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts1(count), count - 1))
+        for count in (REYNOLDS_ROWS, ROWS)
+    )
+    series: np.ndarray = of_reynolds @ values @ of_a.T
+    return series
 
 
 @dataclass(frozen=True)
@@ -140,6 +256,8 @@ class Layer:
         Raises:
             ArithmeticError: where Newton's method does not converge, as where a shock forms.
         """
+        from scipy.linalg import lu_factor
+
         grid = self.grid
         stream = np.zeros((grid.points + 2, grid.time.points))
         if nearby is not None:
@@ -163,7 +281,7 @@ class Layer:
         d = float(grid.weights @ np.mean((mass - psi) / self.gap, axis=1))
         flux, sine = self._flux(state.stream), np.sin(grid.time.nodes)
         # Far inside the core's own flux goes on: −ψ (A ∂ψ/∂n − ψ B ∂a/∂n), A and B as in
-        # inertial_core.py.
+        # core.py.
         rates = np.diag(1 / self.gap) + self.reynolds / 10 * psi * grid.time.derivative
         mobility = np.linalg.solve(rates, np.ones(grid.time.points))
         by_slope = self._linear(state, 0.0, 0.0, psi**2 * (mobility - 1) / self.a)
@@ -243,5 +361,11 @@ class Layer:
 
     def _solved(self, factors: tuple[np.ndarray, np.ndarray], right: np.ndarray) -> np.ndarray:
         """The linear equation's X for a right-hand side on all nodes but the last."""
+        from scipy.linalg import lu_solve
+
         inner = lu_solve(factors, right.ravel(), check_finite=False).reshape(right.shape)
         return np.concatenate([inner, np.zeros((1, right.shape[1]))])
+
+
+if __name__ == "__main__":
+    write_table()

@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.limits.boundary_layer import all_weights
+from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
 from squeezefilm.reynolds.spectral import Axis, axis
 
 # The error estimates' constants.
@@ -26,10 +26,10 @@ ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
 Numbers = float | np.ndarray
 
 
-def limit_axis(points: int) -> Axis:
-    """The axis of the limits' grids: ``points`` unknowns, odd, so that every other node is one."""
+def expansion_axis(points: int) -> Axis:
+    """The axis of an expansion's grid: ``points`` unknowns, odd: every other node makes a grid."""
     if points % 2 == 0 or points < 5:
-        raise ValueError(f"{points} points: the grid of a limit has an odd number, at least 5")
+        raise ValueError(f"{points} points: the grid of an expansion has an odd number, at least 5")
     return axis(points, False)
 
 
@@ -151,11 +151,11 @@ class Films:
 
     def rim_integral(self, values: np.ndarray) -> np.ndarray:
         """Integral along the rim over the finger's area, shape (B,)."""
-        nx, ny = self.x.points + 2, self.y.points + 2
-        sides = np.repeat([0, 1], [2 * ny, 2 * nx])
-        along = np.concatenate([np.tile(all_weights(self.y), 2), np.tile(all_weights(self.x), 2)])
-        share = np.where(sides == 0, 1.0, 1 / self.aspect[:, None])
-        return np.sum(values * along * share, axis=1)
+        sides = np.split(values, [2 * (self.y.points + 2)], axis=1)
+        weights = (np.tile(all_weights(line), 2) for line in (self.y, self.x))
+        along_y, along_x = (side @ each for side, each in zip(sides, weights, strict=True))
+        integral: np.ndarray = along_y + along_x / self.aspect
+        return integral
 
     @cached_property
     def rest_on_rim(self) -> np.ndarray | float:
@@ -215,7 +215,7 @@ class Films:
 
     @property
     def layer_remainder(self) -> np.ndarray:
-        """Error of the boundary-layer limit: slopes and curvature of s, corners, meeting layers."""
+        """Error of the edge layer's expansion: slopes, curvature of s, corners, meeting layers."""
         sigma = self.layer_number
         curvature = self.mean(np.abs(self.curvature) ** 2)
         meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
@@ -234,7 +234,7 @@ class Films:
 
     @property
     def streaming_remainder(self) -> np.ndarray | float:
-        """Error of the boundary-layer limit by two phases: of order ε²/σ; none in one phase."""
+        """Error of the edge layer's expansion by two phases: of order ε²/σ; none in one phase."""
         if not np.iscomplexobj(self.s):
             return 0.0
         uneven = self.mean(self.unevenness)
@@ -242,7 +242,7 @@ class Films:
 
     @property
     def shape_remainder(self) -> np.ndarray | float:
-        """Error of the boundary-layer limit by a gap that is shaped at rest: of order ε²/σ."""
+        """Error of the edge layer's expansion by a gap that is shaped at rest: of order ε²/σ."""
         if self.rest is None:
             return 0.0
         along_x, along_y = self.gradient(self.rest)
@@ -252,8 +252,10 @@ class Films:
         return SHAPE * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
 
     @property
-    def inertia_remainder(self) -> np.ndarray:
-        """Error of the boundary-layer limit by inertia: of order ε²/σ, at corners ε² ln σ/σ."""
+    def inertia_remainder(self) -> np.ndarray | float:
+        """Error of the edge layer's expansion by inertia: of order ε²/σ, at corners ε² ln σ/σ."""
+        if not self.reynolds.any():
+            return 0.0
         corners = self.square[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1) / self.aspect
         spread = np.maximum(np.log(self.sigma) - 2.2, 0.5)
         uneven = INERTIA_SLOPES * self.rim_unevenness + INERTIA_CORNERS * spread * corners
@@ -299,16 +301,17 @@ def films_of(
     Args:
         epsilon, sigma: excursion ratio and squeeze number, shape (B,).
         amplitude: profile s, or s₁ + i s₂ of a vibration in two phases, on the nodes
-            ``limit_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2); nx
-            and ny odd, at least 5 (``forces.limit_points``). With inertia in one phase alone.
+            ``expansion_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2);
+            nx and ny odd, at least 5 (``composite.expansion_points``). With inertia in one phase
+            alone.
         aspect: finger's length along y over that along x, a number or shape (B,).
         slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
         reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
         rest: gap at rest over h0 on the same nodes where it is not even, without slip and inertia;
-            for the fast and the boundary-layer limit with a profile alone.
+            for the high-squeeze limit and the edge layer alone.
     """
     for points in amplitude.shape[1:]:
-        limit_axis(points - 2)
+        expansion_axis(points - 2)
     given = (epsilon, sigma, aspect, slip, reynolds)
     numbers = (np.asarray(value, dtype=float) for value in given)
     epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(*numbers)

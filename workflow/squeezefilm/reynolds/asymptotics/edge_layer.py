@@ -1,4 +1,4 @@
-"""The rim's boundary layer at large squeeze number: two functions of the local excursion ratio.
+"""The edge's boundary layer at large squeeze number: two functions of the local excursion ratio.
 
 Within √(1/σ) of the finger's rim the film exchanges gas with the surroundings. With ξ = n√σ, n the
 distance from the rim, the mass M = HP of the layer obeys
@@ -13,7 +13,7 @@ Where the surface moves in two phases the layer at a point is that of a = ε √
 instant; the gap's slope then has a part a quarter of a period from the motion itself, of which the
 force sees q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
 
-They are computed once, by ``python -m squeezefilm.reynolds.limits.boundary_layer``, and stored as
+They are computed once, by ``python -m squeezefilm.reynolds.asymptotics.edge_layer``, and stored as
 d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series give them.
 """
 
@@ -27,7 +27,7 @@ import numpy as np
 
 from squeezefilm.reynolds.spectral import Axis, axis, period
 
-TABLE = Path(__file__).with_name("boundary_layer.csv")
+TABLE = Path(__file__).with_name("edge_layer.csv")
 LARGEST = 0.98
 ROWS = 41
 
@@ -48,7 +48,9 @@ def ratios(a: np.ndarray) -> np.ndarray:
     """d/a², g/a and q/a at excursion ratios |a| ≤ LARGEST, shape (3, …); NaN beyond."""
     size = np.abs(np.asarray(a, dtype=float))
     place = 2 * _stretched(np.minimum(size, LARGEST)) / _stretched(LARGEST) - 1
-    values = np.polynomial.chebyshev.chebval(place, _series())
+    # All polynomials at once: chebval goes through them one by one.
+    polynomials = np.cos(np.multiply.outer(np.arange(ROWS), np.arccos(np.clip(place, -1, 1))))
+    values = np.tensordot(_series().T, polynomials, axes=1)
     return np.where(size > LARGEST * (1 + 1e-12), np.nan, values)
 
 
@@ -125,6 +127,7 @@ def write_table() -> None:
     TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
+@lru_cache(maxsize=256)
 def all_weights(line: Axis) -> np.ndarray:
     """Clenshaw–Curtis weights on all nodes of an unfolded axis, ends included, shape (n + 2,)."""
     order = line.points + 1
