@@ -16,7 +16,7 @@ from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.film.validity import check_scene, validity
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
-from squeezefilm.models.force_model import Factors
+from squeezefilm.models.data import Factors
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config, parse_config
 from squeezefilm.studies.plans import box_of, centred_grid, finger_positions, random_plan

@@ -142,10 +142,10 @@ def rectangle(repository, tmp_path_factory, script):
     names = {name: f"{folder}/{name}.csv" for name in ("design", "scenes", "forces", "limits")}
     sample = {name: f"{folder}/sample_{name}.csv" for name in ("scenes", "forces", "limits")}
     study = f"--config={config}"
-    design_of_plan = {"four_factor": names["design"], "validation_four_factor": []}
+    design_of_plan = {"four_factor": [names["design"]], "validation_four_factor": []}
     for plan, files in (("four_factor", names), ("validation_four_factor", sample)):
-        design = {"design": design_of_plan[plan]}
-        script("plan", config, input=design, output=files["scenes"], plan=plan)
+        sources = design_of_plan[plan]
+        script("plan", config, input={"sources": sources}, output=files["scenes"], plan=plan)
     for words in (
         ["simulate", names["scenes"], f"--output={names['forces']}"],
         ["limits", names["scenes"], f"--output={names['limits']}"],

@@ -13,9 +13,9 @@ from squeezefilm.film.symmetry import Directions
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit
+from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.limits.films import films_of, limit_axis
-from squeezefilm.reynolds.limits.forces import fast_limit
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
@@ -93,7 +93,7 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     (the derivation of the paper's eq. (6) with H = 1 + ε (s₁ sin T + s₂ cos T)). Taken on the
     finger's rectangle at an even gap; of other pads on the largest rectangle within.
     """
-    nodes = limit_axis(LIMIT_POINTS).all_nodes
+    nodes = expansion_axis(LIMIT_POINTS).all_nodes
     within = scene.finger.rectangle_within
     x, y = np.meshgrid(*2 * [0.5 + within * (nodes - 0.5)], indexing="ij")
     other = replace(scene, actuator=replace(scene.actuator, profile=smoothed.out_of_phase))
@@ -109,7 +109,7 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
         np.stack([first, both]),
         aspect=scene.aspect,
     )
-    mean = fast_limit(films).mean
+    mean = high_squeeze_limit(films).mean
     return max(float(mean[1] / mean[0] - 1), 0.0) if mean[0] > 0 else math.inf
 
 
