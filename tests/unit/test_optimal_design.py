@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.box import Box, grid
-from squeezefilm.designs.continuous_design import optimal_in_box
-from squeezefilm.designs.exact_design import exchange
-from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
+from squeezefilm.designs.exact import exchange
+from squeezefilm.designs.optimal import maximin_design, optimal_in_box, optimal_weights
 from squeezefilm.designs.paper_design import Criterion, exchange_design, search_design
 from squeezefilm.io.errors import InputError
 

@@ -18,7 +18,7 @@ import pandas as pd
 from scipy import stats
 
 from reporting.pages.notes import percent, scan_note
-from squeezefilm.designs.continuous_design import sensitivity
+from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.sources import read_columns

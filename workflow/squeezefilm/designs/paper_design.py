@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, minimize
 
 from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
-from squeezefilm.designs.exact_design import exchange
+from squeezefilm.designs.exact import exchange
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.search import genetic_search
 

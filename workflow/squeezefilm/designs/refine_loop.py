@@ -36,7 +36,7 @@ from math import isfinite, nan
 import numpy as np
 from scipy import stats
 
-from squeezefilm.designs.exact_design import exchange
+from squeezefilm.designs.exact import exchange
 from squeezefilm.designs.refine_fits import Array, Fits, Indices, Pool
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.models.fitting import LEAST_SINGULAR_VALUE, best_told_apart, check_identifiable

@@ -10,9 +10,14 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.designs.box import corners
-from squeezefilm.designs.continuous_design import ContinuousDesign, optimal_in_box, sensitivity
-from squeezefilm.designs.exact_design import exchange
-from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
+from squeezefilm.designs.exact import exchange
+from squeezefilm.designs.optimal import (
+    ContinuousDesign,
+    maximin_design,
+    optimal_in_box,
+    optimal_weights,
+    sensitivity,
+)
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN
 from squeezefilm.io.tables import scene_points
@@ -157,13 +162,11 @@ def _anywhere(study: FittedSpace, layers: slice) -> ContinuousDesign:
 
     if not study.model.column_names and study.space.allowed(corners(study.space.box)).all():
         return optimal_in_box(gradients, study.space.box, study.everywhere, gap=1e-8)
-    derivatives = gradients(study.everywhere)
-    found = optimal_weights(derivatives)
+    found = optimal_weights(gradients(study.everywhere))
     used = found.support
     return ContinuousDesign(
         points=study.everywhere[used],
         weights=found.weights[used] / found.weights[used].sum(),
-        derivatives=derivatives[:, used],
         efficiency_bound=found.efficiency_bound,
     )
 
