@@ -22,7 +22,7 @@ SOLVER = [
     *(f"squeezefilm/{room}" for room in ("film", "formulas", "io", "reynolds", "studies")),
     *("squeezefilm/api/forces.py", "squeezefilm/api/points.py", "squeezefilm/designs/box.py"),
     *("squeezefilm/cli/points.py", "squeezefilm/cli/which_study.py"),
-    *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "plan", "smooth", "warm")),
+    *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "smooth", "warm")),
     *(
         f"squeezefilm/cli/use/{command}.py"
         for command in ("budget", "explain", "levitate", "response", "simulate")
