@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from squeezefilm.designs.refine_fits import Fits, Pool
-from squeezefilm.designs.refine_loop import Goal, Outcome, refine_loop
+from squeezefilm.designs.sequential import Goal, Outcome, Pool, Sequential, refine_loop
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
@@ -70,11 +69,11 @@ def test_parameters_that_are_undefined_at_a_new_point_are_sought_anew():
     """They were kept as they were, and with them a fit that says nothing there."""
     points, tried = pool(), model("sqrt(1 + t0*(hv/h0)**2)/sqrt(1 - t1*(hv/h0)**2) - 1")
     force = tried.evaluate([7.0, 2.0], points.factors)
-    fits = Fits(tried, points, bound=100, seed=1)
-    fits.add(points.candidates, force[points.candidates], force[points.candidates])
+    loop = Sequential(tried, points, GOAL, lambda at: (force[at], force[at]), 0.1, 100, 1)
+    loop.measure(points.candidates)
     start = np.array([7.0, 8.0])
     assert np.isnan(tried.evaluate(start, points.factors)).any()
-    np.testing.assert_allclose(fits.fitted(points.candidates, start), [7, 2], rtol=1e-6)
+    np.testing.assert_allclose(loop.fitted(points.candidates, start), [7, 2], rtol=1e-6)
 
 
 def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():

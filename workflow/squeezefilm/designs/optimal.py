@@ -66,6 +66,13 @@ class ApproximateDesign:
         """Indices of the candidates that have a weight."""
         return np.flatnonzero(self.weights > DROPPED)
 
+    def on(self, candidates: Array) -> ContinuousDesign:
+        """The candidates, shape (n, k), that have a weight."""
+        weights = self.weights[self.support]
+        return ContinuousDesign(
+            candidates[self.support], weights / weights.sum(), self.efficiency_bound
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class ContinuousDesign:
@@ -73,7 +80,7 @@ class ContinuousDesign:
 
     points: Array
     weights: Array
-    efficiency_bound: float
+    efficiency_bound: float | None = None
 
 
 def stacked_derivatives(derivatives: ArrayLike) -> Array:
@@ -269,7 +276,7 @@ def optimal_in_box(
     """
     grid = gradients(candidates)
     points = _merged(candidates, optimal_weights(grid).weights, box)
-    best = ContinuousDesign(points[:0], np.empty(0), 0.0)
+    best, highest = ContinuousDesign(points[:0], np.empty(0)), 0.0
     for _ in range(PEAK_ROUNDS):
         points = _moved(points, optimal_weights(gradients(points)).weights, gradients, box)
         points = _merged(points, optimal_weights(gradients(points)).weights, box)
@@ -280,16 +287,15 @@ def optimal_in_box(
         peaks = _climbed(own, weights, gradients, box, starts)
         there = sensitivity(own, gradients(peaks), weights=weights)
         bound = float(min(1.0, 1 / max(level.max(), there.max())))
-        if bound > best.efficiency_bound:
-            best = ContinuousDesign(points, weights, bound)
+        if bound > highest:
+            used, highest = weights > DROPPED, bound
+            best = ContinuousDesign(points[used], weights[used] / weights[used].sum(), bound)
         if bound >= 1 - gap:
             break
         higher = there > 1 + gap
         heights = np.append(1 + weights, np.where(higher, 1e-3 * there, 0))
         points = _merged(np.concatenate([points, peaks]), heights, box)
-    used = best.weights > DROPPED
-    share = best.weights[used] / best.weights[used].sum()
-    return ContinuousDesign(best.points[used], share, best.efficiency_bound)
+    return best
 
 
 def _moved(points: Array, weights: Array, gradients: Gradients, box: Box) -> Array:
