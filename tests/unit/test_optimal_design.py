@@ -70,15 +70,6 @@ def test_parameters_that_cannot_be_told_apart_are_refused():
             optimal_weights(f)
 
 
-def test_a_point_where_the_model_is_undefined_is_not_chosen():
-    x = np.linspace(-1, 1, 41)
-    f = powers(x[:, None], degree=2)
-    f[-1] = np.nan
-    design = optimal_weights(f)
-    assert x[design.support].max() == x[-2]
-    assert len(f) - 1 not in exchange(f, 3).chosen
-
-
 def test_the_bayesian_design_is_best_for_the_mean_of_the_vectors():
     x = np.linspace(0.01, 5, 500)[:, None]
     stack = np.stack([michaelis_menten(x, k=k) for k in (0.3, 1.0, 3.0)])
