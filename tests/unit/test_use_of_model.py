@@ -249,77 +249,59 @@ EXPORTED = [
     *((get_model(name), theta) for name, theta in THETA.items()),
     (EVERY_FUNCTION, (1e-3, 5e-6, 0.7, 0.2, 0.4)),
 ]
-exported = pytest.mark.parametrize(("model", "theta"), EXPORTED, ids=lambda each: "")
 
 
-@exported
-def test_the_python_function_is_the_model(model, theta, write_fit):
-    fit = read_fit(write_fit(model, theta))
+def in_python(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     names: dict = {}
     exec(source(fit, "python"), names)
-    factors = Factors.of(**sample())
-    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-    columns = [factors.column(name) for name in model.factor_names]
-    found = [names["force_n"](*point) for point in zip(*columns, strict=True)]
-    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
-    assert np.isfinite(found).all()
+    return [[names["force_n"](*point), names["in_range"](*point)] for point in points.tolist()]
 
 
-@exported
-def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path):
+def in_c(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler (cc or gcc) here")
-    fit = read_fit(write_fit(model, theta))
-    (tmp_path / "model.h").write_text(source(fit, "c"))
-    count = len(model.factor_names)
-    arguments = ", ".join(f"p[{index}]" for index in range(count))
-    reading = "%lf" * count
-    (tmp_path / "main.c").write_text(
+    (folder / "model.h").write_text(source(fit, "c"))
+    at = [f"p[{index}]" for index in range(points.shape[1])]
+    values, pointers = ", ".join(at), ", ".join(f"&{each}" for each in at)
+    (folder / "main.c").write_text(
         '#include <stdio.h>\n#include "model.h"\n'
-        f"int main(void) {{ double p[{count}];\n"
-        f'while (scanf("{reading}", {", ".join(f"p + {i}" for i in range(count))}) == {count})\n'
-        f'printf("%.17g %d\\n", {fit.model}_force_n({arguments}), '
-        f"{fit.model}_in_range({arguments}));\nreturn 0; }}\n"
+        f"int main(void) {{ double p[{len(at)}];\n"
+        f'while (scanf("{"%lf" * len(at)}", {pointers}) == {len(at)})\n'
+        f'printf("%.17g %d\\n", {fit.model}_force_n({values}), {fit.model}_in_range({values}));\n'
+        "return 0; }\n"
     )
-    program = tmp_path / "main"
     strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", "-O1"]
-    command = [compiler, *strict, "-o", str(program), str(tmp_path / "main.c"), "-lm"]
+    command = [compiler, *strict, "-o", f"{folder}/main", f"{folder}/main.c", "-lm"]
     subprocess.run(command, check=True, timeout=60)
-    factors = Factors.of(**sample())
-    columns = np.column_stack([factors.column(name) for name in model.factor_names])
-    text = "\n".join(" ".join(f"{value!r}" for value in map(float, row)) for row in columns)
-    output = subprocess.run(
-        [str(program)], input=text, capture_output=True, text=True, check=True, timeout=60
-    ).stdout
-    found, inside = np.array([line.split() for line in output.splitlines()], dtype=float).T
-    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
-    np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
+    text = "\n".join(" ".join(map(repr, point)) for point in points.tolist())
+    done = subprocess.run(
+        [f"{folder}/main"], input=text, capture_output=True, text=True, timeout=60
+    )
+    return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
 
 
-@exported
-def test_the_javascript_function_is_the_model(model, theta, write_fit):
+def in_javascript(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     node = shutil.which("node")
     if node is None:
         pytest.skip("no node here; tests/browser runs the same code in a browser")
-    fit = read_fit(write_fit(model, theta))
-    factors = Factors.of(**sample())
-    points = np.column_stack([factors.column(name) for name in model.factor_names]).tolist()
-    script = (
-        f"{source(fit, 'javascript')}\n"
-        f"const each = {json.dumps(points)}.map((p) => {fit.model}.force_n(...p));\n"
-        f"const inside = {json.dumps(points)}.map((p) => {fit.model}.in_range(...p));\n"
-        "console.log(JSON.stringify([each, inside]));"
-    )
+    both = f"[{fit.model}.force_n(...p), {fit.model}.in_range(...p)]"
+    call = f"console.log(JSON.stringify({json.dumps(points.tolist())}.map((p) => {both})));"
+    script = f"{source(fit, 'javascript')}\n{call}"
     output = subprocess.run([node], input=script, capture_output=True, text=True, timeout=60)
     assert output.returncode == 0, output.stderr
-    found, inside = json.loads(output.stdout)
-    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-    np.testing.assert_allclose(np.array(found, dtype=float), expected, rtol=1e-14, atol=1e-15)
-    assert np.isfinite(expected).all()
-    outside = (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6)
-    np.testing.assert_array_equal(~np.array(inside), outside)
+    return json.loads(output.stdout)
+
+
+@pytest.mark.parametrize(("model", "theta"), EXPORTED, ids=lambda each: "")
+@pytest.mark.parametrize("run", [in_python, in_c, in_javascript])
+def test_exported_code_is_the_model(run, model, theta, write_fit, tmp_path):
+    fit, factors = read_fit(write_fit(model, theta)), Factors.of(**sample())
+    points = np.column_stack([factors.column(name) for name in model.factor_names])
+    found, inside = np.array(run(fit, points, tmp_path), dtype=float).T
+    np.testing.assert_allclose(found, fit.evaluate(factors), rtol=1e-14, atol=1e-15)
+    assert np.isfinite(found).all()
+    np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
 
 
 def test_generated_code_has_the_95_percent_error(write_fit):
