@@ -15,7 +15,7 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.typed_units import quantities
+from squeezefilm.io.typed_units import quantities, with_error
 from squeezefilm.models.data import Factors
 from squeezefilm.models.export import LANGUAGES, source
 from squeezefilm.models.fit_file import read_fit
@@ -372,4 +372,16 @@ def test_a_damaged_table_of_limits_is_refused(damage, message, limit_table, writ
 def test_where_the_limit_does_not_hold_the_table_says_so(edited, tmp_path):
     sliding, table = edited(finger={"speed_x_m_per_s": 2}), tmp_path / "table.json"
     assert cli.main(["limit-table", f"--config={sliding}", f"--output={table}"]) == 0
-    assert "boundary-layer does not know bearing" in json.loads(table.read_text())["refused"]
+    assert "not derived with bearing" in json.loads(table.read_text())["refused"]
+
+
+@pytest.mark.parametrize(
+    ("force_n", "error_n", "shown"),
+    [
+        (0.9620420431, 6.31e-7, "0.9620420 N ± 6e-07 N"),
+        (123.4, 12.0, "1.2e+02 N ± 1e+01 N"),
+        (0.9620420431, math.nan, "0.962 N ± unknown N"),
+    ],
+)
+def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):
+    assert with_error(force_n, error_n) == shown
