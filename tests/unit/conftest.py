@@ -85,6 +85,7 @@ def _write_forces(root: Path, plan: str, forces: pd.DataFrame) -> None:
     solved = Solution(status="ok", method="periodic", nx=24, ny=24, nt=16, krylov_iterations=33)
     force_n = forces["force_n"]
     observed = asdict(solved) | {"force_n": force_n, "force_error_n": 2.4e-7 * force_n}
+    del observed["states"]
     table = forces.assign(**observed)
     folder = root / "simulations" / plan
     write_table(table[list(FORCE_COLUMNS)], folder / "forces.csv")

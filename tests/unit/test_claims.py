@@ -132,7 +132,7 @@ def test_the_command_writes_both_files_the_same_each_time(study, tmp_path):
     [
         ("design_summary", "{}", "'scaling' is missing"),
         ("design_on_screen", '{"points": 60}', "'global_error' must be a number"),
-        ("screen_fit", '{"theta": "x"}', "'theta' must be a list of numbers"),
+        ("screen_fit", '{"theta": "x"}', "theta: Input should be a valid tuple"),
         ("screen_runs", "bound\n1\n", "column 'sum_of_squares' is missing"),
     ],
 )
