@@ -23,7 +23,8 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel
 from squeezefilm.models.prediction_interval import measured_interval
 from squeezefilm.studies.config import load_config
 
@@ -141,7 +142,7 @@ def _write_fits(root: Path) -> None:
                     name: (float(forces[name].min()), float(forces[name].max()))
                     for name in FACTOR_COLUMNS
                 },
-            ).to_dict(),
+            ).model_dump(mode="json"),
         }
         write_json(fit, root / "fits" / f"{name}.json")
     runs = pd.DataFrame({"bound": [1e6, 1e6, 100.0, 100.0], "sum_of_squares": 8.62e-5})

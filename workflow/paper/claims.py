@@ -17,8 +17,8 @@ import pandas as pd
 
 from reporting.results import Results
 from squeezefilm.io.tables import read_timings
-from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel
 
 COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation")
 CLAIMS = pd.read_csv(

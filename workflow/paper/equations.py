@@ -16,7 +16,7 @@ from paper.tables import SYMBOLS, UNITS
 from reporting.results import Results
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.io.tables import FACTOR_COLUMNS
-from squeezefilm.models.force_model import Factors
+from squeezefilm.models.data import Factors
 
 FITS = {
     "screen": "all points, two factors",

@@ -15,14 +15,12 @@ from reporting.results import Results
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import read_forces, read_json
-from squeezefilm.models.error_by_region import QUANTITIES
-from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.force_model import Factors
-from squeezefilm.models.library import SPACES
-from squeezefilm.models.prediction_interval import ranking_half
-from squeezefilm.models.validation import error_sizes, relative_errors
-from squeezefilm.models.working_point import working_point
+from squeezefilm.models.amplitude_for_force import working_point
+from squeezefilm.models.cross_validation import error_sizes, relative_errors
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import SPACES, check_columns
+from squeezefilm.models.prediction_interval import QUANTITIES, ranking_half
 
 COLUMNS = (
     "model",

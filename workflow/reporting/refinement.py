@@ -12,9 +12,9 @@ from reporting.notes import percent
 from reporting.results import Results
 from squeezefilm.designs.continuous_design import sensitivity
 from squeezefilm.io.tables import read_forces, read_ok_forces
-from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.force_model import Factors
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import check_columns
 
 COLUMNS = (
     "model",

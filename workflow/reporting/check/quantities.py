@@ -35,7 +35,7 @@ from reporting.results import Results
 from squeezefilm.designs.box import coordinates, pair_distances
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import POLAR, form_of
-from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.data import factors_of
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of
 

@@ -2,7 +2,7 @@
 
 The page carries all it needs (models, simulated forces, drawing library) and asks nothing of any
 server. It computes the force itself: each model is the code that ``squeezefilm export`` writes,
-model.js what ``squeezefilm.models.working_point`` does with it, modulation.js reads what
+model.js what ``squeezefilm.models.amplitude_for_force`` does with it, modulation.js reads what
 ``squeezefilm response`` found, and words.js has numbers in words.
 """
 
@@ -21,8 +21,8 @@ from reporting.results import Results
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS, read_json
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.generated_code import source
+from squeezefilm.models.export import source
+from squeezefilm.models.fit_file import FittedModel, read_fit
 
 HERE = Path(__file__).parent
 PAGE = "page.html"
@@ -125,7 +125,7 @@ def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
-        "interval": None if fit.interval is None else fit.interval.to_dict(),
+        "interval": None if fit.interval is None else fit.interval.model_dump(mode="json"),
         "statement": fit.statement,
         "gaps_m": fit.ranges["h0_m"] if fit.interval is None else fit.interval.ranges["h0_m"],
     }

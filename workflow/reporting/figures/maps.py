@@ -17,7 +17,7 @@ from reporting.figures.tables import (
 )
 from reporting.notes import percent
 from reporting.results import Results
-from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.data import factors_of
 
 ALONE_MM = 5.0
 """What is shown either way of a single position."""

@@ -13,7 +13,7 @@ from reporting.figures import style
 from reporting.figures.axes import label_plane
 from reporting.results import Results
 from squeezefilm.io.tables import ROUND_COLUMNS, WHERE_COLUMNS
-from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.data import factors_of
 
 ACROSS = 4
 DECADES = 5

@@ -5,8 +5,8 @@ import pandas as pd
 
 from reporting.notes import percent, rounded_up
 from reporting.results import Results
-from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel
 
 MESH_LINES = 26
 """Lines of a model's mesh along each factor."""
