@@ -265,6 +265,23 @@ class Film:
 Rows = slice | np.ndarray
 
 
+def distinct(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The first row of each different value, and which of the values each row has, (n,)."""
+    if (values == values[0]).all():
+        return np.zeros(1, dtype=np.int64), np.zeros(len(values), dtype=np.int64)
+    _, first, which = np.unique(values, return_index=True, return_inverse=True)
+    return first, which
+
+
+def rows_alike(values: np.ndarray) -> list[np.ndarray]:
+    """The rows of each different value."""
+    first, which = distinct(values)
+    if len(first) == 1:
+        return [np.arange(len(values))]
+    ends = np.cumsum(np.bincount(which))[:-1]
+    return np.split(np.argsort(which, kind="stable"), ends)
+
+
 class Places(NamedTuple):
     """The pad's positions among scenes of one film, each once: x_m, y_m, shape (positions,)."""
 
@@ -345,14 +362,9 @@ class Scenes(OperatingPoints):
         if len(self.films) == 1:
             yield self.films[0], slice(None), self
             return
-        for index in np.unique(self.film_index):
-            rows = np.flatnonzero(self.film_index == index)
-            some = self[rows]
-            yield (
-                self.films[index],
-                rows,
-                replace(some, films=(self.films[index],), film_index=np.zeros_like(rows)),
-            )
+        for rows in rows_alike(self.film_index):
+            film, some = self.films[self.film_index[rows[0]]], self[rows]
+            yield film, rows, replace(some, films=(film,), film_index=np.zeros_like(rows))
 
     @cached_property
     def gas(self) -> Gas:  # type: ignore[override]
@@ -388,11 +400,8 @@ class Scenes(OperatingPoints):
     def places(self) -> tuple[Places, np.ndarray]:
         """The pad's positions of scenes of one film, and which of them each scene has, (n,)."""
         (film,) = self.films
-        if len(self) == 1 or ((self.x_m == self.x_m[0]) & (self.y_m == self.y_m[0])).all():
-            one = slice(0, 1)
-            return Places(film.pad_profile, self.x_m[one], self.y_m[one]), np.zeros(len(self), int)
-        each, which = np.unique(self.x_m + 1j * self.y_m, return_inverse=True)
-        return Places(film.pad_profile, each.real.copy(), each.imag.copy()), which
+        first, which = distinct(self.x_m + 1j * self.y_m)
+        return Places(film.pad_profile, self.x_m[first], self.y_m[first]), which
 
     @cached_property
     def narrowest(self) -> np.ndarray:

@@ -90,8 +90,10 @@ class Limit:
         if not np.any(films):
             return {}
         value = QUANTITIES[self.symbol](scenes)
-        # A value that is no number lies within no bound.
-        beyond = films & ~(value <= min(self.not_above, self.unknown_above))
+        within = value <= min(self.not_above, self.unknown_above)
+        if within.all():
+            return {}
+        beyond = films & ~within  # a value that is no number lies within no bound
         return {row: self._text(float(value[row])) for row in np.flatnonzero(beyond).tolist()}
 
     def _text(self, value: float) -> str:
