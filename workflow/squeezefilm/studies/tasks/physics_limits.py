@@ -17,7 +17,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import ScenePoint, scene_points
-from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.data import factors_of
 from squeezefilm.models.limit_table import (
     LARGEST_EPSILON_SQUARE,
     LINE_POINTS,
@@ -109,21 +109,26 @@ def limit_table_of(config: Config) -> LimitTable:
     random = np.random.default_rng(CHECK_SEED)
     at, shape = nodes(ranges, _counts(config, ranges, random))
     limits = _limits(config, at)
-    table = LimitTable(
-        ranges=ranges,
-        coefficients={
-            name: coefficients_of(_over_square(limits, at, name).reshape(shape))
-            for name in EXPANSIONS
-        },
-        sigma_h0_square=float(limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2),
-        error=np.nan,
+    table = LimitTable.model_validate(
+        {
+            "ranges": ranges,
+            "shape": shape,
+            "coefficients": {
+                name: coefficients_of(_over_square(limits, at, name).reshape(shape))
+                .ravel()
+                .tolist()
+                for name in EXPANSIONS
+            },
+            "sigma_h0_square_m2": limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2,
+            "largest_relative_error": np.nan,
+        }
     )
     drawn = {axis: random.uniform(*ranges[axis], CHECK_POINTS) for axis in ranges}
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
     checked = _limits(config, drawn)
     found = table.complete(factors_of(checked))
     errors = [np.abs(found.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
-    return replace(table, error=float(max(errors)))
+    return table.model_copy(update={"largest_relative_error": float(max(errors))})
 
 
 def _counts(
