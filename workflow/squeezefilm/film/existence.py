@@ -4,11 +4,27 @@ from math import isfinite
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError
 
 GAPS_M = (1e-9, 1e-3)
 SLACK = 1e-9
+
+
+def check_scenes(scenes: Scenes) -> None:
+    """Refuse scenes as ``check_scene`` does, the first of them that has no solution."""
+    columns = (scenes.h0_m, scenes.hv_m, scenes.x_m, scenes.y_m)
+    sound = np.isfinite(np.stack(columns)).all(axis=0)
+    sound &= (GAPS_M[0] <= scenes.h0_m) & (scenes.h0_m <= GAPS_M[1])
+    sound &= (scenes.hv_m >= 0) & (scenes.hv_m < scenes.h0_m)
+    for film, rows, some in scenes.of_each_film():
+        outline = np.array(film.finger.outline())
+        x_m, y_m = (np.add.outer(at, outline[:, k]) for k, at in enumerate((some.x_m, some.y_m)))
+        sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + SLACK).all(axis=1)
+    if sound.all():
+        sound &= scenes.closure < 1
+    for row in np.flatnonzero(~sound).tolist():
+        check_scene(scenes[row])
 
 
 def check_scene(scene: Scene) -> None:

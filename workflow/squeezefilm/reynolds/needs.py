@@ -82,7 +82,7 @@ class Needs:
         """Scenes of one film and like terms: which they are, the first of them, the terms."""
         code = self.scenes.film_index * len(self.kinds) + self.kind
         for rows in rows_alike(code):
-            yield rows, self.scenes.scene(int(rows[0])), self.kinds[self.kind[rows[0]]]
+            yield rows, self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]
 
     def samples(self, share: float) -> Samples:
         """What grids that miss no more than a share of the profiles resolve, (n,)."""

@@ -66,9 +66,8 @@ def solve(
 
         try:
             if any("auto" in (film.gas.inertia, film.gas.heat) for film in some.films):
-                each = [some.scene(row) for row in range(len(some))]
                 some = Scenes.of(
-                    decided(each, model_tolerance=model_tolerance, method=method, device=device)
+                    decided(some, model_tolerance=model_tolerance, method=method, device=device)
                 )
             solutions = _solve(
                 some,
@@ -88,8 +87,6 @@ def solve(
         report(1)
         return Solution(status=unexpected(error), method=method)
 
-    if not len(scenes):
-        return Solutions.of_method(method, 0)
     return Solutions.of(each_on_its_own(attempt, Scenes.of(scenes), failed=failed))
 
 
@@ -104,6 +101,8 @@ def each_on_its_own(
     Raises:
         InputError: that of ``work``, such as a device that is not there: it concerns all scenes.
     """
+    if not len(scenes):
+        return []
     try:
         return work(scenes)
     except InputError:
