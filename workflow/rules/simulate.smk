@@ -246,27 +246,6 @@ rule plan_levitation:
         "--output {output:q} >{log:q} 2>&1"
 
 
-rule explain:
-    input:
-        config=ancient(CONFIG_FILE),
-        scenes="<results>/simulations/{plan}/scenes.csv",
-    output:
-        "<results>/simulations/{plan}/explained.csv",
-    log:
-        "<logs>/explain/{plan}.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
-    params:
-        code=CODE["solver"],
-        study=sections("solver", "outputs", *FILM),
-    message:
-        "What {wildcards.plan} needs, and what is left out"
-    shell:
-        "python -m squeezefilm explain {input.scenes:q} --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
-
-
 rule film_tables:
     input:
         rules.compile_kernels.output,
@@ -299,10 +278,3 @@ rule provenance:
     shell:
         "python -m squeezefilm provenance {input.device:q} --config {input.config:q} "
         "--output {output:q} >{log:q} 2>&1"
-
-
-rule explained:
-    input:
-        expand("<results>/simulations/{plan}/explained.csv", plan=["screen", "four_factor"]),
-    message:
-        "What the scenes of the two plans need is written down"

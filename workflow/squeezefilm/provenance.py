@@ -25,7 +25,7 @@ SOLVER = [
     *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "smooth", "warm")),
     *(
         f"squeezefilm/cli/use/{command}.py"
-        for command in ("budget", "explain", "levitate", "response", "simulate")
+        for command in ("budget", "levitate", "response", "simulate")
     ),
 ]
 MODELS = [*SOLVER, *(f"squeezefilm/{room}" for room in ("cli/steps", "designs", "models"))]

@@ -8,7 +8,7 @@ from math import ceil
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import scene_points
-from squeezefilm.reynolds.explain import explain
+from squeezefilm.reynolds.plan import previews
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
 from squeezefilm.studies.study import planned_profile_of, scene_of
@@ -53,7 +53,7 @@ def expected_seconds(config: Config, *, centred: bool) -> float:
     profile = planned_profile_of(config)
     scenes = [scene_of(point, config, profile=profile) for point in scene_points(sample)]
     solver = config["solver"]
-    explained = explain(scenes, tolerance=solver["tolerance"], method=solver["method"])
-    mflop = sum(each.expected_mflop for each in explained) / SAMPLE
+    planned = previews(scenes, tolerance=solver["tolerance"], method=solver["method"])
+    mflop = sum(each.expected_mflop for each in planned) / SAMPLE
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
     return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config["outputs"] else seconds

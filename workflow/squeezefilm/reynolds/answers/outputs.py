@@ -15,6 +15,7 @@ from math import isfinite
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import each_on_its_own, unexpected
 from squeezefilm.io.solution import OUTPUTS, Outputs, Solution, checked_outputs
 from squeezefilm.reynolds.answers.numbers import answered
 from squeezefilm.reynolds.answers.refused import formula_refusals
@@ -29,9 +30,9 @@ from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, profile_fall
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, States
+from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import each_on_its_own, plans_of, unexpected
 from squeezefilm.reynolds.terms import state_refused, stiffness_of
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
