@@ -19,7 +19,6 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.states import States
-from squeezefilm.reynolds.problems import problems_of
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
@@ -77,8 +76,7 @@ def periodic_state(
     """The scene solved on one given grid: ``points`` across the finger in both directions."""
     unknowns = points // 2 if fold else points
     grid = Grid(nx=unknowns, ny=unknowns, nt=instants, fold_x=fold, fold_y=fold)
-    problems = problems_of([scene], grid, tolerance=tolerance)
-    return grid, solve_batch(problems=problems, grid=grid, device=choose_device())
+    return grid, solve_batch([scene], grid, tolerance=tolerance, device=choose_device())
 
 
 def mean_overpressure(
@@ -114,7 +112,7 @@ def expansion_of(
     expand: Callable[[Films], AsymptoticForces], scene: Scene, *, tolerance: float
 ) -> tuple[float, float]:
     """A scene's force by an expansion and its error, in newtons."""
-    found = expanded(expand, [scene], [needs_of(scene)], [0], tolerance=tolerance)[0]
+    found = expanded(expand, needs_of(scene), [0], tolerance=tolerance)[0]
     return found.mean * scene.force_scale_n, found.error * scene.force_scale_n
 
 

@@ -129,7 +129,7 @@ def test_a_travelling_wave_may_travel_along_either_axis_and_either_way():
 def test_halves_are_left_out_only_where_both_parts_and_the_gap_are_even():
     def halves(profile: Profile, gap: GapShape = FLAT) -> tuple[bool, bool]:
         needs = needs_of(shaped(film(epsilon=0.4, sigma=583.0, profile=profile), gap))
-        return needs.fold_x, needs.fold_y
+        return bool(needs.fold_x[0]), bool(needs.fold_y[0])
 
     even = replace(WAVE, crest_m=0.0)
     assert halves(even) == (True, True)
@@ -195,9 +195,9 @@ def test_films_of_many_gaps_share_what_is_known_of_their_place():
     """And each is still the film that is so much thicker."""
     even = [replace(film(epsilon=0.3, sigma=300.0), h0_m=h0_m) for h0_m in (5e-6, 6e-6, 9e-6)]
     grid = Grid(16, 16, 12, fold_x=False, fold_y=False)
-    together = problems_of([shaped(each, Raised(rise=1e-6)) for each in even], grid, tolerance=1e-9)
-    assert len(together.parts) == 1
-    forces = solve_batch(problems=together, grid=grid, device=choose_device()).mean
+    raised = [shaped(each, Raised(rise=1e-6)) for each in even]
+    assert len(problems_of(raised, grid, tolerance=1e-9).parts) == 1
+    forces = solve_batch(raised, grid, tolerance=1e-9, device=choose_device()).mean
     thicker = [replace(each, h0_m=each.h0_m + 1e-6) for each in even]
     expected = [mean_overpressure(each, points=16, instants=12) for each in thicker]
     assert forces == pytest.approx(expected, rel=1e-6)

@@ -65,7 +65,7 @@ def test_what_stands_between_the_nodes_is_not_uniform_nor_even():
     assert not aside.uniform
     # Zero to rounding on any net that does not meet the spot: no reason to call it even.
     tail = needs_of(film(epsilon=0.3, sigma=9.0, profile=formula("exp(-((x-0.012)/1e-3)**2)")))
-    assert (tail.fold_x, tail.fold_y) == (False, True)
+    assert (tail.fold_x[0], tail.fold_y[0]) == (False, True)
 
 
 def off_centre(width_m: float) -> Formula:

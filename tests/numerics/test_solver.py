@@ -1,5 +1,6 @@
 """What ``solve`` promises: the tolerance, an honest error, independence of grouping."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +17,6 @@ from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import launch, refinement
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.plan import METHODS, previews
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.studies.study import scene_of
 
 
@@ -138,7 +138,7 @@ class Broken:
         return np.full(np.broadcast(x_m, y_m).shape, np.nan)
 
 
-def alike(some: list[Solution], others: list[Solution]) -> bool:
+def alike(some: Sequence[Solution], others: Sequence[Solution]) -> bool:
     """The same but for rounding, which in the limits depends on how many are solved together."""
     forces = [[each.force_n for each in solutions] for solutions in (some, others)]
     ways = [[(each.method, each.status) for each in solutions] for solutions in (some, others)]
@@ -230,7 +230,7 @@ def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved():
 )
 def test_symmetry_is_found_from_the_scene(scene, expected):
     needs = needs_of(scene)
-    assert (needs.fold_x, needs.fold_y) == expected
+    assert (needs.fold_x[0], needs.fold_y[0]) == expected
 
 
 def test_work_groups_of_many_items_give_the_same_forces(paper_scenes, monkeypatch):
@@ -256,9 +256,7 @@ def test_no_more_is_left_of_an_iteration_than_it_says(tolerance):
     """Also where the residual behind the last step is not computed (periodic.cl)."""
     grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
     exact, found = (
-        solve_batch(
-            problems=problems_of(FEW_FILMS, grid, tolerance=each), grid=grid, device=choose_device()
-        )
+        solve_batch(FEW_FILMS, grid, tolerance=each, device=choose_device())
         for each in (1e-12, tolerance)
     )
     narrowest = 1 - np.array([each.epsilon for each in FEW_FILMS])
@@ -275,8 +273,7 @@ def test_grids_of_all_even_sizes_have_the_same_state(items, monkeypatch):
     device = choose_device(work_items=items)
 
     def force(scene, grid):
-        problems = problems_of([scene], grid, tolerance=1e-9)
-        states = solve_batch(problems=problems, grid=grid, device=device)
+        states = solve_batch([scene], grid, tolerance=1e-9, device=device)
         assert states.status[0] == 0
         return float(states.mean[0])
 
@@ -295,10 +292,9 @@ def test_grids_of_all_even_sizes_have_the_same_state(items, monkeypatch):
 
 def test_single_precision_in_a_step_moves_no_force(monkeypatch):
     grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
-    problems = problems_of(FEW_FILMS, grid, tolerance=1e-10)
-    single = solve_batch(problems=problems, grid=grid, device=choose_device())
+    single = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
     monkeypatch.setattr(launch, "in_single", lambda terms: False)
-    double = solve_batch(problems=problems, grid=grid, device=choose_device())
+    double = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
     assert single.mean == pytest.approx(double.mean, rel=2e-10)
     assert (single.mean != double.mean).any()  # it was another kernel
 

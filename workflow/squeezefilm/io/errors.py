@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any, TypeVar
 
-Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
@@ -46,11 +45,11 @@ def needing(extra: str, *, what: str) -> Iterator[None]:
 
 
 def each_on_its_own(
-    work: Callable[[Sequence[Item]], list[Result]],
-    items: Sequence[Item],
+    work: Callable[[Any], Sequence[Result]],
+    items: Any,
     *,
     failed: Callable[[Exception], Result],
-) -> list[Result]:
+) -> Sequence[Result]:
     """``work`` on all items; where it ends in an unexpected error, that of one item alone.
 
     Raises:

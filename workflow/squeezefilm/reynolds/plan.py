@@ -6,14 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log10, nan
 
+import numpy as np
+
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import each_on_its_own, unexpected
 from squeezefilm.reynolds.asymptotics.scenes import Expanded, composite, not_derived_for
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
-from squeezefilm.reynolds.periodic.resolution import first_grids, unseen_profile
+from squeezefilm.reynolds.periodic.resolution import first_grids, unseen_profiles
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
-from squeezefilm.reynolds.terms import Terms, first_reason
+from squeezefilm.reynolds.terms import Terms, first_reason, left_out_of
 
 METHODS = ("auto", "composite", "periodic")
 
@@ -36,36 +38,27 @@ class Plan:
 PERIODIC = Plan("periodic")
 
 
-def plans_of(
-    scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, method: str
-) -> list[Plan]:
-    """How ``solve`` treats each scene, as far as that is decided before solving."""
-    unseen = [unseen_profile(need, tolerance=tolerance) for need in needs]
-    seen = [index for index, reason in enumerate(unseen) if reason is None]
-    found: dict[int, Expanded] = {}
+def plans_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Plan]:
+    """How ``solve`` treats scenes, as far as that is decided before solving.
+
+    By row, of those that are not solved as PERIODIC.
+    """
+    unseen = unseen_profiles(needs, tolerance=tolerance)
+    named = "periodic" if method == "auto" else method
+    plans = {row: Plan(named, refused=reason) for row, reason in unseen.items()}
     if method != "periodic":
-        found = composite(
-            [scenes[index] for index in seen],
-            [needs[index] for index in seen],
-            tolerance=tolerance,
-            worth=method == "auto",
-        )
-    expanded = {seen[at]: result for at, result in found.items()}
-    return [
-        Plan("periodic" if method == "auto" else method, refused=reason)
-        if reason
-        else _plan(scene, need, expanded.get(index), method=method)
-        for index, (scene, need, reason) in enumerate(zip(scenes, needs, unseen, strict=True))
-    ]
-
-
-def _plan(scene: Scene, needs: Needs, expanded: Expanded | None, *, method: str) -> Plan:
-    if expanded is not None:
-        return Plan("composite", expanded=expanded)
-    if method == "composite":
-        return Plan(method, refused=not_derived_for(scene, needs))
-    refused = first_reason(term.refused_on_grid(scene) for term in needs.terms)
-    return Plan("periodic", refused=refused) if refused else PERIODIC
+        seen = np.setdiff1d(np.arange(len(needs)), list(unseen))
+        some = needs[seen] if unseen else needs
+        found = composite(some, tolerance=tolerance, worth=method == "auto")
+        rows = seen.tolist()
+        plans |= {rows[at]: Plan("composite", expanded=each) for at, each in found.items()}
+        if method == "composite":
+            reasons = {rows[at]: reason for at, reason in not_derived_for(some).items()}
+            return {row: Plan(method, refused=reason) for row, reason in reasons.items()} | plans
+    for alike, scene, terms in needs.alike():
+        if reason := first_reason(term.refused_on_grid(scene) for term in terms):
+            plans = dict.fromkeys(alike.tolist(), Plan("periodic", refused=reason)) | plans
+    return plans
 
 
 @dataclass(frozen=True)
@@ -98,14 +91,16 @@ class Preview:
     expected_mflop: float = 0.0
 
 
-def previews(scenes: Sequence[Scene], *, tolerance: float, method: str = "auto") -> list[Preview]:
+def previews(
+    scenes: Sequence[Scene], *, tolerance: float, method: str = "auto"
+) -> Sequence[Preview]:
     """How ``solve`` will treat the scenes; its arguments. What is ``auto`` has to be decided."""
 
     def preview(some: Sequence[Scene]) -> list[Preview]:
-        needs = [needs_of(scene) for scene in some]
-        plans = plans_of(some, needs, tolerance=tolerance, method=method)
+        plans = plans_of(needs_of(some), tolerance=tolerance, method=method)
         return [
-            _preview(*each, tolerance=tolerance) for each in zip(some, needs, plans, strict=True)
+            _preview(scene, needs_of(scene), plans.get(row, PERIODIC), tolerance=tolerance)
+            for row, scene in enumerate(some)
         ]
 
     def failed(error: Exception) -> Preview:
@@ -126,22 +121,22 @@ def _preview(scene: Scene, need: Needs, plan: Plan, *, tolerance: float) -> Prev
             terms=terms,
             nx=expanded.nx,
             ny=expanded.ny,
-            left_out=(expanded.left_out, *need.terms_left_out),
+            left_out=(expanded.left_out, *left_out_of(need.terms)),
             expected_error=expanded.relative_error,
             expected_mflop=expanded.flops / 1e6,
         )
-    grids = first_grids(scene, need, tolerance=tolerance)
+    (grids,), _ = first_grids(need, tolerance=tolerance)
     flops = _expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance)
     return Preview(
         plan.method,
-        domain=("whole", "half", "quarter")[need.fold_x + need.fold_y],
+        domain=("whole", "half", "quarter")[int(need.fold_x[0]) + int(need.fold_y[0])],
         terms=terms,
         nx=grids[-1].x.full_points,
         ny=grids[-1].y.full_points,
         nt=grids[-1].nt,
-        left_out=need.halves_left_out + need.terms_left_out,
+        left_out=need.simplifications(0),
         expected_error=tolerance,
-        expected_mflop=flops * _times_under_outline(scene, need) / 1e6,
+        expected_mflop=flops * _times_under_outline(scene) / 1e6,
     )
 
 
@@ -162,10 +157,11 @@ def _expected_flops(
     return sum(n * iteration_flops(grid, terms) for n, grid in zip(iterations, grids, strict=True))
 
 
-def _times_under_outline(scene: Scene, need: Needs) -> float:
+def _times_under_outline(scene: Scene) -> float:
     """How many times the iterations under a rectangle those under a smooth outline are.
 
     Its preconditioner takes the area behind each point for equal: fitted to 80 ellipses (ε
     0.02–0.9, σ 1–1e5, axes up to 1:3), mostly right within a factor of two.
     """
-    return 1 + 0.4 * need.outline.rim * log10(1 + scene.sigma) ** 2 if need.outline else 1.0
+    outline = scene.finger.smooth_outline
+    return 1 + 0.4 * outline.rim * log10(1 + scene.sigma) ** 2 if outline else 1.0

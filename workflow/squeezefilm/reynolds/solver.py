@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import isfinite, nan
 
-from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import validity
+import numpy as np
+
+from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.validity import validities
 from squeezefilm.io.errors import each_on_its_own, unexpected
-from squeezefilm.io.solution import Solution
+from squeezefilm.io.solution import Solution, Solutions
 from squeezefilm.reynolds.asymptotics.scenes import Expanded
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
@@ -16,11 +18,11 @@ from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solution import solution_of
+from squeezefilm.reynolds.terms import left_out_of
 
 
 def solve(
-    scenes: Sequence[Scene],
+    scenes: Scenes | Sequence[Scene],
     *,
     tolerance: float,
     model_tolerance: float = MODEL_TOLERANCE,
@@ -28,7 +30,7 @@ def solve(
     device: Device | None = None,
     keep_states: bool = False,
     report: Callable[[int], object] = lambda solved: None,
-) -> list[Solution]:
+) -> Solutions:
     """Mean forces of scenes: |error| ≤ tolerance · |force| + round-off floor, or a reason why not.
 
     Each scene is solved by itself: its result does not depend on the others, and an unexpected
@@ -48,7 +50,7 @@ def solve(
             number for those that an unexpected error asks to be solved again.
     """
 
-    def attempt(some: Sequence[Scene]) -> list[Solution]:
+    def attempt(some: Scenes) -> Solutions:
         finished = 0
 
         def count(more: int) -> None:
@@ -57,17 +59,20 @@ def solve(
             report(more)
 
         try:
-            chosen = decided(some, model_tolerance=model_tolerance, method=method, device=device)
+            if any("auto" in (film.gas.inertia, film.gas.heat) for film in some.films):
+                each = [some.scene(row) for row in range(len(some))]
+                some = Scenes.of(
+                    decided(each, model_tolerance=model_tolerance, method=method, device=device)
+                )
             solutions = _solve(
-                chosen,
+                some,
                 tolerance=tolerance,
                 method=method,
                 device=device,
                 keep_states=keep_states,
                 report=count,
             )
-            for scene, solution in zip(chosen, solutions, strict=True):
-                solution.validity = validity(scene)
+            solutions.validity[:] = validities(some)
             return solutions
         except Exception:
             report(-finished)
@@ -77,63 +82,59 @@ def solve(
         report(1)
         return Solution(status=unexpected(error), method=method)
 
-    return each_on_its_own(attempt, scenes, failed=failed)
+    return Solutions.of(each_on_its_own(attempt, Scenes.of(scenes), failed=failed))
 
 
 def _solve(
-    scenes: Sequence[Scene],
+    scenes: Scenes,
     *,
     tolerance: float,
     method: str,
     device: Device | None,
     keep_states: bool,
     report: Callable[[int], object],
-) -> list[Solution]:
-    needs = [needs_of(scene) for scene in scenes]
-    solutions: dict[int, Solution] = {}
-    group: list[int] = []
-    plans = plans_of(scenes, needs, tolerance=tolerance, method=method)
-    for index, plan in enumerate(plans):
-        if plan.refused:
-            solutions[index] = Solution(status=plan.refused, method=plan.method)
-        elif plan.expanded is not None:
-            solutions[index] = _by_expansion(
-                scenes[index], needs[index], plan.expanded, tolerance=tolerance
-            )
-        else:
-            group.append(index)
-    report(len(solutions))
-    if group:
-        some, theirs = [scenes[index] for index in group], [needs[index] for index in group]
-        chosen = device or choose_device()
-        if not chosen.processor:
-            check_device(chosen)
-        try:
-            rest = solve_periodic(
-                some,
-                theirs,
-                tolerance=tolerance,
-                device=chosen,
-                keep_states=keep_states,
-                report=report,
-            )
-        except Exception:
-            chosen.queue.finish()  # kernels under way write into arrays that this sets free
-            raise
-        solutions.update(zip(group, rest, strict=True))
-    return [solutions[index] for index in range(len(scenes))]
+) -> Solutions:
+    if not len(scenes):
+        return Solutions.of([])
+    needs = needs_of(scenes)
+    plans = plans_of(needs, tolerance=tolerance, method=method)
+    report(len(plans))
+    solutions = Solutions.of_method(method, len(scenes))
+    for row, plan in plans.items():
+        solutions.status[row], solutions.method[row] = plan.refused, plan.method
+        if plan.expanded is not None:
+            _put_expanded(solutions, row, plan.expanded, needs, tolerance=tolerance)
+    rest = np.setdiff1d(np.arange(len(scenes)), list(plans))
+    if not rest.size:
+        return solutions
+    chosen = device or choose_device()
+    if not chosen.processor:
+        check_device(chosen)
+    try:
+        found = solve_periodic(
+            needs[rest] if plans else needs,
+            tolerance=tolerance,
+            device=chosen,
+            keep_states=keep_states,
+            report=report,
+        )
+    except Exception:
+        chosen.queue.finish()  # kernels under way write into arrays that this sets free
+        raise
+    solutions.put(rest, found)
+    return solutions
 
 
-def _by_expansion(scene: Scene, needs: Needs, found: Expanded, *, tolerance: float) -> Solution:
+def _put_expanded(
+    solutions: Solutions, row: int, found: Expanded, needs: Needs, *, tolerance: float
+) -> None:
+    """Write the solution of a scene by an expansion."""
     known = isfinite(found.error)
-    return solution_of(
-        scene,
-        mean=found.mean if known else nan,
-        error=found.error if known else nan,
-        left_out=(found.left_out, *needs.terms_left_out),
-        status=found.status(tolerance),
-        method="composite",
-        nx=found.nx,
-        ny=found.ny,
-        work=found.flops,
-    )
+    scale_n = float(np.broadcast_to(needs.scenes.force_scale_n, len(needs))[row])
+    neglected = found.left_out, *left_out_of(needs.kinds[needs.kind[row]])
+    solutions.force_n[row] = found.mean * scale_n if known else nan
+    solutions.force_error_n[row] = found.error * scale_n if known else nan
+    solutions.left_out[row] = "; ".join(part.what for part in neglected)
+    solutions.status[row] = found.status(tolerance)
+    solutions.nx[row], solutions.ny[row] = found.nx, found.ny
+    solutions.work[row] = found.flops

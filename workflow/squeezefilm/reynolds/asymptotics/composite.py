@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, log10
+from math import log10
 
 import numpy as np
 
@@ -44,7 +44,7 @@ class AsymptoticForces:
     error: np.ndarray
 
 
-def expansion_points(*, tolerance: float, sigma: float = 1.0) -> int:
+def expansion_points(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
     """Points per direction that a profile about as smooth as the paper's sinc needs.
 
     The error estimate, not only the error, then meets the tolerance: every other node must do.
@@ -55,7 +55,8 @@ def expansion_points(*, tolerance: float, sigma: float = 1.0) -> int:
             (``small_amplitude_expansion`` and ``composite_expansion``); 1 for the others.
     """
     digits = log10(1 / tolerance)
-    return 2 * ceil(1 + digits + 0.36 * digits * max(sigma, 1.0) ** 0.25) + 1
+    points = 2 * np.ceil(1 + digits + 0.36 * digits * np.maximum(sigma, 1.0) ** 0.25) + 1
+    return points.astype(np.int64)
 
 
 def high_squeeze_limit(films: Films) -> AsymptoticForces:

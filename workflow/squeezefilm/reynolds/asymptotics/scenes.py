@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
+from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.reynolds.asymptotics.composite import (
     AsymptoticForces,
     composite_expansion,
@@ -20,7 +20,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm.reynolds.needs import LeftOut, Needs
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
-from squeezefilm.reynolds.terms import terms_of
+from squeezefilm.reynolds.terms import Terms, terms_of
 
 Expand = Callable[[Films], AsymptoticForces]
 
@@ -76,17 +76,26 @@ class Expanded:
         return "ok"
 
 
-def not_derived_for(scene: Scene, needs: Needs) -> str:
-    """Why there is no expansion of a scene's force; empty where there is."""
+def not_derived_for(needs: Needs) -> dict[int, str]:
+    """The scenes of whose force there is no expansion, and why."""
+    scenes = needs.scenes
+    still = np.flatnonzero(scenes.epsilon == 0).tolist()
+    reasons = dict.fromkeys(still, "the composite expansion is derived for a surface that vibrates")
+    for rows, scene, terms in needs.alike():
+        if reason := _not_derived(scene, terms):
+            reasons |= dict.fromkeys(rows.tolist(), reason)
+    return reasons
+
+
+def _not_derived(scene: Scene, terms: Terms) -> str:
+    """Why there is no expansion for scenes of a film and its terms; empty where there is."""
     what = "the composite expansion is derived for"
     if scene.finger.shape != "rectangle":
         return f"{what} rectangular pads"
-    if scene.epsilon == 0:
-        return f"{what} a surface that vibrates"
-    unknown = [term.label for term in needs.terms if term.expansion_numbers(scene) is None]
+    unknown = [term.label for term in terms if term.expansion_numbers(scene) is None]
     if unknown:
         return f"the composite expansion is not derived with {' and '.join(unknown)}"
-    numbers = [term.label for term in needs.terms if term.expansion_numbers(scene)]
+    numbers = [term.label for term in terms if term.expansion_numbers(scene)]
     if not scene.finger.gap.flat and numbers:
         return f"{what} a gap that is even at rest with {' and '.join(numbers)}"
     if scene.actuator.profile.is_complex and scene.gas.inertia == "included":
@@ -94,38 +103,39 @@ def not_derived_for(scene: Scene, needs: Needs) -> str:
     return ""
 
 
-def composite(
-    scenes: Sequence[Scene], needs: Sequence[Needs], *, tolerance: float, worth: bool
-) -> dict[int, Expanded]:
-    """The scenes' forces by the composite expansion, by index: the edge layer's alone where that
+def composite(needs: Needs, *, tolerance: float, worth: bool) -> dict[int, Expanded]:
+    """The scenes' forces by the composite expansion, by row: the edge layer's alone where that
     holds the tolerance, else with the exact second order in ε where the gap is even at rest.
 
     Args:
         worth: to have those alone that hold the tolerance, of scenes whose periodic state should
             take longer.
     """
-    known = [at for at, scene in enumerate(scenes) if not not_derived_for(scene, needs[at])]
-    tried = [at for at in known if not worth or _edge_layer_pays(scenes[at], needs[at], tolerance)]
-    found = expanded(edge_layer_expansion, scenes, needs, tried, tolerance=tolerance)
+    everywhere = np.ones(len(needs), dtype=bool)
+    by_layer = _edge_layer_pays(needs, tolerance) if worth else everywhere
+    by_second = _second_order_pays(needs, tolerance) if worth else everywhere
+    if not (by_layer | by_second).any():
+        return {}
+    known = everywhere
+    known[list(not_derived_for(needs))] = False
+    tried = np.flatnonzero(known & by_layer)
+    found = expanded(edge_layer_expansion, needs, tried, tolerance=tolerance)
+    flat = needs.scenes.column(lambda film: film.finger.gap.flat)
     more = [
-        at
-        for at in known
-        if scenes[at].finger.gap.flat
-        and not (at in found and found[at].holds(tolerance))
-        and (not worth or _second_order_pays(scenes[at], needs[at], tolerance))
+        row
+        for row in np.flatnonzero(known & by_second & flat).tolist()
+        if not (row in found and found[row].holds(tolerance))
     ]
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
     # grid's error was twice the tolerance (σ 1e5, 1e-6).
-    joined = expanded(
-        _with_second_order, scenes, needs, more, tolerance=tolerance / 10, layers=True
-    )
+    joined = expanded(_with_second_order, needs, more, tolerance=tolerance / 10, layers=True)
     found |= {
-        at: result
-        for at, result in joined.items()
-        if at not in found or result.error < found[at].error
+        row: result
+        for row, result in joined.items()
+        if row not in found or result.error < found[row].error
     }
     if worth:
-        return {at: result for at, result in found.items() if result.holds(tolerance)}
+        return {row: result for row, result in found.items() if result.holds(tolerance)}
     return found
 
 
@@ -139,107 +149,136 @@ def _with_second_order(films: Films) -> AsymptoticForces:
     return forces
 
 
-def _edge_layer_pays(scene: Scene, needs: Needs, tolerance: float) -> bool:
-    """Whether the edge layer's expansion may hold the tolerance and is worth its cost.
+def _edge_layer_pays(needs: Needs, tolerance: float) -> np.ndarray:
+    """Whether the edge layer's expansion may hold the tolerance and is worth its cost, (n,).
 
     The orders are those of the error estimates. Their factors are about the smallest that 2400
     random films had (ε 0.01–0.98, σ 0.1–1e6, sides 1:10 to 10:1), of the paper's sinc and of a
     piston. A profile between the two may be sent on although the expansion would do.
     """
-    numbers = expansion_numbers(scene)
-    if _slender_sigma(scene) < EDGE_LAYER_FROM and "reynolds" not in numbers:
-        return False
-    even = needs.uniform and scene.finger.gap.flat
-    by_slopes = (0.3 if even else 100) * scene.sigma**-1.5
-    return max(by_slopes, _of_corners(scene), _of_terms(scene, numbers)) <= tolerance
+    scenes = needs.scenes
+    pays = (_slender_sigma(scenes) >= EDGE_LAYER_FROM) | _has_inertia(scenes)
+    even = needs.uniform & scenes.column(lambda film: film.finger.gap.flat)
+    by_slopes = np.where(even, 0.3, 100) * scenes.sigma**-1.5
+    return pays & (
+        np.maximum.reduce([by_slopes, _of_corners(scenes), _of_terms(needs)]) <= tolerance
+    )
 
 
-def _second_order_pays(scene: Scene, needs: Needs, tolerance: float) -> bool:
-    """Whether the composite may hold the tolerance and is worth its cost."""
-    square, numbers = scene.epsilon**2, expansion_numbers(scene)
-    if square <= TINY * tolerance:
-        return True
-    if "reynolds" not in numbers and (
-        _slender_sigma(scene) < COMPOSITE_FROM or tolerance > COMPOSITE_TO_TOLERANCE
-    ):
-        return False
-    by_slopes = (3 if needs.uniform else 15) * square * scene.sigma**-1.5
-    by_terms = 4 * square * _of_terms(scene, numbers)
-    return max(by_slopes, _of_corners(scene), by_terms) <= tolerance
+def _second_order_pays(needs: Needs, tolerance: float) -> np.ndarray:
+    """Whether the composite may hold the tolerance and is worth its cost, (n,)."""
+    scenes = needs.scenes
+    square = scenes.epsilon**2
+    large = (_slender_sigma(scenes) >= COMPOSITE_FROM) & (tolerance <= COMPOSITE_TO_TOLERANCE)
+    pays = large | _has_inertia(scenes)
+    by_slopes = np.where(needs.uniform, 3, 15) * square * scenes.sigma**-1.5
+    orders = [by_slopes, _of_corners(scenes), 4 * square * _of_terms(needs)]
+    return (square <= TINY * tolerance) | pays & (np.maximum.reduce(orders) <= tolerance)
 
 
-def _of_corners(scene: Scene) -> float:
+def _has_inertia(scenes: Scenes) -> np.ndarray:
+    return np.asarray(scenes.gas.inertia == "included")
+
+
+def _of_corners(scenes: Scenes) -> np.ndarray:
     """Relative error by the pad's corners, which no expansion has, where the profile is large."""
-    return float(scene.epsilon**2 / scene.sigma)
+    return np.asarray(scenes.epsilon**2 / scenes.sigma)
 
 
-def _of_terms(scene: Scene, numbers: Mapping[str, float]) -> float:
-    """Relative error of the edge layer's expansion by inertia and slip, roughly."""
-    by_inertia = 15 * numbers.get("reynolds", 0.0) / scene.sigma
-    return float(max(by_inertia, 0.3 * numbers.get("slip", 0.0) * scene.sigma**-0.5))
+def _of_terms(needs: Needs) -> np.ndarray:
+    """Relative error of the edge layer's expansion by inertia and slip, roughly, (n,)."""
+    sigma, numbers = needs.scenes.sigma, _numbers_of(needs)
+    return np.maximum(15 * numbers["reynolds"] / sigma, 0.3 * numbers["slip"] * sigma**-0.5)
 
 
-def _slender_sigma(scene: Scene) -> float:
+def _slender_sigma(scenes: Scenes) -> np.ndarray:
     """Squeeze number of the shorter side."""
-    return float(scene.sigma * min(1.0, scene.aspect) ** 2)
+    return np.asarray(scenes.sigma * np.minimum(1.0, scenes.aspect) ** 2)
+
+
+def _numbers_of(needs: Needs) -> dict[str, np.ndarray]:
+    """The numbers that the expansions have of the scenes' terms: ``slip``, ``reynolds``, (n,)."""
+    numbers = {name: np.zeros(len(needs)) for name in ("slip", "reynolds")}
+    for kind, terms in enumerate(needs.kinds):
+        rows = np.flatnonzero(needs.kind == kind) if terms else np.zeros(0, dtype=np.int64)
+        for name, value in _expansion_numbers(needs.scenes[rows], terms).items():
+            numbers[name][rows] = value
+    return numbers
 
 
 def expanded(
     expand: Expand,
-    scenes: Sequence[Scene],
-    needs: Sequence[Needs],
-    which: Iterable[int],
+    needs: Needs,
+    rows: np.ndarray | Sequence[int],
     *,
     tolerance: float,
     layers: bool = False,
 ) -> dict[int, Expanded]:
-    """One expansion of some of the scenes, by index; those with one grid together.
+    """One expansion of some of the scenes, by row; those with one grid together.
 
     Args:
         tolerance: of the grids.
         layers: whether these resolve the layers at the pad's edge.
     """
-    groups: dict[tuple[int, int, bool, bool], list[int]] = defaultdict(list)
-    for at in which:
-        scene = scenes[at]
-        sigma = scene.sigma if layers else 1.0
-        # The error estimate uses every other node, which must resolve the profile too.
-        nodes_x, nodes_y = nodes_for_profile(needs[at], tolerance=tolerance)
-        nx = max(expansion_points(tolerance=tolerance, sigma=sigma), 2 * nodes_x + 1)
-        ny = max(
-            expansion_points(tolerance=tolerance, sigma=sigma * scene.aspect**2), 2 * nodes_y + 1
-        )
-        groups[nx, ny, scene.actuator.profile.is_complex, scene.finger.gap.flat].append(at)
+    rows = np.asarray(rows, dtype=np.int64)
+    if not rows.size:
+        return {}
+    scenes = needs.scenes[rows]
+    sigma = scenes.sigma if layers else np.ones(len(rows))
+    # The error estimate uses every other node, which must resolve the profile too.
+    nodes = 2 * nodes_for_profile(needs, tolerance=tolerance)[rows] + 1
+    points = [
+        np.maximum(expansion_points(tolerance=tolerance, sigma=each), at_least)
+        for each, at_least in zip((sigma, sigma * scenes.aspect**2), nodes.T, strict=True)
+    ]
+    # Of one kind of fields: numbers real or complex, gaps even at rest or not.
+    fields = scenes.column(lambda film: 2 * film.actuator.profile.is_complex + film.finger.gap.flat)
+    code = np.stack([*points, np.broadcast_to(fields, len(rows))], axis=1)
+    numbers = _numbers_of(needs)
     results = {}
-    for (nx, ny, *_), group in groups.items():
+    for nx, ny, kind in np.unique(code, axis=0).tolist():
+        group = np.flatnonzero((code == (nx, ny, kind)).all(axis=1))
         for start in range(0, len(group), BATCH):
             some = group[start : start + BATCH]
-            forces = expand(_films([scenes[at] for at in some], nx=nx, ny=ny))
-            for at, mean, error in zip(some, forces.mean, forces.error, strict=True):
-                results[at] = Expanded(float(mean), float(error), nx, ny)
+            given = {name: values[rows[some]] for name, values in numbers.items()}
+            forces = expand(_films(scenes[some], nx=nx, ny=ny, **given))
+            for row, mean, error in zip(
+                rows[some].tolist(), forces.mean.tolist(), forces.error.tolist(), strict=True
+            ):
+                results[row] = Expanded(mean, error, nx, ny)
     return results
 
 
-def _films(scenes: Sequence[Scene], *, nx: int, ny: int) -> Films:
+def _films(scenes: Scenes, *, nx: int, ny: int, slip: np.ndarray, reynolds: np.ndarray) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
-    places = {scene.place: scene.amplitude(x, y) for scene in scenes}
-    numbers = [expansion_numbers(scene) for scene in scenes]
-    flat = scenes[0].finger.gap.flat
+    complex_ = scenes.films[scenes.film_index[0]].actuator.profile.is_complex
+    flat = scenes.films[scenes.film_index[0]].finger.gap.flat
+    amplitude = np.empty((len(scenes), *x.shape), dtype=complex if complex_ else float)
+    rest = np.empty((len(scenes), *x.shape))
+    for film, rows, some in scenes.of_each_film():
+        places, at = some.places
+        parts = places.parts(x.ravel(), y.ravel()).reshape(-1, len(places.x_m), *x.shape)
+        amplitude[rows] = (parts[0] + 1j * parts[1] if complex_ else parts[0])[at]
+        rest[rows] = 1 + film.finger.gap.rise_m(x, y) / some.h0_m[:, None, None]
     return films_of(
-        np.array([scene.epsilon for scene in scenes]),
-        np.array([scene.sigma for scene in scenes]),
-        np.stack([places[scene.place] for scene in scenes]),
-        aspect=np.array([scene.aspect for scene in scenes]),
-        slip=np.array([each.get("slip", 0.0) for each in numbers]),
-        reynolds=np.array([each.get("reynolds", 0.0) for each in numbers]),
-        rest=None if flat else np.stack([scene.rest_gap(x, y) for scene in scenes]),
+        scenes.epsilon,
+        scenes.sigma,
+        amplitude,
+        aspect=scenes.aspect,
+        slip=slip,
+        reynolds=reynolds,
+        rest=None if flat else rest,
     )
 
 
 def expansion_numbers(scene: Scene) -> dict[str, float]:
     """The numbers of a scene's terms that the expansions have: ``slip``, ``reynolds``."""
+    return _expansion_numbers(scene, terms_of(scene))
+
+
+def _expansion_numbers(scenes: OperatingPoints, terms: Terms) -> dict[str, Any]:
     return {
         name: value
-        for term in terms_of(scene)
-        for name, value in (term.expansion_numbers(scene) or {}).items()
+        for term in terms
+        for name, value in (term.expansion_numbers(scenes) or {}).items()
     }

@@ -6,8 +6,7 @@ gas' inertia the next order is ε²/σ, without it ε²/σ^(3/2): there `limit_n
 is exact to ε². A scene whose inertia is `auto` counts as having it, for limits cost the same.
 """
 
-from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import ScenePoint, scene_points
-from squeezefilm.models.experiments import factors_of
+from squeezefilm.models.data import factors_of
 from squeezefilm.models.limit_table import (
     LARGEST_EPSILON_SQUARE,
     LINE_POINTS,
@@ -54,37 +53,35 @@ TABLE_TOLERANCE, TABLE_TOLERANCE_WITH_INERTIA = 3e-7, 1e-5
 
 def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
-    scenes = [_with_inertia(scene) for scene in scenes]
-    needs = [needs_of(scene) for scene in scenes]
-    columns = {"sigma": np.array([scene.sigma for scene in scenes])}
+    needs = needs_of([_with_inertia(scene) for scene in scenes])
+    underived = not_derived_for(needs)
+    scale_n = np.broadcast_to(needs.scenes.force_scale_n, len(scenes))
+    columns = {"sigma": needs.scenes.sigma}
     errors: dict[str, np.ndarray] = {}
     for column in EXPANSIONS:
         columns[column], errors[column] = np.full((2, len(scenes)), np.nan)
-        for index, result in _results(scenes, needs, column).items():
+        for row, result in _results(needs, underived, column).items():
             if np.isfinite(result.error):
-                columns[column][index] = result.mean * scenes[index].force_scale_n
-                errors[column][index] = result.error * scenes[index].force_scale_n
+                columns[column][row] = result.mean * scale_n[row]
+                errors[column][row] = result.error * scale_n[row]
     status = [
-        "ok" if known else not_derived_for(scene, need) or DOES_NOT_HOLD
-        for scene, need, known in zip(scenes, needs, np.isfinite(columns["limit_n"]), strict=True)
+        "ok" if known else underived.get(row, DOES_NOT_HOLD)
+        for row, known in enumerate(np.isfinite(columns["limit_n"]))
     ]
     return table.assign(**columns, limit_error_n=errors["limit_n"], status=status)
 
 
-def _results(scenes: Sequence[Scene], needs: Sequence[Needs], column: str) -> dict[int, Expanded]:
-    """What stands in a column, by the scenes' indices, each by its own expansion."""
-    groups: dict[bool, list[int]] = defaultdict(list)
-    for index, scene in enumerate(scenes):
-        if not not_derived_for(scene, needs[index]):
-            groups[_has_inertia(scene)].append(index)
+def _results(needs: Needs, underived: Mapping[int, str], column: str) -> dict[int, Expanded]:
+    """What stands in a column, by the scenes' rows, each by its own expansion."""
+    derived = ~np.isin(np.arange(len(needs)), list(underived))
+    has = np.broadcast_to(needs.scenes.gas.inertia == "included", len(needs))
     results: dict[int, Expanded] = {}
-    for inertia, group in groups.items():
+    for inertia in (False, True):
         expand = (EXPANSIONS_WITH_INERTIA if inertia else EXPANSIONS)[column]
         results |= expanded(
             expand,
-            scenes,
             needs,
-            group,
+            np.flatnonzero(derived & (has == inertia)),
             tolerance=TOLERANCE_WITH_INERTIA if inertia else TOLERANCE,
             layers=expand is composite_expansion,
         )
@@ -112,21 +109,26 @@ def limit_table_of(config: Config) -> LimitTable:
     random = np.random.default_rng(CHECK_SEED)
     at, shape = nodes(ranges, _counts(config, ranges, random))
     limits = _limits(config, at)
-    table = LimitTable(
-        ranges=ranges,
-        coefficients={
-            name: coefficients_of(_over_square(limits, at, name).reshape(shape))
-            for name in EXPANSIONS
-        },
-        sigma_h0_square=float(limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2),
-        error=np.nan,
+    table = LimitTable.model_validate(
+        {
+            "ranges": ranges,
+            "shape": shape,
+            "coefficients": {
+                name: coefficients_of(_over_square(limits, at, name).reshape(shape))
+                .ravel()
+                .tolist()
+                for name in EXPANSIONS
+            },
+            "sigma_h0_square_m2": limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2,
+            "largest_relative_error": np.nan,
+        }
     )
     drawn = {axis: random.uniform(*ranges[axis], CHECK_POINTS) for axis in ranges}
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
     checked = _limits(config, drawn)
     found = table.complete(factors_of(checked))
     errors = [np.abs(found.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
-    return replace(table, error=float(max(errors)))
+    return table.model_copy(update={"largest_relative_error": float(max(errors))})
 
 
 def _counts(

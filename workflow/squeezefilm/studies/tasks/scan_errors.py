@@ -42,7 +42,7 @@ def scan_errors(
         In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
         ``lowest_n``, ``highest_n``, standard deviation and range over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
-        and all that was taken off the profile's maximum as the noise's, or lost by averaging;
+        and all that was taken off the profile's maximum as the noise's;
         ``out_of_phase_n``, by what the force is low without motion out of phase that was left out;
         ``scan_error_n``, the sum of both.
 
@@ -65,7 +65,7 @@ def scan_errors(
     spread_n = forces[1:].std(axis=0, ddof=1)
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
-    share = smoothed.profile.largest - 1 + smoothed.averaging_loss
+    share = smoothed.profile.largest - 1
     bias = np.array([2 * share / (1 - scene.epsilon) for scene in scenes])
     effect = np.zeros(len(scenes))
     if not smoothed.profile.is_complex:
