@@ -123,7 +123,7 @@ format: $(VENV)/.dev
 	$(RUN) snakefmt Snakefile workflow
 
 keys: $(VENV)/.run
-	$(BIN)/python -m squeezefilm.studies.keys config/README.md
+	$(BIN)/python -m squeezefilm.config.keys config/README.md
 
 resume: $(VENV)/.run
 	$(SNAKEMAKE) --unlock $(if $(CONFIG),--configfile $(CONFIG))

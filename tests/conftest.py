@@ -9,7 +9,7 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scene_of
 
 SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py")

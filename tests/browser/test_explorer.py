@@ -19,7 +19,7 @@ from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors, get_model
 from squeezefilm.models.working_point import amplitude_for_force, gap_for_force
 from squeezefilm.reynolds.dynamics.response import gains, response
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scene_of
 
 from .conftest import DESKTOP, PHONE, Browser

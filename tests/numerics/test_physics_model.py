@@ -15,7 +15,7 @@ from squeezefilm.models.force_model import COLUMNS, Factors, get_model
 from squeezefilm.models.limit_table import MOST_NODES
 from squeezefilm.models.validation import error_sizes
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks import physics_limits as limits

@@ -24,7 +24,7 @@ from squeezefilm.io.tables import (
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
 from squeezefilm.models.prediction_interval import measured_interval
 from squeezefilm.provenance import WORKFLOW
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 THETA = {
     "screen": SCREEN_THETA,

@@ -8,7 +8,7 @@ from squeezefilm.cli.use import simulate
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import chunks
 from squeezefilm.studies.chunks import chunk_counts, expected_seconds
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 
 def with_jobs_of(config: Config, seconds: float) -> Config:

@@ -10,7 +10,7 @@ import yaml
 
 from squeezefilm.cli.steps.plan import make_plan
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.studies.schema import SCHEMA_PATH
 from squeezefilm.studies.study import check_study
 

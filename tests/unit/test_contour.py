@@ -10,8 +10,8 @@ import squeezefilm as sf
 from squeezefilm.film.contour import read_contour
 from squeezefilm.film.finger import Finger
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import parse_config
-from squeezefilm.studies.effective import effective_text
+from squeezefilm.config.loading import parse_config
+from squeezefilm.config.written import effective_text
 from squeezefilm.studies.study import check_study, finger_of
 
 SIDES_M = 0.01, 0.008

@@ -13,9 +13,9 @@ from jsonschema import Draft202012Validator
 from squeezefilm.api.film import Film
 from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.typed_units import in_unit
-from squeezefilm.studies.config import Config, load_config, parse_config
-from squeezefilm.studies.effective import effective_text, write_effective
+from squeezefilm.units import in_unit
+from squeezefilm.config.loading import Config, load_config, parse_config
+from squeezefilm.config.written import effective_text, write_effective
 from squeezefilm.studies.plans import finger_positions, plan_sizes
 from squeezefilm.studies.schema import SUFFIXES, filled, schema
 from squeezefilm.studies.study import check_study

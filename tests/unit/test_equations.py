@@ -11,7 +11,7 @@ from paper.equations import FITS, INPUTS, Study, compare, conditions, survives, 
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json, write_json
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 MORE = 1.02
 """Forces of the other study, over those of the first."""

@@ -18,7 +18,7 @@ from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.provenance import WORKFLOW
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from verification import work_precision as measured
 
 PACKAGES = ("squeezefilm", "verification", "reporting", "paper")

@@ -17,7 +17,7 @@ from squeezefilm.cli.study.example_scan import scan_text
 from squeezefilm.film.vibration.scans import smoothed_scan
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import check_study
 
 RADIUS_M = 0.01

@@ -7,7 +7,7 @@ import pytest
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import schema as schemas
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.keys import key_table, with_key_table
 
 UNITS = {"pa_s": "Pa s", "pa": "Pa", "hz": "Hz", "deg": "°", "n": "N", "m": "m"}

@@ -10,7 +10,7 @@ from reporting.pages.notes import Inertia
 from reporting.pages.page import to_html
 from reporting.pages.summary import to_markdown
 from squeezefilm.cli import main as cli
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 
 def test_a_page_shows_tables_text_and_verdicts_and_needs_nothing_else():

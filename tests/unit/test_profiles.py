@@ -21,7 +21,7 @@ from squeezefilm.film.vibration.vibrometer import read_scan
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
 
 RADIUS_M = 0.01

@@ -20,7 +20,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
 from squeezefilm.models.force_model import Factors
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config, parse_config
+from squeezefilm.config.loading import Config, load_config, parse_config
 from squeezefilm.studies.plans import box_of, centred_grid, finger_positions, random_plan
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, scene_of, symmetry_of

@@ -13,7 +13,7 @@ from squeezefilm.cli.main import main
 from squeezefilm.io.tables import SCENE_COLUMNS, read_forces, write_table
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.tasks import refined_model
 
 

@@ -22,7 +22,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.scan_errors import out_of_phase_effect, scan_errors
 

@@ -19,7 +19,7 @@ from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.film.vibration.vibrometer import Scan, read_scan
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import study as studies
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 FREQUENCY_HZ = 43270.0
 RADIUS_M = 0.01

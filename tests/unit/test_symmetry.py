@@ -11,7 +11,7 @@ from squeezefilm.film.directions import Directions
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, scene_of, symmetry_of

@@ -14,7 +14,7 @@ from squeezefilm.cli import main as cli
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 
 def film_like(scene: Scene) -> float:

@@ -16,13 +16,13 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 from squeezefilm.cli import main as cli
 from squeezefilm.cli.points import write_points
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.typed_units import quantities, with_error
+from squeezefilm.units import quantities, with_error
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
 from squeezefilm.models.generated_code import LANGUAGES, source
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
 THETA = {

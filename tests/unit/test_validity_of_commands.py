@@ -6,7 +6,7 @@ import yaml
 
 from squeezefilm.cli.main import main
 from squeezefilm.io.tables import read_forces, write_json, write_table
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import film_of
 
 THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"

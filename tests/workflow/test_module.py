@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from squeezefilm.io.tables import read_scenes
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 from .conftest import copy_checkout, snakemake
 

@@ -19,7 +19,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.study import scene_of
 
 Force = Callable[[Scene], float]

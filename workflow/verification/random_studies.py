@@ -11,7 +11,7 @@ import numpy as np
 
 from squeezefilm.api.study import Study
 from squeezefilm.film.vibration.shapes import parts_of
-from squeezefilm.studies.config import parse_config
+from squeezefilm.config.loading import parse_config
 from squeezefilm.studies.study import profile_of, surface_of
 
 WAVELENGTH_M = (3e-3, 30e-3)

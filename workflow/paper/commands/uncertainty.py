@@ -14,7 +14,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import device_of
 
 

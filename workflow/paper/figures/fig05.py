@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from paper.figures.parts import disc
 from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.study import finger_of
 
 INPUTS: dict[str, str] = {}

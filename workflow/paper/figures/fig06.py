@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from paper.figures.parts import disc
 from reporting.figures.parts import style, surface
 from reporting.figures.parts.tables import Inputs
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS: dict[str, str] = {}
 

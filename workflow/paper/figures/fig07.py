@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, add_limits, plane_table
 from squeezefilm.io.tables import read_scenes
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "plan": "simulations/screen/scenes.csv",

@@ -12,7 +12,7 @@ from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
 from reporting.pages.notes import percent, simulations_note
 from squeezefilm.io.tables import read_ok_forces
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "forces": "simulations/screen/forces.csv",

@@ -14,7 +14,7 @@ from reporting.figures.parts.tables import Inputs, add_limits, micrometres
 from reporting.pages.notes import one_digit
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_scenes
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "plan": "simulations/screen/scenes.csv",

@@ -8,7 +8,7 @@ import pandas as pd
 
 from paper.figures.parts.patterns import draw, pattern_table
 from reporting.figures.parts.tables import Inputs
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 __all__ = ["INPUTS", "build", "draw"]
 

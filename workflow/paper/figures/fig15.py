@@ -10,7 +10,7 @@ from paper.figures.parts import disc
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs
 from squeezefilm.io.tables import read_scenes
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "plan": "simulations/four_factor/scenes.csv",

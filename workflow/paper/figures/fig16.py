@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, add_limits, plane_table
 from squeezefilm.io.tables import read_design, read_scenes
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "plan": "simulations/four_factor/scenes.csv",

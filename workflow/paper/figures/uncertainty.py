@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs
 from squeezefilm.io.sources import read_columns
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "table": "tables/uncertainty.csv",

@@ -17,7 +17,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_design, read_json
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of
 
 DESIGNS = "designs"

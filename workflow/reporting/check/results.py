@@ -23,7 +23,7 @@ from squeezefilm.io.tables import FACTOR_COLUMNS, read_json, read_ok_forces
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import number, read_fit
 from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 SETTINGS, CLAIMS, SIMULATIONS, FITS, VALIDATION, NUMERICS = (
     "settings",

@@ -15,7 +15,7 @@ from reporting.check.results import (
     validation_quantities,
 )
 from reporting.check.tolerances import Closeness
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 
 def study_quantities(results: Path, config: Config, reference: Path) -> list[Quantity]:

@@ -17,7 +17,7 @@ from reporting.check.show import on_screen, status, to_markdown
 from reporting.check.study import study_quantities
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -31,7 +31,7 @@ from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.prediction_interval import ranking_half
 from squeezefilm.models.validation import error_sizes, relative_errors
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 TITLES = {"two_factor": "the finger centred", "four_factor": "the finger anywhere on the surface"}
 COLUMNS = (

@@ -12,7 +12,7 @@ from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scene_of
 
 

@@ -20,7 +20,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources, read_columns
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

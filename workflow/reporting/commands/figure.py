@@ -18,7 +18,7 @@ from reporting.pages.notes import Inertia
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -28,7 +28,7 @@ from squeezefilm.models.force_model import Factors
 from squeezefilm.models.library import SPACES
 from squeezefilm.models.validation import relative_errors
 from squeezefilm.models.working_point import working_point
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.config.loading import Config, load_config
 
 LEAST = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""

@@ -14,7 +14,7 @@ from reporting.check.pictures import write_pictures
 from reporting.check.reference import differences, read_reference, write_reference
 from reporting.check.study import study_quantities
 from squeezefilm.io.errors import RunError
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 MOST_SHOWN = 60
 

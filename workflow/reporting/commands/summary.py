@@ -20,7 +20,7 @@ from squeezefilm.reynolds.effects.automatic import decided, kept_out
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import notes_of_budget
 from squeezefilm.reynolds.terms import notes_of
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.studies.study import scene_of
 
 

@@ -23,7 +23,7 @@ from reporting.figures.parts.tables import Inputs, micrometres
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import THIS_SCENE
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "plane": "simulations/screen/budget.csv",

@@ -14,7 +14,7 @@ from reporting.figures.parts.tables import Inputs, plane_table
 from reporting.pages.notes import simulations_note
 from squeezefilm.io.tables import read_ok_forces
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "fit": "fits/two_factor_design.json",

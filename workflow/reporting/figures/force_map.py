@@ -20,7 +20,7 @@ from reporting.pages.notes import percent
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_ok_forces
 from squeezefilm.models.experiments import factors_of
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "forces": "simulations/error_map/forces.csv",

@@ -15,7 +15,7 @@ from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs, micrometres
 from reporting.pages.notes import reynolds_limit
 from squeezefilm.io.sources import read_columns
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "levitation": "simulations/screen/levitation.csv",

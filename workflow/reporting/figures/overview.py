@@ -20,7 +20,7 @@ from reporting.pages.notes import percent, rounded_up
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import number, read_fit
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "film": "simulations/extrapolation/film.csv",

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, micrometres
 from squeezefilm.io.sources import read_columns
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 INPUTS = {
     "response": "simulations/screen/response.csv",

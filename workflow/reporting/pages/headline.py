@@ -14,7 +14,7 @@ from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json
-from squeezefilm.io.typed_units import to_its_error, with_error
+from squeezefilm.units import to_its_error, with_error
 
 IN_SHORT = "## In short"
 WORDS = {"two_factor": "with the finger at the centre", "four_factor": "with the finger anywhere"}

@@ -13,7 +13,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
-from squeezefilm.io.typed_units import with_error
+from squeezefilm.units import with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.answers.outputs import with_outputs
 from squeezefilm.reynolds.answers.words import outputs_text

@@ -18,7 +18,7 @@ from squeezefilm.models.fitted import fit_of
 from squeezefilm.models.fitting.described import described_fit
 from squeezefilm.models.library import model_named
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.studies.plans import (
     declared_ranges,
     finger_positions,

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from squeezefilm.formulas.expressions import Expression, Name, Node, Number, Operation, parse, walk
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.typed_units import BASES, UNITS
+from squeezefilm.units import BASES, UNITS
 
 COHERENT = ("N", "m", "s", "deg", "Pa", "Hz", "kg")
 """Units that parameters may have: formulas are evaluated in SI units, and in degrees."""

@@ -9,7 +9,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds.explain import explain
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
 from squeezefilm.studies.study import planned_profile_of, scene_of
 

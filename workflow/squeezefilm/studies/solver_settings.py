@@ -9,7 +9,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import checked_outputs
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 TOLERANCES = (1e-10, 0.1)
 

@@ -19,7 +19,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import POLAR, form_of
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import scene_of, surface_of
 

@@ -18,7 +18,7 @@ from squeezefilm.film.vibration.shapes import Sinc, StandingWave, Vibration
 from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.symmetry import no_symmetry, symmetry
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import argparse
 
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import device_of
 from verification.cases import SAMPLE, cases
 from verification.stability import stability

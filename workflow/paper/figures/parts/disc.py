@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.film.vibration.shapes import shown_of
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.study import finger_of, profile_of
 
 MEASUREMENT_NOTE = "Model only: the measured points of the original figure are not available to us."

@@ -13,7 +13,7 @@ from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_table
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.working_point import amplitude_for_force
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.plans import plan
 
 

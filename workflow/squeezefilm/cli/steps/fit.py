@@ -35,7 +35,7 @@ from squeezefilm.models.fitting.described import described_fit
 from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.library import model_named
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import film_of, symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation

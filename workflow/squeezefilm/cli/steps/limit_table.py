@@ -11,7 +11,7 @@ import argparse
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_json
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
 

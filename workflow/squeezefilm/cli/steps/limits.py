@@ -12,7 +12,7 @@ import argparse
 
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.physics_limits import with_limits
 

@@ -34,7 +34,7 @@ from squeezefilm.io.tables import (
 )
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.tasks.optimal_designs import (
     FittedSpace,
     efficiencies,

@@ -7,7 +7,7 @@ import argparse
 
 from squeezefilm.io.tables import read_json, write_json
 from squeezefilm.provenance import provenance
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

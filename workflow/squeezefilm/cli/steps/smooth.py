@@ -10,7 +10,7 @@ from pathlib import Path
 
 from squeezefilm.film.vibration.smoothed_file import write_smoothed
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scan_path, smoothed_anew, smoothing_settings
 
 

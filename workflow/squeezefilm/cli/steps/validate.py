@@ -24,7 +24,7 @@ from squeezefilm.io.tables import (
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.validation import relative_errors, summarise
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -25,7 +25,7 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_row
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scene_of
 
 

@@ -8,8 +8,8 @@ The text is a study itself. A run writes it beside its results: results/STUDY/st
 
 import argparse
 
-from squeezefilm.studies.config import load_config
-from squeezefilm.studies.effective import effective_text
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.written import effective_text
 from squeezefilm.studies.study import check_study
 
 

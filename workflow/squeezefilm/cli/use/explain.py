@@ -24,7 +24,7 @@ from squeezefilm.reynolds.effects.budget import NAMES, Budget, budgets
 from squeezefilm.reynolds.effects.words import budget_row, notes_of_budget
 from squeezefilm.reynolds.explain import Explanation, explain
 from squeezefilm.reynolds.terms import notes_of
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
     add_solver_arguments,

@@ -40,7 +40,7 @@ from squeezefilm.film.existence import GAPS_M
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import ScenePoint, read_forces, write_table
-from squeezefilm.io.typed_units import quantities, quantity
+from squeezefilm.units import quantities, quantity
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.dynamics.levitation import Levitation, levitate, trustworthy
 from squeezefilm.reynolds.dynamics.resonance import Resonance, resonance

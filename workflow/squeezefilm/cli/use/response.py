@@ -38,7 +38,7 @@ from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
-from squeezefilm.io.typed_units import quantities
+from squeezefilm.units import quantities
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import (

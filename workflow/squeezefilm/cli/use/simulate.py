@@ -55,7 +55,7 @@ from squeezefilm.reynolds.answers.outputs import with_outputs
 from squeezefilm.reynolds.effects.automatic import kept_out
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
     add_solver_arguments,

@@ -6,7 +6,7 @@ from math import isnan
 
 from squeezefilm.io.solution import DERIVATIVES, Derivatives
 from squeezefilm.io.tables import THIS_SCENE
-from squeezefilm.io.typed_units import to_its_error
+from squeezefilm.units import to_its_error
 from squeezefilm.reynolds.effects import rim
 from squeezefilm.reynolds.effects.budget import Budget, Effect
 

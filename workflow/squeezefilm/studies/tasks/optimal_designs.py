@@ -25,7 +25,7 @@ from squeezefilm.models.fitting.profile_likelihood import (
     parameter_ranges,
 )
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.physics_limits import with_limits

@@ -26,7 +26,7 @@ from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_r
 from squeezefilm.io.parallel import parallel_map
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.force_model import ExpressionModel, Factors, get_model
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of, plan
 
 DIGITS = 6

@@ -33,7 +33,7 @@ from squeezefilm.reynolds.limits.domain import unknown_to
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.solver import LimitResult, by_limits
 from squeezefilm.reynolds.terms import terms_of
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import scene_of
 

@@ -17,7 +17,7 @@ from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.fitting.profile_likelihood import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import film_of, scene_of, symmetry_of

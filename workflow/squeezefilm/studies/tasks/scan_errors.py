@@ -16,7 +16,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.limits.films import films_of, limit_axis
 from squeezefilm.reynolds.limits.forces import fast_limit
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of, symmetry_of

@@ -3,7 +3,7 @@
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
 from squeezefilm.models.fitted import number
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 
 
 def scan_error_of(config: Config, summary: str | None) -> float:

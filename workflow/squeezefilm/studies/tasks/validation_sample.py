@@ -8,7 +8,7 @@ from typing import Any
 from squeezefilm.io.tables import read_forces
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import fit_of
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import declared_ranges
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.typed_units import sizes
+from squeezefilm.units import sizes
 
 LENGTHS_M = sizes("m")
 SPEEDS_M_PER_S = {f"{name}/s": size for name, size in LENGTHS_M.items()}

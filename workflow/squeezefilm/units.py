@@ -2,9 +2,7 @@
 
 import math
 import re
-from dataclasses import dataclass
-
-import numpy as np
+from typing import NamedTuple
 
 from squeezefilm.io.errors import InputError
 
@@ -14,18 +12,23 @@ EXAMPLES = {"deg": "45deg", "N": "0.5N", "Hz": "300Hz", "kg": "50g"}
 MOST_LEVELS = 10_000
 MOST_PLACES, LEAST_PLAIN = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
+DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+QUANTITY = re.compile(rf"\s*({DECIMAL})\s*([^\d\s]+)\s*", re.ASCII)
+NUMBER = re.compile(rf"\s*{DECIMAL}\s*", re.ASCII)
+OCTAL = re.compile(r"\s*[-+]?0\d")
 SHARED_UNIT = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
 """Numbers without units, and the unit at the end that is that of all."""
 PRODUCT = re.compile(
     r"(?P<sign>[/*·\s]*)(?P<name>[^\d\s/*·^²³]+|1)(?:(?:\^|\*\*)?(?P<power>[1-4²³]))?"
 )
 POWERS = {"²": 2, "³": 3}
-QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s]+)\s*", re.ASCII)
-NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*", re.ASCII)
+PREFIXES = {
+    **{"": 1.0, "p": 1e-12, "n": 1e-9, "µ": 1e-6, "μ": 1e-6, "u": 1e-6},
+    **{"m": 1e-3, "c": 1e-2, "h": 1e2, "k": 1e3, "M": 1e6},
+}
 
 
-@dataclass(frozen=True)
-class Unit:
+class Unit(NamedTuple):
     """Its size in BASES, and the exponents of these."""
 
     size: float
@@ -33,34 +36,20 @@ class Unit:
 
 
 UNITS = {
-    "N": Unit(1.0, (1, 0, 0, 0)),
-    "mN": Unit(1e-3, (1, 0, 0, 0)),
-    "m": Unit(1.0, (0, 1, 0, 0)),
-    "mm": Unit(1e-3, (0, 1, 0, 0)),
-    "um": Unit(1e-6, (0, 1, 0, 0)),
-    "µm": Unit(1e-6, (0, 1, 0, 0)),
-    "μm": Unit(1e-6, (0, 1, 0, 0)),
-    "nm": Unit(1e-9, (0, 1, 0, 0)),
-    "s": Unit(1.0, (0, 0, 1, 0)),
-    "deg": Unit(1.0, (0, 0, 0, 1)),
-    "°": Unit(1.0, (0, 0, 0, 1)),
-    "rad": Unit(180 / math.pi, (0, 0, 0, 1)),
-    "Pa": Unit(1.0, (1, -2, 0, 0)),
-    "Hz": Unit(1.0, (0, 0, -1, 0)),
-    "kg": Unit(1.0, (1, -1, 2, 0)),
-    "cm": Unit(1e-2, (0, 1, 0, 0)),
-    "pm": Unit(1e-12, (0, 1, 0, 0)),
-    "ms": Unit(1e-3, (0, 0, 1, 0)),
-    "µPa": Unit(1e-6, (1, -2, 0, 0)),
-    "uPa": Unit(1e-6, (1, -2, 0, 0)),
-    "mPa": Unit(1e-3, (1, -2, 0, 0)),
-    "hPa": Unit(1e2, (1, -2, 0, 0)),
-    "kPa": Unit(1e3, (1, -2, 0, 0)),
-    "MPa": Unit(1e6, (1, -2, 0, 0)),
-    "bar": Unit(1e5, (1, -2, 0, 0)),
-    "kHz": Unit(1e3, (0, 0, -1, 0)),
-    "MHz": Unit(1e6, (0, 0, -1, 0)),
-    "g": Unit(1e-3, (1, -1, 2, 0)),
+    prefix + name: Unit(PREFIXES[prefix] * size, exponents)
+    for name, size, exponents, prefixes in (
+        ("N", 1.0, (1, 0, 0, 0), ("", "m")),
+        ("m", 1.0, (0, 1, 0, 0), ("", "m", "u", "µ", "μ", "n", "c", "p")),
+        ("s", 1.0, (0, 0, 1, 0), ("", "m")),
+        ("deg", 1.0, (0, 0, 0, 1), ("",)),
+        ("°", 1.0, (0, 0, 0, 1), ("",)),
+        ("rad", 180 / math.pi, (0, 0, 0, 1), ("",)),
+        ("Pa", 1.0, (1, -2, 0, 0), ("", "µ", "u", "m", "h", "k", "M")),
+        ("bar", 1e5, (1, -2, 0, 0), ("",)),
+        ("Hz", 1.0, (0, 0, -1, 0), ("", "k", "M")),
+        ("g", 1e-3, (1, -1, 2, 0), ("k", "")),
+    )
+    for prefix in prefixes
 }
 
 
@@ -89,10 +78,15 @@ def compound(text: str) -> Unit | None:
 
 
 def in_unit(text: str, unit: str) -> float | None:
-    """The number of a text such as ``43.27 kHz`` in another unit; None if it has no such unit."""
+    """The number of a text such as ``43.27 kHz`` in another unit; None if it has no such unit.
+
+    A number alone is in that unit already.
+    """
     match = NUMBER.match(text)
-    own, wanted = compound(text[match.end() :]) if match else None, compound(unit)
-    if not match or not own or not wanted or own.exponents != wanted.exponents:
+    if not match or OCTAL.match(text):
+        return None
+    own, wanted = compound(text[match.end() :] or unit), compound(unit)
+    if not own or not wanted or own.exponents != wanted.exponents:
         return None
     # Fifteen digits: 2.2 µm is 2.2e-6 m and not 2.1999999999999997e-6 m.
     value = float(f"{float(match[0]) * own.size / wanted.size:.15g}")
@@ -140,7 +134,8 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
     if not 2 <= int(count) <= MOST_LEVELS:
         raise InputError(f"{option} {text!r}: the count must lie within 2 … {MOST_LEVELS}")
     first, last = (quantity(f"{each}{unit_of_all}", option=option, unit=unit) for each in numbers)
-    return [float(f"{value:.12g}") for value in np.linspace(first, last, int(count))]
+    step = (last - first) / (int(count) - 1)
+    return [float(f"{first + step * number:.12g}") for number in range(int(count))]
 
 
 def with_error(force_n: float, error_n: float) -> str:
