@@ -291,3 +291,26 @@ def test_extreme_films_are_solved(epsilon, sigma):
     assert solution.status == "ok"
     (finer,) = solve([scene], tolerance=1e-5, method="periodic")
     assert abs(solution.force_n - finer.force_n) <= solution.force_error_n + finer.force_error_n
+
+
+def test_kept_states_are_those_of_the_force_and_outlast_other_launches(paper_scenes):
+    """The finer one has the force for its mean, and stays when the launch's arrays are reused."""
+    some = paper_scenes[:40]
+    solutions = solve(some, tolerance=1e-3, method="periodic", keep_states=True)
+    first = [[state.unknowns.copy() for state in each.states] for each in solutions]
+    again = solve(some[::-1], tolerance=1e-4, method="periodic", keep_states=True)
+    assert len(again) == 40
+    for scene, solution, before in zip(some, solutions, first, strict=True):
+        coarse, fine = solution.states
+        assert fine.grid.nt > coarse.grid.nt
+        assert fine.grid.nx > coarse.grid.nx
+        assert all(map(np.array_equal, before, (coarse.unknowns, fine.unknowns)))
+        means = [
+            scene.force_scale_n
+            * np.einsum("xyt,x,y->", each.unknowns[0], each.grid.x.weights, each.grid.y.weights)
+            / each.grid.nt
+            for each in (coarse, fine)
+        ]
+        assert means[1] == pytest.approx(solution.force_n, rel=1e-12)
+        assert abs(means[0] - means[1]) <= 1e-2 * solution.force_n
+    assert not any(each.states for each in solve(some, tolerance=1e-3, method="periodic"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from math import nan
+from typing import Any
 
 from squeezefilm.io.errors import InputError
 
@@ -26,6 +27,8 @@ class Solution:
         newton_steps, krylov_iterations: over all grids.
         residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
         work: floating-point operations of the iterations, for sharing out run time; no column.
+        states: the periodic state on the last two grids, the finer one last, where it was asked for
+            (reynolds/periodic/states.State); no column.
         derivatives: of the force, where they were asked for (effects/derivatives.py).
         outputs: answers beside the force, where they were asked for (answers/outputs.py).
     """
@@ -43,6 +46,9 @@ class Solution:
     krylov_iterations: int = 0
     residual: float = 0.0
     work: float = field(default=0.0, metadata={"column": False})
+    states: tuple[Any, ...] = field(
+        default=(), repr=False, compare=False, metadata={"column": False}
+    )
     derivatives: Derivatives | None = field(default=None, metadata={"column": False})
     outputs: Outputs | None = field(default=None, metadata={"column": False})
 

@@ -107,6 +107,7 @@ def solve(
     model_tolerance: float = MODEL_TOLERANCE,
     method: str = "auto",
     device: Device | None = None,
+    keep_states: bool = False,
     report: Callable[[int], object] = lambda solved: None,
 ) -> list[Solution]:
     """Mean forces of scenes: |error| ≤ tolerance · |force| + round-off floor, or a reason why not.
@@ -123,6 +124,8 @@ def solve(
             for by name always gives its force; the status then says where its estimate is above
             the tolerance.
         device: an OpenCL device; the default one if left out.
+        keep_states: whether solutions by the periodic method have their states on the last two
+            grids: a quantity is a function of them, and its change between the two its error.
         report: called with the number of scenes that were finished, as they are; with a negative
             number for those that an unexpected error asks to be solved again.
     """
@@ -138,7 +141,12 @@ def solve(
         try:
             chosen = decided(some, model_tolerance=model_tolerance, method=method, device=device)
             solutions = _solve(
-                chosen, tolerance=tolerance, method=method, device=device, report=count
+                chosen,
+                tolerance=tolerance,
+                method=method,
+                device=device,
+                keep_states=keep_states,
+                report=count,
             )
             for scene, solution in zip(chosen, solutions, strict=True):
                 solution.validity = validity(scene)
@@ -188,6 +196,7 @@ def _solve(
     tolerance: float,
     method: str,
     device: Device | None,
+    keep_states: bool,
     report: Callable[[int], object],
 ) -> list[Solution]:
     needs = [needs_of(scene) for scene in scenes]
@@ -209,7 +218,14 @@ def _solve(
         if not chosen.processor:
             check_device(chosen)
         try:
-            rest = solve_periodic(some, theirs, tolerance=tolerance, device=chosen, report=report)
+            rest = solve_periodic(
+                some,
+                theirs,
+                tolerance=tolerance,
+                device=chosen,
+                keep_states=keep_states,
+                report=report,
+            )
         except Exception:
             chosen.queue.finish()  # kernels under way write into arrays that this sets free
             raise

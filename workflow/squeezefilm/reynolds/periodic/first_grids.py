@@ -27,12 +27,18 @@ TIGHT_BELOW, TIGHT_SHARE = 4e-7, 0.2
 
 
 def first_grids(
-    scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS
+    scene: Scene,
+    needs: Needs,
+    *,
+    tolerance: float,
+    room: float = MOST_UNKNOWNS,
+    refined: bool = False,
 ) -> tuple[Grid, ...]:
     """Those of the first launch: a start, if it pays, and those that it takes to know the error.
 
     Args:
         room: most unknowns of a grid that the device has memory for.
+        refined: whether the last grid must be finer than the one before in every direction.
     """
     plain = needs.outline is None and margin_of(needs.terms) == 1
     # Twice the change to the second grid must be below the tolerance, or a third is needed; but
@@ -41,7 +47,8 @@ def first_grids(
     share, step = (plain_share, TWOS) if plain else (FIRST_SHARE, FOURS)
     first = grid_for(scene, needs, tolerance=tolerance, share=share, room=room, step=step)
     # A finer grid tells a smooth film's error with less work than coarser ones.
-    if judged_from_coarser(needs.terms, tolerance=tolerance) and _rough(needs, first, tolerance):
+    judged = not refined and judged_from_coarser(needs.terms, tolerance=tolerance)
+    if judged and _rough(needs, first, tolerance):
         last = grid_for(scene, needs, tolerance=tolerance, share=JUDGED_SHARE, room=room)
         seen = nodes_for_profile(needs, tolerance=tolerance)
         if grids := up_to(at_least_judged(last), seen):

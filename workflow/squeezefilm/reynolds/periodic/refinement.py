@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,10 +15,11 @@ from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.needs import Needs
 from squeezefilm.reynolds.periodic.changes import how_many_tell, margin_of
 from squeezefilm.reynolds.periodic.first_grids import first_grids
-from squeezefilm.reynolds.periodic.judging import Progress, judge, judged_alike
+from squeezefilm.reynolds.periodic.judging import Landed, Progress, judge, judged_alike
 from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
 from squeezefilm.reynolds.periodic.resolution import MOST_UNKNOWNS
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
+from squeezefilm.reynolds.periodic.states import State
 from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.terms import Terms
 
@@ -28,6 +29,9 @@ START_TOLERANCE = 1e-2
 # that on grids that differ in time alone, or that go on from a known state.
 LEFT_SHARE = 0.5
 TIMELY = 0.04
+# And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
+# error alone.
+KEPT = 0.04
 # Launches under way at a time: the host judges one while the device is at the other.
 IN_FLIGHT = 2
 # Scenes begun together.
@@ -46,6 +50,7 @@ def solve_periodic(
     *,
     tolerance: float,
     device: Device,
+    keep_states: bool = False,
     report: Callable[[int], object] = lambda solved: None,
 ) -> list[Solution]:
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
@@ -57,14 +62,16 @@ def solve_periodic(
 
     def fly(waiting: Iterable[Progress]) -> None:
         for groups in _launches(waiting, most=size):
-            batches = [_batch_of(group, tolerance=tolerance) for group in groups]
+            batches = [
+                _batch_of(group, tolerance=tolerance, keep_states=keep_states) for group in groups
+            ]
             flying.append((groups, launch(batches, device=device)))
 
     while True:
         while len(flying) < IN_FLIGHT and (start := next(starts, None)) is not None:
             stop = min(start + IN_FLIGHT * size, len(scenes))
             fly(
-                _begun(i, scenes[i], needs[i], tolerance=tolerance, room=room)
+                _begun(i, scenes[i], needs[i], tolerance=tolerance, room=room, refined=keep_states)
                 for i in range(start, stop)
             )
         if not flying:
@@ -72,10 +79,13 @@ def solve_periodic(
         groups, landing = flying.popleft()
         unfinished = []
         for landed in judged_alike(groups, landing.states()):
-            for progress, solution in judge(landed, tolerance=tolerance, room=room):
+            judged = judge(landed, tolerance=tolerance, room=room)
+            for (progress, solution), (batch, position) in zip(judged, _each(landed), strict=True):
                 if solution is None:
                     unfinished.append(progress)
                 else:
+                    if keep_states and solution.status == "ok":
+                        solution.states = _kept(batch, position)
                     solutions[progress.index] = solution
                     report(1)
         landing.end()
@@ -83,8 +93,21 @@ def solve_periodic(
     return [solutions[index] for index in range(len(scenes))]
 
 
-def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float) -> Progress:
-    grids = first_grids(scene, needs, tolerance=tolerance, room=room)
+def _each(landed: Iterable[Landed]) -> Iterator[tuple[Landed, int]]:
+    """Where the states of each scene are, in the order of ``judge``."""
+    return ((batch, position) for batch in landed for position in range(len(batch.group)))
+
+
+def _kept(batch: Landed, position: int) -> tuple[State, ...]:
+    """A scene's states on the last two grids: copies, for the launch's arrays are used again."""
+    last = zip(batch.grids[-2:], batch.stages[-2:], strict=True)
+    return tuple(State(grid, states.unknowns[position].copy()) for grid, states in last)
+
+
+def _begun(
+    index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float, refined: bool
+) -> Progress:
+    grids = first_grids(scene, needs, tolerance=tolerance, room=room, refined=refined)
     return Progress(index=index, scene=scene, needs=needs, grids=grids)
 
 
@@ -128,11 +151,11 @@ class _Filled:
     size: int = 0
 
 
-def _batch_of(group: Sequence[Progress], *, tolerance: float) -> Batch:
+def _batch_of(group: Sequence[Progress], *, tolerance: float, keep_states: bool) -> Batch:
     scenes = [progress.scene for progress in group]
     grids = group[0].grids
     share = LEFT_SHARE if margin_of(group[0].needs.terms) == 1 else ITERATION_SHARE
-    left = share * tolerance
+    left = (KEPT if keep_states else 1.0) * share * tolerance
     telling = how_many_tell(grids)
     shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
     if telling > 2:  # so that it does not hide the error in time
@@ -143,4 +166,4 @@ def _batch_of(group: Sequence[Progress], *, tolerance: float) -> Batch:
     tolerances = dict(zip(grids, shares, strict=True))
     problems = problems_on(scenes, tolerances, terms=group[0].needs.terms)
     guess = np.stack(known) if known else None
-    return Batch(grids=grids, problems=problems, guess=guess, every=False)
+    return Batch(grids=grids, problems=problems, guess=guess, every=keep_states)

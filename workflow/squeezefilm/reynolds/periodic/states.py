@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from squeezefilm.reynolds.grid import Grid
+
 # How an iteration ends: the kernel's names, and what is said of it.
 ENDINGS = {
     "CONVERGED": "ok",
@@ -22,6 +24,19 @@ SAID = np.dtype(
         *((name, np.int64) for name in ("status", "newton_steps", "krylov_iterations")),
     ]
 )
+
+
+@dataclass(frozen=True)
+class State:
+    """The periodic state of one scene on one grid, on the host.
+
+    Attributes:
+        unknowns: p = P − 1 in units of the ambient pressure and the terms' own unknowns, shape
+            (fields, nx, ny, nt).
+    """
+
+    grid: Grid
+    unknowns: np.ndarray
 
 
 @dataclass(frozen=True)
