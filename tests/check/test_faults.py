@@ -17,8 +17,8 @@ from reporting.check.pictures import PLACE
 from reporting.check.study import study_quantities
 from reporting.figures import PLAIN, figure_module
 from reporting.figures.parts import style
-from squeezefilm.io.tables import read_json, write_json
 from squeezefilm.config.loading import load_config
+from squeezefilm.io.tables import read_json, write_json
 
 from ..workflow.conftest import copy_checkout
 from .conftest import REFERENCE, Results, run_check

@@ -70,11 +70,11 @@ def study(tmp_path, **sections) -> str:
         "study": "part",
         "gas": {"inertia": "none", "heat": "none"},
         "actuator": {
-            "frequency_hz": 43e3,
-            "surface": {"shape": "rectangle", "length_x_m": 0.01, "length_y_m": 0.01},
+            "frequency": 43e3,
+            "surface": {"shape": "rectangle", "length_x": 0.01, "length_y": 0.01},
             "profile": {"kind": "piston"},
         },
-        "finger": {"length_x_m": 0.01, "length_y_m": 0.01},
+        "finger": {"length_x": 0.01, "length_y": 0.01},
     } | sections
     path = tmp_path / "study.yaml"
     path.write_text(yaml.safe_dump({name: each for name, each in values.items() if each}))

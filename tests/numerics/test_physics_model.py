@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from reference_forces import FOUR_FACTOR_THETA, reference_table
 
+from squeezefilm.config.loading import Config
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.fitting.fit import fit_model
 from squeezefilm.models.fitting.local_fit import local_fit
@@ -15,7 +16,6 @@ from squeezefilm.models.force_model import COLUMNS, Factors, get_model
 from squeezefilm.models.limit_table import MOST_NODES
 from squeezefilm.models.validation import error_sizes
 from squeezefilm.reynolds import solve
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks import physics_limits as limits

@@ -12,6 +12,7 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 from paper import claims, uncertainty
 from reporting.rooms import described
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.solution import Solution
 from squeezefilm.io.tables import (
     DESIGN_COLUMNS,
@@ -24,7 +25,6 @@ from squeezefilm.io.tables import (
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel, Factors
 from squeezefilm.models.prediction_interval import measured_interval
 from squeezefilm.provenance import WORKFLOW
-from squeezefilm.config.loading import load_config
 
 THETA = {
     "screen": SCREEN_THETA,

@@ -5,10 +5,10 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.cli.use import simulate
+from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import chunks
 from squeezefilm.studies.chunks import chunk_counts, expected_seconds
-from squeezefilm.config.loading import Config
 
 
 def with_jobs_of(config: Config, seconds: float) -> Config:

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from squeezefilm.cli.main import main
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
 from squeezefilm.reynolds import device, self_test, solve
 from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import check_study
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from paper.equations import FITS, INPUTS, Study, compare, conditions, survives, to_markdown
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json, write_json
-from squeezefilm.config.loading import load_config
 
 MORE = 1.02
 """Forces of the other study, over those of the first."""

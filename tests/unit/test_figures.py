@@ -15,10 +15,10 @@ from reporting.figures.parts import style
 from reporting.pages.notes import one_digit, rounded_up
 from reporting.rooms import described
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.provenance import WORKFLOW
-from squeezefilm.config.loading import load_config
 from verification import work_precision as measured
 
 PACKAGES = ("squeezefilm", "verification", "reporting", "paper")

@@ -14,10 +14,10 @@ import pytest
 import yaml
 
 from squeezefilm.cli.study.example_scan import scan_text
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.vibration.scans import smoothed_scan
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import check_study
 
 RADIUS_M = 0.01
@@ -83,31 +83,33 @@ def test_a_scan_runs_or_is_refused(block, tmp_path):
 VALUES: list[Any] = [0, 1, -1, 1e-300, 1e300, 0.01, 5e-6, 90, -361, 2**60, None, True, "", "sinc"]
 VALUES += [[], {}, [1], {"kind": "piston"}, ".nan", "1e", "../../etc/passwd", "x" * 2000, "piston"]
 PROFILES: list[dict[str, Any]] = [
-    {"kind": "sinc", "wave_number_per_m": 109.8},
+    {"kind": "sinc", "wave_number": 109.8},
     {"kind": "piston"},
-    {"kind": "standing-wave", "wavelength_m": 0.02, "direction_deg": 30, "crest_m": 0.001},
+    {"kind": "standing-wave", "wavelength": 0.02, "direction": 30, "crest": 0.001},
     {
         "kind": "bessel",
         "nodal_diameters": 2,
-        "wave_number_rad_per_m": 400,
+        "wave_number": 400,
         "edge_share": 0.01,
-        "direction_deg": 0,
+        "direction": 0,
     },
     {"kind": "formula", "expression": "cos(200*x) * exp(-(r/0.02)**2)"},
     {"kind": "measured", "file": "scan.csv", "axisymmetric": False},
 ]
 FINGER: dict[str, Any] = {
     "shape": "ellipse",
-    "length_x_m": 0.008,
-    "length_y_m": 0.006,
-    "rotation_deg": 20,
-    "speed_x_m_per_s": 0,
-    "gap": {"tilt_x_m": 1e-6, "tilt_y_m": 0, "bulge_m": 1e-6},
+    "length_x": 0.008,
+    "length_y": 0.006,
+    "rotation": 20,
+    "speed_x": 0,
+    "gap": {"tilt_x": 1e-6, "tilt_y": 0, "bulge": 1e-6},
 }
 
 
 def study(repository: Path) -> dict[str, Any]:
-    return {**load_config(repository / "config" / "paper.yaml")}
+    model = load_config(repository / "config" / "paper.yaml").model
+    assert model is not None
+    return model.model_dump(by_alias=True, exclude_none=True)
 
 
 @pytest.mark.parametrize("block", range(2))

@@ -11,6 +11,7 @@ from paper.figures import fig05
 from reporting.figures import figure_module
 from reporting.figures.parts import style
 from squeezefilm.cli.study.example_scan import scan_text
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.vibration import residuals as profile_figure
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.scan_tables import points_table, summary_of
@@ -21,7 +22,6 @@ from squeezefilm.film.vibration.vibrometer import read_scan
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.reynolds import solve
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
 
 RADIUS_M = 0.01

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from squeezefilm.cli.study.example_scan import EXAMPLES, PLATE, scan_text
+from squeezefilm.config.loading import Config, load_config, parse_config
 from squeezefilm.film.directions import Mirrors, symmetry_from_dict
 from squeezefilm.film.existence import check_scene
 from squeezefilm.film.validity import validity
@@ -20,7 +21,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
 from squeezefilm.models.force_model import Factors
 from squeezefilm.reynolds import solve
-from squeezefilm.config.loading import Config, load_config, parse_config
 from squeezefilm.studies.plans import box_of, centred_grid, finger_positions, random_plan
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, scene_of, symmetry_of
@@ -167,21 +167,21 @@ def test_a_position_is_kept_in_the_form_it_was_given():
 REFUSED = {
     "polar positions": (
         ("x: [9.5 mm], y: [5 mm]", "phi_r: [2 mm], phi: [0 deg]"),
-        "positions: on a rectangle they are x_m and y_m",
+        "positions: on a rectangle they are x and y",
     ),
     "two surfaces": (
-        ("surface: {shape", "surface_radius_m: 0.01\n  surface: {shape"),
-        "give surface_radius_m, of a disc, or surface, of a rectangle, and not both",
+        ("surface: {shape", "surface_radius: 0.01\n  surface: {shape"),
+        "give surface_radius, of a disc, or surface, of a rectangle, and not both",
     ),
     "no surface": (
         ("surface: {shape: rectangle, length_x: 30 mm, length_y: 20 mm}", ""),
-        "give surface_radius_m",
+        "give surface_radius",
     ),
     "an axis": (("plate.csv}", "plate.csv, axisymmetric: true}"), "a rectangle has no axis"),
     "the paper": (("study: plate", "study: plate\npaper: true"), "the paper's actuator is a disc"),
     "a finger that cannot move": (
         ("y: [5 mm]", "y: [0]"),
-        "positions.y_m: a value must be",
+        "positions.y: a value must be",
     ),
     "positions off the plate": (("9.5 mm]", "10.5 mm]"), "the rim of the finger lies at x ="),
 }

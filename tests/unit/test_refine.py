@@ -13,7 +13,6 @@ from squeezefilm.cli.main import main
 from squeezefilm.io.tables import SCENE_COLUMNS, read_forces, write_table
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.tasks import refined_model
 
 
@@ -31,7 +30,7 @@ class Refined:
 
 def study(repository: Path, path: Path, **more: dict) -> Path:
     """The quick study with other settings of some sections."""
-    values = dict(load_config(repository / "config/quick.yaml"))
+    values = yaml.safe_load((repository / "config/quick.yaml").read_text(encoding="utf-8"))
     values["models"] = {"square": {"expression": "t0*(hv/h0)**2"}}
     values["comparison"] = {"two_factor": ["limit_1"], "four_factor": ["limit_1"]}
     for section, settings in ({"validation": {"points": 60}} | more).items():

@@ -11,6 +11,7 @@ import pytest
 from scipy.stats import binom
 
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.scans import SmoothedScan, smoothed
@@ -22,7 +23,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.scan_errors import out_of_phase_effect, scan_errors
 

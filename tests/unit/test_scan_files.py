@@ -10,6 +10,7 @@ import pytest
 import pyuff
 
 from squeezefilm.cli.main import main
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.vibration import binning, scans
 from squeezefilm.film.vibration.files.columns import column_of
 from squeezefilm.film.vibration.files.universal import SUFFIXES
@@ -19,7 +20,6 @@ from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.film.vibration.vibrometer import Scan, read_scan
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import study as studies
-from squeezefilm.config.loading import load_config
 
 FREQUENCY_HZ = 43270.0
 RADIUS_M = 0.01

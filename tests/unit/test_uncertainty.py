@@ -11,10 +11,10 @@ from paper import uncertainty
 from paper.claims import CLAIMS
 from paper.uncertainty import ASSUMPTIONS, compare, differences, to_markdown
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
-from squeezefilm.config.loading import Config
 
 
 def film_like(scene: Scene) -> float:

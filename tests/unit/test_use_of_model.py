@@ -15,15 +15,15 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.cli import main as cli
 from squeezefilm.cli.points import write_points
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
-from squeezefilm.units import quantities, with_error
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import Factors, get_model, make_model
 from squeezefilm.models.generated_code import LANGUAGES, source
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
+from squeezefilm.units import quantities, with_error
 
 THETA = {
     "two_factor": SCREEN_THETA,

@@ -15,11 +15,11 @@ import pandas as pd
 import yaml
 from scipy.optimize import brentq
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.study import scene_of
 
 Force = Callable[[Scene], float]

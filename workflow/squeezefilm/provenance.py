@@ -19,8 +19,16 @@ PACKAGES = (
     *("pocl-binary-distribution", "pyarrow", "scikit-fem"),
 )
 SOLVER = [
-    *(f"squeezefilm/{room}" for room in ("film", "formulas", "io", "reynolds", "studies")),
-    *("squeezefilm/api/forces.py", "squeezefilm/api/points.py", "squeezefilm/designs/box.py"),
+    *(
+        f"squeezefilm/{room}"
+        for room in ("config", "film", "formulas", "io", "reynolds", "studies")
+    ),
+    *(
+        "squeezefilm/units.py",
+        "squeezefilm/api/forces.py",
+        "squeezefilm/api/points.py",
+        "squeezefilm/designs/box.py",
+    ),
     *("squeezefilm/cli/points.py", "squeezefilm/cli/which_study.py"),
     *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "plan", "smooth", "warm")),
     *(

@@ -10,11 +10,11 @@ changed one at a time and the forces simulated anew. The curves say how the forc
 import argparse
 
 from paper.uncertainty import compare, to_markdown
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import device_of
 
 

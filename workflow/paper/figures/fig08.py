@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from reporting.figures.parts import style, surface
 from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
 from reporting.pages.notes import percent, simulations_note
+from squeezefilm.config.loading import Config
 from squeezefilm.io.tables import read_ok_forces
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.config.loading import Config
 
 INPUTS = {
     "forces": "simulations/screen/forces.csv",

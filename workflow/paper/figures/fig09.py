@@ -12,9 +12,9 @@ from paper.figures.parts import patterns
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, add_limits, micrometres
 from reporting.pages.notes import one_digit
+from squeezefilm.config.loading import Config
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_scenes
-from squeezefilm.config.loading import Config
 
 INPUTS = {
     "plan": "simulations/screen/scenes.csv",

@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, add_limits, plane_table
-from squeezefilm.io.tables import read_design, read_scenes
 from squeezefilm.config.loading import Config
+from squeezefilm.io.tables import read_design, read_scenes
 
 INPUTS = {
     "plan": "simulations/screen/scenes.csv",

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from reporting.figures.parts import surface
 from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
 from reporting.pages.notes import percent, simulations_note
+from squeezefilm.config.loading import Config
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import number, read_fit
-from squeezefilm.config.loading import Config
 
 INPUTS = {
     "design_forces": "simulations/two_factor_design/forces.csv",

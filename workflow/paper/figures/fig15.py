@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from paper.figures.parts import disc
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs
-from squeezefilm.io.tables import read_scenes
 from squeezefilm.config.loading import Config
+from squeezefilm.io.tables import read_scenes
 
 INPUTS = {
     "plan": "simulations/four_factor/scenes.csv",

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs
-from squeezefilm.io.sources import read_columns
 from squeezefilm.config.loading import Config
+from squeezefilm.io.sources import read_columns
 
 INPUTS = {
     "table": "tables/uncertainty.csv",

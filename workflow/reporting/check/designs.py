@@ -11,13 +11,13 @@ import numpy as np
 
 from reporting.check.quantities import Quantity, guarded, text_of
 from reporting.check.tolerances import AtMost, Cells, Close, Closeness, Worst
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import coordinates, pair_distances
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_design, read_json
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.force_model import get_model
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of
 
 DESIGNS = "designs"

@@ -17,13 +17,13 @@ from reporting.check.tolerances import (
     Closeness,
     Tolerance,
 )
+from squeezefilm.config.loading import Config
 from squeezefilm.io.positions import POLAR, as_in, form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import FACTOR_COLUMNS, read_json, read_ok_forces
 from squeezefilm.models.experiments import factors_of
 from squeezefilm.models.fitted import number, read_fit
 from squeezefilm.models.force_model import get_model
-from squeezefilm.config.loading import Config
 
 SETTINGS, CLAIMS, SIMULATIONS, FITS, VALIDATION, NUMERICS = (
     "settings",

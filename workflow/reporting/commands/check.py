@@ -15,9 +15,9 @@ from reporting.check.compare import compare, to_table
 from reporting.check.reference import read_reference
 from reporting.check.show import on_screen, status, to_markdown
 from reporting.check.study import study_quantities
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
-from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

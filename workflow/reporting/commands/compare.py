@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 
 from reporting.pages.notes import percent, scan_note
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.markdown import markdown_table
@@ -31,7 +32,6 @@ from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors
 from squeezefilm.models.prediction_interval import ranking_half
 from squeezefilm.models.validation import error_sizes, relative_errors
-from squeezefilm.config.loading import load_config
 
 TITLES = {"two_factor": "the finger centred", "four_factor": "the finger anywhere on the surface"}
 COLUMNS = (

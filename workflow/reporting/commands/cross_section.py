@@ -8,11 +8,11 @@ import argparse
 import pandas as pd
 
 from reporting.cross_section import cross_section
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import scene_of
 
 

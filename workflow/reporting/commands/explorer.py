@@ -15,12 +15,12 @@ from typing import Any
 from reporting.explorer import Study, explorer_page
 from reporting.explorer.modulation import modulation
 from reporting.pages.notes import Inertia
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.atomic import digest, write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources, read_columns
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

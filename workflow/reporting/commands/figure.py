@@ -15,10 +15,10 @@ from pathlib import Path
 
 from reporting.figures import HELP, check_formats, draw, figure_module
 from reporting.pages.notes import Inertia
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import write_table
-from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

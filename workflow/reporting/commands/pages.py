@@ -10,9 +10,9 @@ from pathlib import Path
 
 from reporting.pages.notes import Inertia
 from reporting.pages.page import to_html
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.atomic import read_text, write_text
 from squeezefilm.io.errors import InputError
-from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import parse_sources, read_columns
 from squeezefilm.io.tables import read_forces, write_table
@@ -28,7 +29,6 @@ from squeezefilm.models.force_model import Factors
 from squeezefilm.models.library import SPACES
 from squeezefilm.models.validation import relative_errors
 from squeezefilm.models.working_point import working_point
-from squeezefilm.config.loading import Config, load_config
 
 LEAST = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""

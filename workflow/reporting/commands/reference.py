@@ -13,8 +13,8 @@ from reporting.check.compare import Judgement
 from reporting.check.pictures import write_pictures
 from reporting.check.reference import differences, read_reference, write_reference
 from reporting.check.study import study_quantities
-from squeezefilm.io.errors import RunError
 from squeezefilm.config.loading import load_config
+from squeezefilm.io.errors import RunError
 
 MOST_SHOWN = 60
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from reporting.pages.headline import in_short
 from reporting.pages.summary import to_markdown
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.film.validity import exceeded
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
@@ -20,7 +21,6 @@ from squeezefilm.reynolds.effects.automatic import decided, kept_out
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import notes_of_budget
 from squeezefilm.reynolds.terms import notes_of
-from squeezefilm.config.loading import Config, load_config
 from squeezefilm.studies.study import scene_of
 
 

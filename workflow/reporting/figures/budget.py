@@ -20,10 +20,10 @@ from matplotlib.ticker import MaxNLocator
 
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, micrometres
+from squeezefilm.config.loading import Config
 from squeezefilm.io.positions import form_of
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import THIS_SCENE
-from squeezefilm.config.loading import Config
 
 INPUTS = {
     "plane": "simulations/screen/budget.csv",

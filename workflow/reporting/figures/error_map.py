@@ -12,9 +12,9 @@ from reporting.figures.parts import plane, style
 from reporting.figures.parts.errors import error_note, error_table
 from reporting.figures.parts.tables import Inputs, plane_table
 from reporting.pages.notes import simulations_note
+from squeezefilm.config.loading import Config
 from squeezefilm.io.tables import read_ok_forces
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.config.loading import Config
 
 INPUTS = {
     "fit": "fits/two_factor_design.json",

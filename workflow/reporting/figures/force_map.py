@@ -17,10 +17,10 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, micrometres, plane_table
 from reporting.pages.notes import percent
+from squeezefilm.config.loading import Config
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_ok_forces
 from squeezefilm.models.experiments import factors_of
-from squeezefilm.config.loading import Config
 
 INPUTS = {
     "forces": "simulations/error_map/forces.csv",

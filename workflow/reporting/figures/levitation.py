@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from reporting.figures.parts import style
 from reporting.figures.parts.tables import Inputs, micrometres
 from reporting.pages.notes import reynolds_limit
-from squeezefilm.io.sources import read_columns
 from squeezefilm.config.loading import Config
+from squeezefilm.io.sources import read_columns
 
 INPUTS = {
     "levitation": "simulations/screen/levitation.csv",

@@ -17,10 +17,10 @@ from reporting.figures.parts import plane, style, surface
 from reporting.figures.parts.errors import error_table
 from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
 from reporting.pages.notes import percent, rounded_up
+from squeezefilm.config.loading import Config
 from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import read_json, read_ok_forces
 from squeezefilm.models.fitted import number, read_fit
-from squeezefilm.config.loading import Config
 
 INPUTS = {
     "film": "simulations/extrapolation/film.csv",

@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 
 from reporting.figures.parts import plane, style
 from reporting.figures.parts.tables import Inputs, micrometres
-from squeezefilm.io.sources import read_columns
 from squeezefilm.config.loading import Config
+from squeezefilm.io.sources import read_columns
 
 INPUTS = {
     "response": "simulations/screen/response.csv",

@@ -12,11 +12,11 @@ from squeezefilm.api.points import COLUMNS as FACTOR_COLUMNS
 from squeezefilm.api.points import Values, points_of
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_json
-from squeezefilm.units import quantity
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import CARTESIAN, COLUMNS, POLAR, Factors
 from squeezefilm.models.generated_code import source
 from squeezefilm.models.working_point import working_point
+from squeezefilm.units import quantity
 
 GAPS = 6
 """Evenly spaced over the range of the fit, where a working point's gap is not said."""

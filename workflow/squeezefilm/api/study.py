@@ -11,6 +11,7 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.experiments import factors_of
@@ -18,7 +19,6 @@ from squeezefilm.models.fitted import fit_of
 from squeezefilm.models.fitting.described import described_fit
 from squeezefilm.models.library import model_named
 from squeezefilm.reynolds import solve
-from squeezefilm.config.loading import Config, load_config
 from squeezefilm.studies.plans import (
     declared_ranges,
     finger_positions,

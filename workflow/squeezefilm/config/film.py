@@ -190,9 +190,9 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
     lacking = [name for name in OF_AIR if key_of(name) not in values]
     if lacking and abs(gas.viscosity_pa_s / air.viscosity_pa_s - 1) > LIKE_AIR:
         raise mistake(
-            f"{gas.viscosity_pa_s:g} is not that of air at 20 °C, {air.viscosity_pa_s:g}; of another "
-            f"gas give {', '.join(map(key_of, lacking))} too, which are air's where they are not "
-            "written",
+            f"{gas.viscosity_pa_s:g} is not that of air at 20 °C, {air.viscosity_pa_s:g}; of "
+            f"another gas give {', '.join(map(key_of, lacking))} too, which are air's where they "
+            "are not written",
             "viscosity",
         )
     if gas.slip_coefficient != 1 and gas.rarefaction != "slip":
@@ -350,9 +350,7 @@ class Actuator(Section):
                 "give surface_radius, of a disc, or surface, of a rectangle, and not both"
             )
         if self.surface and isinstance(self.profile, Scan) and self.profile.axisymmetric:
-            raise mistake(
-                "a rectangle has no axis; it must be false", "profile", "axisymmetric"
-            )
+            raise mistake("a rectangle has no axis; it must be false", "profile", "axisymmetric")
         return self
 
 
@@ -444,18 +442,20 @@ class Solver(Section):
     device: Annotated[str, Field(min_length=1)] = "auto"
 
 
-Output = Literal["harmonics", "power", "centre", "moments", "thrust", "extremes", "static_stiffness"]
+Output = Literal[
+    "harmonics", "power", "centre", "moments", "thrust", "extremes", "static_stiffness"
+]
 
 
 class FilmSections(Section):
     """A film and how it is solved: what a command needs that simulates single scenes."""
 
-    gas: Annotated[Gas, WrapValidator(_whole_gas)] = Field({}, validate_default=True)
+    gas: Annotated[Gas, WrapValidator(_whole_gas)] = Field(default={}, validate_default=True)
     actuator: Actuator
     finger: Finger
     solver: Solver = Field(default_factory=Solver)
     outputs: Annotated[list[Output], Different] = Field(
-        [],
+        default=[],
         description="answers beside the mean force in every `forces.csv`, each with its error "
         "(docs/outputs.md)",
     )

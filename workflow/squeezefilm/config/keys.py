@@ -1,4 +1,4 @@
-"""The keys of a study: what is allowed, in words, and their table in config/README.md (`make keys`).
+"""The keys of a study: what is allowed, in words; their table in config/README.md (`make keys`).
 
 All of it from the models' JSON schema, which ``squeezefilm config --schema`` prints for editors.
 """
@@ -16,7 +16,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.io.errors import InputError
 
 Part = Mapping[str, Any]
-"""Of a JSON schema with references put in; of a section with kinds ``kinds`` has a part for each."""
+"""Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""
 Place = tuple[str | int, ...]
 """The keys, and numbers of a list's items, that lead to a value."""
 
@@ -138,7 +138,8 @@ def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
         yield (*path, name), key, name in part.get("required", ())
         if "levels" not in key.get("properties", {}):  # ranges, whose keys stand in their row
             yield from _keys(key, (*path, name))
-    yield from _keys(_of_any_name(part), (*path, "NAME"))
+    if "patternProperties" in part:
+        yield from _keys(_of_any_name(part), (*path, "NAME"))
     for kind, choice in part.get("kinds", {}).items():
         for place, key, needed in _keys(choice, path):
             if place[-1] != "kind":

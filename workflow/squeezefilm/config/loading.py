@@ -132,6 +132,7 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
             return [value_of(item, (*place, i)) for i, item in enumerate(node.value)]
         if isinstance(node, yaml.MappingNode):
             return mapping_of(node, place)
+        assert isinstance(node, yaml.ScalarNode)
         return node.value if node.style else _scalar(node.value)
 
     def mapping_of(node: yaml.MappingNode, place: Place) -> dict[str, Any]:
@@ -188,7 +189,8 @@ def _mistakes(
         text = about(each, place, whole, values)
         inner = next((place[:end] for end in range(len(place), 0, -1) if place[:end] in lines), ())
         found[place] = lines.get(inner, 0), text
-    told = sorted(line_and_text for line_and_text in found.values() if line_and_text[1])
+    in_order = sorted(found, key=lambda place: (found[place][0], list(map(str, place))))
+    told = [found[place] for place in in_order if found[place][1]]
     return [f"line {line}: {text}" if line else text for line, text in told]
 
 
@@ -198,7 +200,7 @@ def _place(loc: Place, values: Any) -> Place:
     for step in loc:
         if isinstance(values, Mapping) and step == values.get("kind") and step not in values:
             continue
-        if isinstance(step, str) and not isinstance(values, Mapping):
+        if step == "[key]" or (isinstance(step, str) and not isinstance(values, Mapping)):
             continue
         place += (step,)
         try:
@@ -245,7 +247,7 @@ def _about_value(error: Any, place: Place, whole: Part, values: Any) -> str:
         hint = f"; did you mean {close!r}?" if close else ""
         return f"{where}: {wrong!r} is none of {allowed(part)}{hint}"
     value = reprlib.repr(wrong)
-    text = f"{where}: {value} {error['msg'].removeprefix('Input ').removeprefix('Value ')}"
+    text = f"{where}: {value} {error['msg'].partition(' ')[2]}"
     if kind in TEXT and "description" in part:
         return f"{text}; it is the {part['description']}"
     if "properties" in part:

@@ -10,7 +10,6 @@ from typing import Annotated, Literal
 from pydantic import Field, StrictBool, model_validator
 
 from squeezefilm.config.film import (
-    Actuator,
     Count,
     Different,
     FilmLength,
@@ -124,7 +123,7 @@ class Fit(Section):
         list[Annotated[float, Number("1", 0, 1e12, open=True)]],
         Field(min_length=1, max_length=10),
         Different,
-    ] = [100.0]
+    ] = Field(default=[100.0])
     seeds: Seeds = Field(default_factory=Seeds)
     first_seed: Seed = 1
 
@@ -170,9 +169,9 @@ class Positions(Section):
     points: Annotated[int, Field(strict=True, ge=4, le=1000)] = derived(
         "25 where no position is written and the study is not the paper's; else none"
     )
-    phi_r_m: Annotated[list[Annotated[float, Number("m", 0, 10, open=True)]], UpTo100, Different] = (
-        derived("half of the way that the pad may go and stay on the disc, and all of it")
-    )
+    phi_r_m: Annotated[
+        list[Annotated[float, Number("m", 0, 10, open=True)]], UpTo100, Different
+    ] = derived("half of the way that the pad may go and stay on the disc, and all of it")
     phi_deg: Annotated[list[Annotated[float, Number("°", 0, 360)]], UpTo100, Different] = derived(
         "0, 22.5 and 45 on a disc"
     )
@@ -214,9 +213,7 @@ class LevelsOfScreen(Section):
 
     start: FilmLength = derived("the screen's")
     stop: FilmLength = derived("the screen's")
-    levels: Annotated[int, Field(strict=True, ge=2, le=MOST_LEVELS)] = derived(
-        "twice the screen's"
-    )
+    levels: Annotated[int, Field(strict=True, ge=2, le=MOST_LEVELS)] = derived("twice the screen's")
 
 
 class ErrorMap(Section):
@@ -316,7 +313,7 @@ class Optimal(Section):
         list[Annotated[int, Field(strict=True, ge=1, le=200)]],
         Field(min_length=1, max_length=20),
         Different,
-    ] = [5, 8]
+    ] = Field(default=[5, 8])
     separation: Separation = 0.1
     seed: Seed = 1
 
@@ -390,7 +387,7 @@ class Study(FilmSections):
     four_factor_design: FourFactorDesign = Field(default_factory=FourFactorDesign)
     four_factor_control: FourFactorControl = Field(default_factory=FourFactorControl)
     error_map: ErrorMap = Field(default_factory=ErrorMap)
-    models: Annotated[dict[Name, OwnModel], Field(max_length=100)] = {}
+    models: Annotated[dict[Name, OwnModel], Field(max_length=100)] = Field(default={})
     comparison: Comparison = Field(default_factory=Comparison)
     refine: Refine = Field(default_factory=Refine)
     optimal: Optimal = Field(default_factory=Optimal)
@@ -413,7 +410,10 @@ class Study(FilmSections):
     def _derive_plans(self) -> None:
         """The ranges of the error map and the extrapolation, from the screen's."""
         for factor in FACTORS:
-            fitted, control = getattr(self.screen, f"{factor}_m"), getattr(self.error_map, f"{factor}_m")
+            fitted, control = (
+                getattr(self.screen, f"{factor}_m"),
+                getattr(self.error_map, f"{factor}_m"),
+            )
             control.start = fitted.start if control.start is None else control.start
             control.stop = fitted.stop if control.stop is None else control.stop
             control.levels = control.levels or min(FINER * fitted.levels, MOST_LEVELS)
@@ -496,8 +496,8 @@ class Study(FilmSections):
         wavelength_m = speed / frequency_hz
         if h0_m > wavelength_m / (2 * pi):
             raise mistake(
-                f"at {frequency_hz:g} Hz sound in this gas is {wavelength_m:.2g} m long, and over a "
-                f"gap of {h0_m:g} m (screen.h0) pressure is not the same, as in a film; at most "
+                f"at {frequency_hz:g} Hz sound in this gas is {wavelength_m:.2g} m long, and over "
+                f"a gap of {h0_m:g} m (screen.h0) pressure is not the same, as in a film; at most "
                 f"{speed / (2 * pi * h0_m):.2g} Hz",
                 *("actuator", "frequency"),
             )
@@ -571,8 +571,8 @@ def _way_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
     if half_m - reach_m <= 1e-6 * reach_m:
         raise mistake(
             f"the pad reaches {reach_m * 1e3:.4g} mm from its centre and the surface ({surface}) "
-            f"{half_m * 1e3:.4g} mm: there is no room to move the pad, as the four-factor plan does; "
-            f"make one of them fit, or write positions.{key}",
+            f"{half_m * 1e3:.4g} mm: there is no room to move the pad, as the four-factor plan "
+            f"does; make one of them fit, or write positions.{key}",
             *("positions", key),
         )
     return half_m - reach_m

@@ -20,7 +20,7 @@ OPTIONS = ("--configfile", "--configfiles")
 
 
 def effective_text(config: Config, *, folder: Path | None = None) -> str:
-    """The whole study as YAML that reads as the same study, with units; what was not written says so.
+    """The whole study as YAML that reads as the same study; what was not written says so.
 
     Args:
         folder: where the text will lie, for the paths of a scan and an outline; beside the study

@@ -83,7 +83,7 @@ def _film(
         hv_m=hv_m,
         x_m=x_m,
         y_m=y_m,
-        gas=replace(GAS, **gas)  # type: ignore[arg-type],
+        gas=replace(GAS, **gas),  # type: ignore[arg-type]
         actuator=Actuator(4e4, Disc(1e-2), SINC),
         finger=Finger(1e-2, 1e-2, speed_x_m_per_s),
     )

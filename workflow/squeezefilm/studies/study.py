@@ -8,6 +8,7 @@ from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.contour import read_contour
 from squeezefilm.film.directions import Directions, Symmetry
 from squeezefilm.film.existence import check_scene
@@ -16,9 +17,8 @@ from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Sinc, StandingWave, Vibration
 from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
-from squeezefilm.io.errors import InputError, naming
+from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.symmetry import no_symmetry, symmetry
 
 if TYPE_CHECKING:
@@ -55,14 +55,8 @@ def scan_path(config: Config) -> Path | None:
 
 def outline_path(config: Config) -> Path | None:
     """The file of the finger's outline; None if it is not given by one."""
-    finger = config["finger"]
-    curve = finger["shape"] == "curve"
-    if curve != ("outline" in finger):
-        raise InputError(
-            f"finger.outline: {'it is missing' if curve else 'it is there'}, and finger.shape is "
-            f"{finger['shape']}: a curve has its points in a file, other shapes have none"
-        )
-    return config.path.parent / finger["outline"]["file"] if curve else None
+    outline = config["finger"].get("outline")
+    return config.path.parent / outline["file"] if outline else None
 
 
 def smoothing_settings(config: Config) -> dict[str, Any]:

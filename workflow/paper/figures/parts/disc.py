@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from squeezefilm.film.vibration.shapes import shown_of
 from squeezefilm.config.loading import Config
+from squeezefilm.film.vibration.shapes import shown_of
 from squeezefilm.studies.study import finger_of, profile_of
 
 MEASUREMENT_NOTE = "Model only: the measured points of the original figure are not available to us."

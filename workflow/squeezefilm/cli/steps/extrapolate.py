@@ -9,11 +9,11 @@ Each fit adds the scene at which it expects the wanted force at that gap, named 
 import argparse
 from pathlib import Path
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_table
 from squeezefilm.models.fitted import read_fit
 from squeezefilm.models.working_point import amplitude_for_force
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.plans import plan
 
 

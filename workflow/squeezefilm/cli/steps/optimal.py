@@ -23,6 +23,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import (
@@ -34,7 +35,6 @@ from squeezefilm.io.tables import (
 )
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import read_fit
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.tasks.optimal_designs import (
     FittedSpace,
     efficiencies,

@@ -15,10 +15,10 @@ from collections.abc import Iterable
 
 import pandas as pd
 
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN, POLAR, as_in
 from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
-from squeezefilm.config.loading import Config, load_config
 from squeezefilm.studies.plans import (
     VALIDATION_SAMPLES,
     box_of,

@@ -5,9 +5,9 @@ squeezefilm provenance DEVICE.json --config CONFIG.yaml --output PROVENANCE.json
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_json, write_json
 from squeezefilm.provenance import provenance
-from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

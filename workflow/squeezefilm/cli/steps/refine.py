@@ -20,6 +20,7 @@ import argparse
 
 import pandas as pd
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.designs.refine_loop import Round
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import (
@@ -32,7 +33,6 @@ from squeezefilm.io.tables import (
 )
 from squeezefilm.models.experiments import check_columns
 from squeezefilm.models.library import SPACES, model_named
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.tasks.refined_model import SimulatedSpace, refined_model
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation

@@ -12,6 +12,7 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import (
@@ -24,7 +25,6 @@ from squeezefilm.io.tables import (
 from squeezefilm.models.experiments import check_columns, factors_of
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.validation import relative_errors, summarise
-from squeezefilm.config.loading import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

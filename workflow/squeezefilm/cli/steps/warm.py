@@ -7,11 +7,11 @@ Writes which device the study's simulations run on.
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import ScenePoint, write_json
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import describe
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 

@@ -14,6 +14,7 @@ import argparse
 
 import pandas as pd
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK, validity
 from squeezefilm.io.errors import naming
@@ -24,7 +25,6 @@ from squeezefilm.reynolds.effects.budget import NAMES, Budget, budgets
 from squeezefilm.reynolds.effects.words import budget_row, notes_of_budget
 from squeezefilm.reynolds.explain import Explanation, explain
 from squeezefilm.reynolds.terms import notes_of
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
     add_solver_arguments,

@@ -36,6 +36,7 @@ from squeezefilm.api.forces import force_of, forces_of, forces_table
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
 from squeezefilm.film.vibration.scans import SmoothedScan
@@ -55,7 +56,6 @@ from squeezefilm.reynolds.answers.outputs import with_outputs
 from squeezefilm.reynolds.effects.automatic import kept_out
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
     add_solver_arguments,

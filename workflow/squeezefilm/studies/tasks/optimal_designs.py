@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import corners
 from squeezefilm.designs.continuous_design import ContinuousDesign, optimal_in_box, sensitivity
 from squeezefilm.designs.exact_design import exchange
@@ -25,7 +26,6 @@ from squeezefilm.models.fitting.profile_likelihood import (
     parameter_ranges,
 )
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.physics_limits import with_limits

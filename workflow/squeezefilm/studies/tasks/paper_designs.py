@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates, corners
 from squeezefilm.designs.paper_design import (
     Criterion,
@@ -26,7 +27,6 @@ from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_r
 from squeezefilm.io.parallel import parallel_map
 from squeezefilm.models.fitted import FittedModel
 from squeezefilm.models.force_model import ExpressionModel, Factors, get_model
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of, plan
 
 DIGITS = 6

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.polynomial import chebyshev
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
@@ -33,7 +34,6 @@ from squeezefilm.reynolds.limits.domain import unknown_to
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.solver import LimitResult, by_limits
 from squeezefilm.reynolds.terms import terms_of
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import scene_of
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.refine_loop import Goal, Outcome, Pool, Round, refine_loop
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.positions import as_in
@@ -17,7 +18,6 @@ from squeezefilm.models.fitting.fit import Fit
 from squeezefilm.models.fitting.profile_likelihood import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import film_of, scene_of, symmetry_of

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.directions import Directions
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.scans import SmoothedScan
@@ -16,7 +17,6 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.limits.films import films_of, limit_axis
 from squeezefilm.reynolds.limits.forces import fast_limit
-from squeezefilm.config.loading import Config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of, symmetry_of

@@ -140,7 +140,7 @@ def _amplitude(
     if abs(lines[nearest] - frequency_hz) > farthest:
         raise InputError(
             f"{where}: its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the "
-            f"actuator vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)"
+            f"actuator vibrates at {frequency_hz:.7g} Hz (actuator.frequency)"
         )
     sign = -1 if int(function["rsp_dir"]) < 0 else 1
     if not (np.any(data) and np.abs(data[nearest]) <= LARGEST):
