@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 from stored_strip import strip_force
 
+from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import Piston
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.effects.budget import NAMES, Budget, Effect, budgets
 from squeezefilm.reynolds.effects.depth_averaged import TABLE, error_percent

@@ -11,8 +11,8 @@ from physics_facts import piston_response
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
-from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.profiles import make_profile
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device

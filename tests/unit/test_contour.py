@@ -9,8 +9,8 @@ import yaml
 import squeezefilm as sf
 from squeezefilm.config.loading import parse_config
 from squeezefilm.config.written import effective_text
-from squeezefilm.film.contour import read_contour
 from squeezefilm.film.finger import Finger
+from squeezefilm.film.outline import read_contour
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.study import check_study, finger_of
 

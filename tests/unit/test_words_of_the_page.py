@@ -1,4 +1,4 @@
-"""The explorer says numbers as the command line does (words.js beside typed_units.py)."""
+"""The explorer says numbers as the command line does (words.js beside units.py)."""
 
 import json
 import shutil

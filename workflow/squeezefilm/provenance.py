@@ -19,18 +19,11 @@ PACKAGES = (
     *("pocl-binary-distribution", "pyarrow", "scikit-fem"),
 )
 SOLVER = [
-    *(
-        f"squeezefilm/{room}"
-        for room in ("config", "film", "formulas", "io", "reynolds", "studies")
-    ),
-    *(
-        "squeezefilm/units.py",
-        "squeezefilm/api/forces.py",
-        "squeezefilm/api/points.py",
-        "squeezefilm/designs/box.py",
-    ),
+    *(f"squeezefilm/{room}" for room in ("config", "film", "formulas", "io", "reynolds")),
+    *("squeezefilm/studies", "squeezefilm/designs/box.py", "squeezefilm/units.py"),
+    *("squeezefilm/api/forces.py", "squeezefilm/api/points.py"),
     *("squeezefilm/cli/points.py", "squeezefilm/cli/which_study.py"),
-    *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "plan", "smooth", "warm")),
+    *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "smooth", "warm")),
     *(
         f"squeezefilm/cli/use/{command}.py"
         for command in ("budget", "explain", "levitate", "response", "simulate")

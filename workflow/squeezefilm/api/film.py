@@ -14,8 +14,8 @@ from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
 from squeezefilm.api.points import Values, points_of, scene_points_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import Config, config_of
+from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings

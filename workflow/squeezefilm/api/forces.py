@@ -9,9 +9,9 @@ from math import isfinite
 import numpy as np
 import pandas as pd
 
+from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
-from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.answers.outputs import with_outputs

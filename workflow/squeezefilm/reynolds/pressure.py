@@ -13,9 +13,8 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.resolution import finer_grid
+from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS
 from squeezefilm.reynolds.problems import problems_of

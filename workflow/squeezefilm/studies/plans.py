@@ -11,7 +11,7 @@ import pandas as pd
 
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box
-from squeezefilm.film.directions import Symmetry
+from squeezefilm.film.symmetry import Symmetry
 from squeezefilm.io.positions import POLAR, as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.studies.study import surface_of, symmetry_of

@@ -9,7 +9,7 @@ import argparse
 from pathlib import Path
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.film.vibration.smoothed_file import write_smoothed
+from squeezefilm.film.measured.smooth import write_smoothed
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.study import scan_path, smoothed_anew, smoothing_settings
 

@@ -22,13 +22,11 @@ from squeezefilm.reynolds.answers.samples import on_grid
 from squeezefilm.reynolds.answers.stiffness import static_stiffness
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
-from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after
+from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after, margin_of
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs, needs_of
-from squeezefilm.reynolds.periodic.changes import margin_of
-from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.periodic.resolution import finer_grid, profile_fall
+from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, profile_fall
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, States
 from squeezefilm.reynolds.problems import problems_of

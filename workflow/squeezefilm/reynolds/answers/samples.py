@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.answers.rim_momentum import momentum_out
 from squeezefilm.reynolds.effects.fields import lines_of

@@ -54,7 +54,7 @@ def film_on(scene: Scene, points: int) -> tuple[SlowFilm, float]:
     film = slow_film(
         epsilon=scene.epsilon,
         sigma=scene.sigma,
-        amplitude=scene.phasor(*np.meshgrid(nodes, nodes, indexing="ij")),
+        amplitude=scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij")),
         aspect=scene.aspect,
         slip=sum(dict(term.limit_numbers(scene)).get("slip", 0.0) for term in terms_of(scene)),
     )

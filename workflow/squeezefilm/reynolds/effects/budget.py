@@ -24,9 +24,8 @@ from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import Answers, sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.periodic.resolution import unseen_profile
+from squeezefilm.reynolds.periodic.resolution import grid_for, unseen_profile
 from squeezefilm.reynolds.periodic.states import STATUS
 from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.terms import Terms, terms_of

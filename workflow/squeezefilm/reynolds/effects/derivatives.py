@@ -23,9 +23,8 @@ from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.effects.sensitivity import sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs, needs_of
-from squeezefilm.reynolds.periodic.first_grids import grid_for
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.periodic.resolution import finer_grid, unseen_profile
+from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, unseen_profile
 from squeezefilm.reynolds.periodic.states import STATUS
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of
