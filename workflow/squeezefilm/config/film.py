@@ -81,11 +81,6 @@ def _different(values: Items) -> Items:
     return values
 
 
-def derived(words: str) -> Any:
-    """A default that follows from other keys, said in words."""
-    return Field(None, json_schema_extra={"derived": words})
-
-
 FilmLength = Annotated[float, Number("m", 1e-9, 1e-3)]  # below a nanometre there is no film of gas
 Length = Annotated[float, Number("m", 1e-6, 10)]
 Rise = Annotated[float, Number("m", -1e-3, 1e-3)]
@@ -98,16 +93,20 @@ Text = Annotated[str, Field(min_length=1, max_length=1000)]
 Name = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
 Different = AfterValidator(_different)
 UpTo100 = Field(min_length=1, max_length=100)
+DERIVED: Any = Field(default=None)
+"""A default that follows from other keys; ``default:`` in the docstring says how."""
 Names = Annotated[list[Name], UpTo100, Different]
 Term = Literal["none", "included", "auto"]
 
 
 def _described(schema: dict[str, Any]) -> None:
-    """Put the meanings that a docstring has of keys to these, in a section's JSON schema."""
+    """Put what a docstring says of keys to these, in a section's JSON schema."""
     about, _, attributes = schema.get("description", "").partition("\n\nAttributes:\n")
     schema["description"] = " ".join(about.partition("\n\n")[0].split())
     for name, meaning in re.findall(r"^    (\w+): (.*(?:\n {8}.*)*)", attributes, re.MULTILINE):
-        schema["properties"][key_of(name)]["description"] = " ".join(meaning.split())
+        key = schema["properties"][key_of(name)]
+        key["description"], _, words = " ".join(meaning.split()).partition("; default: ")
+        key |= {"derived": words} if words else {}
 
 
 KEYS = ConfigDict(
@@ -132,9 +131,10 @@ class Gas:
     Attributes:
         viscosity_pa_s: dynamic viscosity μ
         ambient_pressure_pa: pressure p0 around the finger
-        density_kg_per_m3: density at ambient pressure, by which the gas has inertia
+        density_kg_per_m3: density at ambient pressure, by which the gas has inertia; default: air's
+            at 20 °C under the pressure, 1.204 at 101325 Pa
         mean_free_path_m: mean free path at ambient density, for `rarefaction` and the budget; in
-            the film it goes like 1/density
+            the film it goes like 1/density; default: air's under the pressure, 67 nm at 101325 Pa
         rarefaction: `none` (viscous flow), `slip` (first order, 6 Kn H²) or `fukui-kaneko` (their
             flow factor, for D ≥ 5)
         slip_coefficient: slip length over the mean free path with `rarefaction: slip`: 1 is
@@ -157,16 +157,8 @@ class Gas:
 
     viscosity_pa_s: Annotated[float, Number("Pa s", 1e-7, 100)] = 1.81e-5
     ambient_pressure_pa: Annotated[float, Number("Pa", 1, 1e9)] = 101325.0
-    density_kg_per_m3: Annotated[
-        float,
-        Number("kg/m³", 1e-6, 1e5),
-        derived("air's at 20 °C under the pressure, 1.204 at 101325 Pa"),
-    ] = 1.204
-    mean_free_path_m: Annotated[
-        float,
-        Number("m", 1e-12, 1),
-        derived("air's under the pressure, 67 nm at 101325 Pa"),
-    ] = 67e-9
+    density_kg_per_m3: Annotated[float, Number("kg/m³", 1e-6, 1e5)] = 1.204
+    mean_free_path_m: Annotated[float, Number("m", 1e-12, 1)] = 67e-9
     rarefaction: Literal["none", "slip", "fukui-kaneko"] = "none"
     slip_coefficient: Annotated[float, Number("1", 0.1, 100)] = 1.0
     polytropic_exponent: Annotated[float, Number("1", 1, 1.67)] = 1.0

@@ -20,7 +20,6 @@ Part = Mapping[str, Any]
 Place = tuple[str | int, ...]
 """The keys, and numbers of a list's items, that lead to a value."""
 
-FIRST = ("study", "paper")
 BEGIN = "<!-- From squeezefilm/config by `make keys`: edit there. -->\n"
 END = "<!-- End of the keys. -->\n"
 HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
@@ -50,20 +49,16 @@ def schema(model: type[FilmSections] = Study) -> Part:
     def without(part: dict[str, Any], *names: str) -> dict[str, Any]:
         return {name: each for name, each in part.items() if name not in names}
 
-    whole: dict[str, Any] = inlined(without(raw, "$defs"))
-    return whole | {"properties": in_order(whole["properties"])}
-
-
-def in_order(sections: Mapping[str, Any]) -> dict[str, Any]:
-    """Sections with those first that say which study it is."""
-    return {name: sections[name] for name in sorted(sections, key=lambda name: name not in FIRST)}
+    whole: Part = inlined(without(raw, "$defs"))
+    return whole
 
 
 def part_at(part: Part, place: Place, values: Any) -> Part:
     """The part of a schema for a place in some values; empty where there is none."""
     for step in place:
         own = _of_kind(part, values)
-        part = own.get("items", {}) if isinstance(step, int) else _key(own, step)
+        key = own.get("properties", {}).get(step) or _of_any_name(own)
+        part = own.get("items", {}) if isinstance(step, int) else key
         try:
             values = values[step]
         except (KeyError, IndexError, TypeError):
@@ -71,13 +66,8 @@ def part_at(part: Part, place: Place, values: Any) -> Part:
     return _of_kind(part, values)
 
 
-def _key(part: Part, name: str) -> Part:
-    """The part for a key; of a section whose keys are names of the user's, the same for each."""
-    known: Part = part.get("properties", {}) or dict.fromkeys([name], _of_any_name(part))
-    return known.get(name, {})
-
-
 def _of_any_name(part: Part) -> Part:
+    """The part for each key of a section whose keys are the user's names."""
     return next(iter(part.get("patternProperties", {}).values()), {})
 
 

@@ -5,11 +5,12 @@ What follows from other keys where it is not written is filled in once all keys 
 """
 
 from math import cos, floor, hypot, log10, pi, radians, sin, sqrt
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
 from squeezefilm.config.film import (
+    DERIVED,
     Count,
     Different,
     FilmLength,
@@ -22,7 +23,6 @@ from squeezefilm.config.film import (
     Seed,
     Separation,
     UpTo100,
-    derived,
     key_of,
     mistake,
 )
@@ -38,15 +38,6 @@ POSITIONS = 25
 FARTHER, FARTHEST = 1.1, 1.5
 """An amplitude beyond the screen at which its models are tried, over the screen's largest: the
 default, and the most."""
-FORMULAS = {
-    "comparison": (["two_factor", "polynomial_3"], ["four_factor", "polynomial_5"]),
-    "refine": (["polynomial_3"], ["polynomial_5"]),
-}
-PHYSICS = {
-    "comparison": (["limit", "limit_1"], ["limit", "limit_1", "limit_2"]),
-    "refine": (["limit_1"], ["limit_2"]),
-}
-"""Models for a finger at the centre and anywhere, by section; physics where its limit is known."""
 
 
 class Simulation(Section):
@@ -157,28 +148,26 @@ class Positions(Section):
     Attributes:
         points: how many positions, the centre among them, that fill the reachable space (a
             scrambled Sobol' sequence, edges too), so that no wave of the profile can alias with
-            them
-        phi_r_m: on a disc: distances of the finger's centre from the disc's
+            them; default: 25 where no position is written and the study is not the paper's; else
+            none
+        phi_r_m: on a disc: distances of the finger's centre from the disc's; default: half of the
+            way that the pad may go and stay on the disc, and all of it
         phi_deg: on a disc: directions. Those of 0 … 45 are enough: their mirror images are added as
-            far as the scene lacks a square's symmetry (see below)
+            far as the scene lacks a square's symmetry (see below); default: 0, 22.5 and 45 on a
+            disc
         x_m: on a rectangle: distances of the finger's centre from the y axis. Both sides of it are
-            meant: images at −x are added unless pad and vibration make them the same
-        y_m: the same along y
+            meant: images at −x are added unless pad and vibration make them the same; default: on a
+            rectangle, 0, half of the way that the pad may go along x, and all of it
+        y_m: the same along y; default: the same along y
     """
 
-    points: Annotated[int, Field(strict=True, ge=4, le=1000)] = derived(
-        "25 where no position is written and the study is not the paper's; else none"
-    )
+    points: Annotated[int, Field(strict=True, ge=4, le=1000)] = DERIVED
     phi_r_m: Annotated[
         list[Annotated[float, Number("m", 0, 10, open=True)]], UpTo100, Different
-    ] = derived("half of the way that the pad may go and stay on the disc, and all of it")
-    phi_deg: Annotated[list[Annotated[float, Number("°", 0, 360)]], UpTo100, Different] = derived(
-        "0, 22.5 and 45 on a disc"
-    )
-    x_m: Distances = derived(
-        "on a rectangle, 0, half of the way that the pad may go along x, and all of it"
-    )
-    y_m: Distances = derived("the same along y")
+    ] = DERIVED
+    phi_deg: Annotated[list[Annotated[float, Number("°", 0, 360)]], UpTo100, Different] = DERIVED
+    x_m: Distances = DERIVED
+    y_m: Distances = DERIVED
 
 
 class FourFactorDesign(Section):
@@ -209,11 +198,17 @@ class FourFactorControl(Section):
 
 
 class LevelsOfScreen(Section):
-    """Evenly spaced values, over the screen's range where nothing else is written."""
+    """Evenly spaced values, over the screen's range where nothing else is written.
 
-    start: FilmLength = derived("the screen's")
-    stop: FilmLength = derived("the screen's")
-    levels: Annotated[int, Field(strict=True, ge=2, le=MOST_LEVELS)] = derived("twice the screen's")
+    Attributes:
+        start: the first; default: the screen's
+        stop: the last; default: the screen's
+        levels: how many; default: twice the screen's
+    """
+
+    start: FilmLength = DERIVED
+    stop: FilmLength = DERIVED
+    levels: Annotated[int, Field(strict=True, ge=2, le=MOST_LEVELS)] = DERIVED
 
 
 class ErrorMap(Section):
@@ -256,14 +251,13 @@ class Comparison(Section):
 
     Attributes:
         two_factor: those fitted to the screen, the finger centred, and ranked on half of the
-            validation sample
-        four_factor: those fitted to the four-factor plan, likewise
+            validation sample; default: the usual ones; those of the physics limit where it is known
+            for the pad and its gas
+        four_factor: those fitted to the four-factor plan, likewise; default: likewise
     """
 
-    two_factor: Names = derived(
-        "the usual ones; those of the physics limit where it is known for the pad and its gas"
-    )
-    four_factor: Names = derived("likewise")
+    two_factor: Names = DERIVED
+    four_factor: Names = DERIVED
 
 
 class Refine(Section):
@@ -271,8 +265,11 @@ class Refine(Section):
     docs/experiments.md).
 
     Attributes:
-        two_factor: models to refine with the finger centred: the library's or the study's own
-        four_factor: models to refine with the finger anywhere
+        two_factor: models to refine with the finger centred: the library's or the study's own;
+            default: `limit_1`, or `polynomial_3` where the physics limit is not known for the pad
+            or its gas
+        four_factor: models to refine with the finger anywhere; default: `limit_2`, or
+            `polynomial_5`
         global_error: wanted |model − simulation|/|simulation| over the space; its upper 95 % limit
             must be below
         worst_error: wanted largest error, over the root mean square force of the space
@@ -284,10 +281,8 @@ class Refine(Section):
         seed: of the verification points, and of the search of the first fit
     """
 
-    two_factor: Names = derived(
-        "`limit_1`, or `polynomial_3` where the physics limit is not known for the pad or its gas"
-    )
-    four_factor: Names = derived("`limit_2`, or `polynomial_5`")
+    two_factor: Names = DERIVED
+    four_factor: Names = DERIVED
     global_error: Annotated[float, Number("1", 0, 1, open=True)] = 1e-3
     worst_error: Annotated[float, Number("1", 0, 10, open=True)] = 5e-3
     simulations: Annotated[int, Field(strict=True, ge=3, le=10000)] = 20
@@ -338,16 +333,16 @@ class Extrapolation(Section):
     """The check beyond the screen, in amplitude alone.
 
     Attributes:
-        h0_m: mean gap of the operating point that is simulated, within the screen's range
-        hv_m: its amplitude, up to 1.5 times the screen's largest
+        h0_m: mean gap of the operating point that is simulated, within the screen's range; default:
+            the screen's smallest gap
+        hv_m: its amplitude, up to 1.5 times the screen's largest; default: 1.1 times the screen's
+            largest amplitude; that itself where 1.1 times it reaches the gap
         force_n: the wanted force: each model is asked for the amplitude that gives it at `h0`, and
             a simulation checks it
     """
 
-    h0_m: FilmLength = derived("the screen's smallest gap")
-    hv_m: FilmLength = derived(
-        "1.1 times the screen's largest amplitude; that itself where 1.1 times it reaches the gap"
-    )
+    h0_m: FilmLength = DERIVED
+    hv_m: FilmLength = DERIVED
     force_n: Annotated[float, Number("N", 0, 1e6, open=True)]
 
 
@@ -365,7 +360,14 @@ class Numerics(Section):
     longest_seconds: Annotated[float, Number("s", 0, 1e5, open=True)] = 0.2
 
 
-class Study(FilmSections):
+class Header(Section):
+    """What a study begins with."""
+
+    study: Annotated[str, Field(pattern="^[a-z0-9][a-z0-9_-]*$")]
+    paper: StrictBool = False
+
+
+class Study(FilmSections, Header):
     """A study – gas, actuator, finger, and what is simulated, fitted and designed.
 
     Attributes:
@@ -376,8 +378,6 @@ class Study(FilmSections):
         models: formulas of your own for the force, each under a name (see below)
     """
 
-    study: Annotated[str, Field(pattern="^[a-z0-9][a-z0-9_-]*$")]
-    paper: StrictBool = False
     simulation: Simulation = Field(default_factory=Simulation)
     sweep: Sweep = Field(default_factory=Sweep)
     screen: Screen
@@ -409,19 +409,14 @@ class Study(FilmSections):
 
     def _derive_plans(self) -> None:
         """The ranges of the error map and the extrapolation, from the screen's."""
-        for factor in FACTORS:
-            fitted, control = (
-                getattr(self.screen, f"{factor}_m"),
-                getattr(self.error_map, f"{factor}_m"),
-            )
-            control.start = fitted.start if control.start is None else control.start
-            control.stop = fitted.stop if control.stop is None else control.stop
-            control.levels = control.levels or min(FINER * fitted.levels, MOST_LEVELS)
+        for factor in ("h0_m", "hv_m"):
+            fitted, control = getattr(self.screen, factor), getattr(self.error_map, factor)
+            levels = min(FINER * fitted.levels, MOST_LEVELS)
+            _fill(control, start=fitted.start, stop=fitted.stop, levels=levels)
         wanted, largest_m = self.extrapolation, self.screen.hv_m.stop
-        wanted.h0_m = wanted.h0_m or self.screen.h0_m.start
-        if wanted.hv_m is None:
-            farther_m = float(f"{FARTHER * largest_m:.12g}")
-            wanted.hv_m = largest_m if farther_m >= wanted.h0_m else farther_m
+        _fill(wanted, h0_m=self.screen.h0_m.start)
+        farther_m = float(f"{FARTHER * largest_m:.12g}")
+        _fill(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
 
     def _derive_models(self) -> None:
         """The models that are compared and refined: physics' where its limit was derived."""
@@ -435,15 +430,14 @@ class Study(FilmSections):
             and gas.rarefaction == "none"
             and gas.polytropic_exponent == 1
         )
-        for place, space in enumerate(("two_factor", "four_factor")):
-            formulas, physics = FORMULAS["comparison"][place], PHYSICS["comparison"][place]
-            best = (PHYSICS if known else FORMULAS)["refine"][place]
-            for section, names in (
-                (self.comparison, formulas + physics * known),
-                (self.refine, list(best)),
-            ):
-                if getattr(section, space) is None:
-                    setattr(section, space, names)
+        physics = ["limit", "limit_1", "limit_2"] if known else []
+        _fill(
+            self.comparison,
+            two_factor=["two_factor", "polynomial_3", *physics[:2]],
+            four_factor=["four_factor", "polynomial_5", *physics],
+        )
+        best = ("limit_1", "limit_2") if known else ("polynomial_3", "polynomial_5")
+        _fill(self.refine, two_factor=[best[0]], four_factor=[best[1]])
 
     def _derive_positions(self) -> None:
         """Positions in the form of the surface: half of the way that the pad may go, and all."""
@@ -451,7 +445,7 @@ class Study(FilmSections):
         if not (self.paper or positions.model_fields_set):
             positions.points = POSITIONS
         if surface is None:
-            positions.phi_deg = positions.phi_deg or list(DIRECTIONS_DEG)
+            _fill(positions, phi_deg=list(DIRECTIONS_DEG))
             if positions.phi_r_m is None:
                 half_m, reach_m = self.actuator.surface_radius_m, _reach_m(self.finger)
                 way_m = _way_m("actuator.surface_radius", half_m, reach_m, "phi_r")
@@ -543,6 +537,13 @@ class Study(FilmSections):
                 )
         if not disc and self.paper:
             raise mistake("the paper's actuator is a disc; it must be false", "paper")
+
+
+def _fill(section: Section, **values: Any) -> None:
+    """Give a section's keys their values where nothing is written."""
+    for name, value in values.items():
+        if getattr(section, name) is None:
+            setattr(section, name, value)
 
 
 def _values(levels: Levels | LevelsOfScreen) -> list[float]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from squeezefilm.config.keys import Place, in_order, part_at, schema, unit_of
+from squeezefilm.config.keys import Place, part_at, schema, unit_of
 from squeezefilm.config.loading import Config, config_of
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
@@ -32,7 +32,7 @@ def effective_text(config: Config, *, folder: Path | None = None) -> str:
         if folder is not None and "file" in named:
             named["file"] = os.path.relpath(config.path.parent / named["file"], start=folder)
     head = f"# {config.path}, as it is computed: what is not marked was written there.\n"
-    return head + "".join(f"{line}\n" for line in _lines(in_order(sections), (), config))
+    return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
 
 
 def origin(config: Config, place: Place) -> str:

@@ -20,9 +20,9 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.formulas.expressions import Expression, Name, Node, Number, parse
-from squeezefilm.formulas.units import parameter_units
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN, POLAR
+from squeezefilm.units import parameter_units
 
 Array = NDArray[np.float64]
 
