@@ -81,7 +81,18 @@ def test_a_scan_runs_or_is_refused(block, tmp_path):
 
 
 VALUES: list[Any] = [0, 1, -1, 1e-300, 1e300, 0.01, 5e-6, 90, -361, 2**60, None, True, "", "sinc"]
-VALUES += [[], {}, [1], {"kind": "piston"}, ".nan", "1e", "../../etc/passwd", "x" * 2000, "piston"]
+VALUES += [
+    [],
+    {},
+    [1],
+    {"kind": "piston"},
+    {"kind": {}},
+    ".nan",
+    "1e",
+    "../../etc/passwd",
+    "x" * 2000,
+    "piston",
+]
 PROFILES: list[dict[str, Any]] = [
     {"kind": "sinc", "wave_number": 109.8},
     {"kind": "piston"},

@@ -73,7 +73,7 @@ def _of_any_name(part: Part) -> Part:
 
 def _of_kind(part: Part, values: Any) -> Part:
     kind = values.get("kind") if isinstance(values, Mapping) else None
-    chosen: Part = part.get("kinds", {}).get(kind, part)
+    chosen: Part = part.get("kinds", {}).get(str(kind), part)
     return chosen
 
 

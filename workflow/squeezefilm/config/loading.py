@@ -188,7 +188,7 @@ def _mistakes(
         about = _about_key if each["type"] in ABOUT_KEYS else _about_value
         text = about(each, place, whole, values)
         inner = next((place[:end] for end in range(len(place), 0, -1) if place[:end] in lines), ())
-        found[place] = lines.get(inner, 0), text
+        found[place] = lines[inner] if inner else 0, text
     in_order = sorted(found, key=lambda place: (found[place][0], list(map(str, place))))
     told = [found[place] for place in in_order if found[place][1]]
     return [f"line {line}: {text}" if line else text for line, text in told]
@@ -198,9 +198,10 @@ def _place(loc: Place, values: Any) -> Place:
     """The place of a pydantic error, without what it says of the choices of a union."""
     place: Place = ()
     for step in loc:
-        if isinstance(values, Mapping) and step == values.get("kind") and step not in values:
-            continue
-        if step == "[key]" or (isinstance(step, str) and not isinstance(values, Mapping)):
+        if isinstance(values, Mapping):
+            if step not in values and step in ("[key]", values.get("kind")):
+                continue
+        elif isinstance(step, str):
             continue
         place += (step,)
         try:
