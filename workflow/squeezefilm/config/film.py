@@ -410,8 +410,8 @@ class Solver(Section):
     """How forces are computed.
 
     Attributes:
-        method: `auto` takes, for each scene, the cheapest method whose error estimate holds the
-            tolerance; or one by name (docs/solver.md)
+        method: `auto` takes, for each scene, the composite expansion where that holds the tolerance
+            and costs less, else the periodic state; or one by name (docs/solver.md)
         tolerance: wanted relative error of each force
         model_tolerance: relative change of a force from which on `auto` includes a term of the
             equation
@@ -420,15 +420,7 @@ class Solver(Section):
             before both
     """
 
-    method: Literal[
-        "auto",
-        "closed-form",
-        "fast-limit",
-        "boundary-layer",
-        "small-amplitude",
-        "matched-limit",
-        "periodic",
-    ] = "auto"
+    method: Literal["auto", "composite", "periodic"] = "auto"
     tolerance: Annotated[float, Number("1", 1e-10, 0.1)] = 1e-4
     model_tolerance: Annotated[float, Number("1", 1e-6, 0.5)] = 1e-3
     device: Annotated[str, Field(min_length=1)] = "auto"

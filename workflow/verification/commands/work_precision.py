@@ -12,7 +12,7 @@ import argparse
 
 from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_table
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.solver_settings import device_of
 from verification.work_precision import FILMS, work_precision
 

@@ -31,11 +31,10 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitting.described import described_fit
-from squeezefilm.models.fitting.fit import Fit
-from squeezefilm.models.force_model import ExpressionModel
-from squeezefilm.models.library import model_named
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import described_fit
+from squeezefilm.models.fitting import Fit
+from squeezefilm.models.force_model import ExpressionModel, model_named
 from squeezefilm.studies.study import film_of, symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation

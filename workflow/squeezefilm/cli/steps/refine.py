@@ -31,8 +31,7 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
-from squeezefilm.models.experiments import check_columns
-from squeezefilm.models.library import SPACES, model_named
+from squeezefilm.models.force_model import SPACES, check_columns, model_named
 from squeezefilm.studies.tasks.refined_model import SimulatedSpace, refined_model
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation

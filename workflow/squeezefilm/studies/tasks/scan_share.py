@@ -3,7 +3,7 @@
 from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
-from squeezefilm.models.fitted import number
+from squeezefilm.models.fit_file import number
 
 
 def scan_error_of(config: Config, summary: str | None) -> float:
