@@ -50,7 +50,7 @@ def test_a_models_error_on_the_page_is_that_of_its_file(page, study):
     two, four = _data(page)["fits"]
     for fit, name in ((two, "two_factor_design"), (four, "four_factor")):
         interval = read_fit(study.root / f"fits/{name}.json").interval
-        assert fit["interval"] == json.loads(interval.model_dump_json())
+        assert fit["interval"] == interval.model_dump(mode="json")
         assert fit["statement"] == interval.statement
     assert two["interval"]["ranges"]["phi_r_m"] == [0.0, 0.0]
 

@@ -5,7 +5,6 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -15,9 +14,7 @@ from reporting.pages import render
 from reporting.refinement import refinement_table
 from reporting.results import Results
 from squeezefilm.cli.main import main
-from squeezefilm.io.tables import SCENE_COLUMNS, read_forces, write_table
-from squeezefilm.models.data import factors_of
-from squeezefilm.models.fit_file import read_fit
+from squeezefilm.io.tables import read_forces
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks import refined_model
 
@@ -85,33 +82,6 @@ def test_a_model_that_lacks_terms_is_limited_by_the_model_and_told_where(refined
     where = pd.read_csv(refined.folder / "square" / "where.csv")
     epsilon = where["hv_m"] / where["h0_m"]
     assert where["error_n"].abs().groupby(epsilon > 0.2).mean().is_monotonic_increasing
-
-
-def test_the_map_of_errors_is_right_where_nothing_was_simulated(refined, tmp_path):
-    """It is the model less the physics limit, and that is close to the model less simulations."""
-    verdict, forces = refined.verdict("square"), read_forces(refined.unseen)
-    model = read_fit(refined.folder / "square" / "fit.json").force_model
-    theta = verdict["theta_of_all_points"]
-    limit = pd.read_csv(refined.limits)["limit_n"]
-    truth = model.evaluate(theta, factors_of(forces)) - forces["force_n"]
-    assert np.linalg.norm(limit - forces["force_n"]) < 0.1 * np.linalg.norm(truth)
-    where = pd.read_csv(refined.folder / "square" / "where.csv").tail(20)
-    scenes = where.assign(point_id=range(20))[list(SCENE_COLUMNS)]
-    write_table(scenes, tmp_path / "scenes.csv")
-    words = ["--config", str(refined.folder / "study.yaml"), "--output", str(tmp_path / "l.csv")]
-    assert main(["limits", str(tmp_path / "scenes.csv"), *words]) == 0
-    expected = model.evaluate(theta, factors_of(scenes))
-    expected = expected - pd.read_csv(tmp_path / "l.csv")["limit_n"].to_numpy()
-    np.testing.assert_allclose(where["error_n"], expected, rtol=1e-6)
-
-
-def test_the_fits_file_tells_ranges_and_what_they_mean(refined):
-    values = json.loads((refined.folder / "limit_2" / "fit.json").read_text())
-    assert [each["name"] for each in values["parameter_ranges"]] == ["t0", "t1"]
-    for each in values["parameter_ranges"]:
-        assert each["lower"] < each["estimate"] < each["upper"]
-    assert "conditional on this plan and on the formula" in values["parameter_ranges_note"]
-    assert "not noise" in values["parameter_ranges_note"]
 
 
 def reported(refined, folder: Path, *models: Path) -> tuple[pd.DataFrame, str, str]:

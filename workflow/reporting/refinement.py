@@ -9,7 +9,7 @@ from scipy import stats
 
 from reporting.notes import VERDICTS, percent
 from reporting.results import Results
-from squeezefilm.designs.continuous_design import sensitivity
+from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.io.tables import read_forces, read_ok_forces
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
