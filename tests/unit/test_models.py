@@ -1,12 +1,17 @@
 """Candidates for the force model: fitting any formula, and judging it at points left out."""
 
 import json
+import shutil
 
 import numpy as np
 import pandas as pd
 import pytest
 from reference_forces import reference_forces
 
+from reporting.figures import FIGURES, save
+from reporting.models import compare, comparison_values
+from reporting.pages import render
+from reporting.results import Results
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import SCENE_COLUMNS
@@ -175,36 +180,36 @@ def test_the_seeds_of_a_fit_are_those_of_its_factors(study, edited, tmp_path):
     assert counts == {"gap": 1, "place": 2}
 
 
-def test_models_are_ranked_on_half_of_the_validation_sample(
-    study, tables, edited, tmp_path, capsys, refused
-):
+def test_models_are_ranked_on_half_of_the_validation_sample(study, tables, edited, tmp_path):
     """A point without a force is excluded from the errors, and counted."""
     names = ("polynomial_3", "limit", "polynomial_5")
     config = edited("paper", comparison={"two_factor": list(names)})
+    (tmp_path / "models/two_factor").mkdir(parents=True)
     for name in names:
-        fitted(study, tables, tmp_path, name, "--keep-going")
-    paths = [str(tmp_path / f"{name}.json") for name in names]
-    sample = tmp_path / "sample.csv"
+        fitted(study, tables, tmp_path / "models/two_factor", name, "--keep-going")
+    plan = tmp_path / "simulations/validation_two_factor"
+    plan.mkdir(parents=True)
     table = pd.read_csv(tables[0], dtype={"point_id": str})
     table.loc[4, ["force_n", "status"]] = np.nan, "not converged"
-    table.to_csv(sample, index=False)
-    output = [f"--{kind}={tmp_path / kind}.csv" for kind in ("output", "errors", "report")]
-    given = [f"--config={config}", f"--forces={sample}", f"--limits={tables[1]}"]
-    arguments = ["compare", "two_factor", *paths, *given, *output]
-    assert "no fit of limit, polynomial_5 is given" in refused(*arguments[:3], *arguments[5:])
-    assert cli.main(arguments) == 0
-    rows = pd.read_csv(tmp_path / "output.csv").set_index("model")
+    table.to_csv(plan / "forces.csv", index=False)
+    shutil.copy(tables[1], plan / "limits.csv")
+    results = Results.of(tmp_path, config)
+    table, errors = compare(results, "two_factor")
+    rows = table.set_index("model")
     assert rows.loc["limit", "validation_error"] == pytest.approx(0.01)
     assert rows.loc["limit", "validation_points"] == 29
     assert rows.loc["limit", "validation_failed"] == 1
     assert "t3, t4 cannot be told apart" in rows.loc["polynomial_5", "note"]
-    assert len(pd.read_csv(tmp_path / "errors.csv")) == 2 * 29
-    text = capsys.readouterr().out
+    assert len(errors) == 2 * 29
+    text = render("models.md", **comparison_values(results, "two_factor", table))
     assert text.index("| polynomial_3 |") < text.index("| limit |") < text.index("Not validated")
-    picture = tmp_path / "errors.png"
-    plot = ["plot", "model_errors", str(tmp_path / "errors.csv"), "--output", str(picture)]
-    assert cli.main(plot) == 0
-    assert picture.stat().st_size > 10_000
+    table.to_csv(tmp_path / "models/two_factor.csv")
+    errors.to_csv(tmp_path / "models/two_factor_errors.csv")
+    save(FIGURES["models/two_factor_errors"], results, [tmp_path / "errors.png"])
+    assert (tmp_path / "errors.png").stat().st_size > 10_000
+    (tmp_path / "models/two_factor/limit.json").unlink()
+    with pytest.raises(InputError, match=r"limit\.json"):
+        compare(results, "two_factor")
 
 
 @pytest.mark.parametrize(

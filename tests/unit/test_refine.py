@@ -1,6 +1,7 @@
 """The loop on the real film, and the commands around it: what they promise and what they refuse."""
 
 import json
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,6 +9,10 @@ import pandas as pd
 import pytest
 import yaml
 
+from reporting.figures import FIGURES, save
+from reporting.pages import render
+from reporting.refinement import refinement_table
+from reporting.results import Results
 from squeezefilm.cli.main import main
 from squeezefilm.io.tables import read_forces
 from squeezefilm.studies.config import load_config
@@ -79,24 +84,34 @@ def test_a_model_that_lacks_terms_is_limited_by_the_model_and_told_where(refined
     assert where["error_n"].abs().groupby(epsilon > 0.2).mean().is_monotonic_increasing
 
 
+def reported(refined, folder: Path, *models: Path) -> tuple[pd.DataFrame, str, str]:
+    """The table of a report on refined models, its page, and its figure's drawing."""
+    for model in models:
+        shutil.copytree(model, folder / "refine/two_factor" / model.name)
+    plan = folder / "simulations/validation_two_factor"
+    plan.mkdir(parents=True)
+    shutil.copy(refined.unseen, plan / "forces.csv")
+    shutil.copy(refined.limits, plan / "limits.csv")
+    config = load_config(refined.folder / "study.yaml")
+    names = [model.name for model in models]
+    results = Results(folder, {**config, "refine": {"two_factor": names}})
+    table, values = refinement_table(results, "two_factor")
+    table.to_csv(folder / "refine/two_factor.csv", index=False)
+    save(FIGURES["refine/two_factor_figure"], results, [folder / "f.svg"])
+    drawn = (folder / "f.svg").read_text(encoding="utf-8")
+    return table.set_index("model"), render("refine.md", **values), drawn
+
+
 def test_the_report_compares_estimates_with_the_truth(refined, tmp_path):
-    folders = [str(refined.folder / name) for name in ("square", "limit_2")]
-    outputs = [tmp_path / name for name in ("t.csv", "t.md", "f.csv")]
-    words = ["--forces", str(refined.unseen), "--limits", str(refined.limits)]
-    for option, path in zip(("--output", "--report", "--figure"), outputs, strict=True):
-        words += [option, str(path)]
-    assert main(["refine-report", *folders, *words]) == 0
-    table = pd.read_csv(outputs[0], index_col="model")
+    folders = [refined.folder / name for name in ("square", "limit_2")]
+    table, text, drawn = reported(refined, tmp_path, *folders)
     good = table.loc["limit_2"]
     assert good["unseen_global_error"] < 5e-4
     assert good["unseen_global_error"] < good["estimated_global_upper"]
     assert good["share_in_interval"] > 0.8
     assert table.loc["square", "unseen_global_error"] > 100 * good["unseen_global_error"]
-    text = outputs[1].read_text(encoding="utf-8")
     assert "limited by the model" in text
     assert "as good as wanted" in text
-    assert main(["plot", "refine", str(outputs[2]), "--output", str(tmp_path / "f.svg")]) == 0
-    drawn = (tmp_path / "f.svg").read_text(encoding="utf-8")
     assert "square: limited by the model" in drawn
 
 
@@ -123,17 +138,10 @@ def test_a_model_whose_physics_does_not_hold_is_left_out_before_anything_is_simu
     config = study(repository, tmp_path / "study.yaml", finger={"shape": "ellipse"})
     assert refine("limit_1", tmp_path / "limit_1", config) == 2
     assert refine("limit_1", tmp_path / "limit_1", config, "--keep-going") == 0
-    words = ["--forces", str(refined.unseen), "--limits", str(refined.limits)]
-    words += ["--output", f"{tmp_path}/t.csv", "--report", f"{tmp_path}/t.md"]
-    for others in ([], [str(refined.folder / "limit_2")]):
-        figure = f"{tmp_path}/figure-{len(others)}.csv"
-        folders = [str(tmp_path / "limit_1"), *others]
-        assert main(["refine-report", *folders, *words, "--figure", figure]) == 0
-        table = pd.read_csv(tmp_path / "t.csv", index_col="model")
+    for others in ([], [refined.folder / "limit_2"]):
+        folder = tmp_path / f"results-{len(others)}"
+        table, page, drawn = reported(refined, folder, tmp_path / "limit_1", *others)
         assert table.loc["limit_1", "verdict"] == "left out"
-        assert set(table.index) == {"limit_1", *(Path(other).name for other in others)}
-        page = (tmp_path / "t.md").read_text(encoding="utf-8")
+        assert set(table.index) == {"limit_1", *(other.name for other in others)}
         assert "- **limit_1**, left out: limit_n: unknown at" in page
-    drawing = tmp_path / "f.svg"
-    assert main(["plot", "refine", f"{tmp_path}/figure-0.csv", "--output", str(drawing)]) == 0
-    assert "nothing was simulated: limit_1" in drawing.read_text(encoding="utf-8")
+        assert ("no model of this space was refined" in drawn) == (not others)

@@ -61,11 +61,12 @@ def refinement_table(results: Results, space: str) -> tuple[pd.DataFrame, dict[s
             f"(by {verdict['errors_mapped_by']}).",
         )
     table = pd.DataFrame(rows, columns=list(COLUMNS))
+    refined = table[table["verdict"] != "left out"]
     return table, {
         "points": len(unseen),
         "reasons": reasons,
         "profile_uncertainty": profile_uncertainty,
-        "shown": _shown(table[table["verdict"] != "left out"]),
+        "shown": refined if refined.empty else _shown(refined),
     }
 
 

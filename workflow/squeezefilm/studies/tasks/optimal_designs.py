@@ -21,7 +21,6 @@ from squeezefilm.designs.optimal import (
 )
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN
-from squeezefilm.io.tables import scene_points
 from squeezefilm.models.data import COLUMNS, Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit
@@ -29,7 +28,7 @@ from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, ParameterRange, parameter_ranges
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
 EVERY = slice(None)
@@ -90,7 +89,7 @@ class FittedSpace:
         columns: dict[str, np.ndarray] = {}
         if self.model.column_names:
             table = self.space.table(points)
-            scenes = [scene_of(point, self.config) for point in scene_points(table)]
+            scenes = scenes_in(table, self.config)
             known = with_limits(table, scenes)
             columns = {name: known[name].to_numpy() for name in COLUMNS.values()}
         factors = Factors.of(**dict(zip(self.space.box.names, points.T, strict=True)), **columns)

@@ -10,7 +10,7 @@ import pandas as pd
 from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, refine_loop
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.positions import as_in
-from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, scene_points
+from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS
 from squeezefilm.models.data import COLUMNS, Factors
 from squeezefilm.models.fit_file import describe
 from squeezefilm.models.fitting import Fit
@@ -21,7 +21,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import film_of, scene_of, symmetry_of
+from squeezefilm.studies.study import film_of, scenes_in, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
 TYPICAL = 1000
@@ -57,7 +57,7 @@ class SimulatedSpace:
             space.sample(TYPICAL, seed=settings["seed"] + 1),
         ]
         self.config, self.table = config, space.table(np.concatenate(kinds))
-        self.scenes = [scene_of(point, config) for point in scene_points(self.table)]
+        self.scenes = scenes_in(self.table, config)
         self.known = with_limits(self.table, self.scenes)
         self.solutions: dict[int, Solution] = {}
         self.device = device_of(config)
