@@ -9,7 +9,7 @@ from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import checked_outputs
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.solver import METHODS
+from squeezefilm.reynolds.plan import METHODS
 
 TOLERANCES = (1e-10, 0.1)
 
