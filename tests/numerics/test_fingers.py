@@ -9,11 +9,11 @@ from films import PISTON, film
 from physics_facts import fast_piston
 from scipy.special import ellipe, iv
 
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import cartesian
 from squeezefilm.reynolds import Solution

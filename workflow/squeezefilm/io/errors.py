@@ -55,6 +55,8 @@ def each_on_its_own(
     Raises:
         InputError: that of ``work``, such as a device that is not there: it concerns all of them.
     """
+    if not len(items):
+        return []
     try:
         return work(items)
     except InputError:

@@ -37,6 +37,7 @@ from squeezefilm.api.simulation import missing_of, scenes_of_table, simulate_tab
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.measured.smooth import SmoothedScan
+from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import OK
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.solution import OUTPUTS
@@ -98,7 +99,7 @@ def _preview(
         rows = read_scenes(options.scenes)
         scenes = scenes_of_table(rows, config=config, path=options.scenes)
     elif {"h0_m", "hv_m"} <= set(points):
-        scenes = [scene_of(point, config) for point in scene_points_of(points)]
+        scenes = Scenes.of([scene_of(point, config) for point in scene_points_of(points)])
     else:
         raise InputError("give both --h0 and --hv")
     device = device_of(config, option=options.device)
