@@ -99,11 +99,15 @@ def share_of(tolerance: float) -> float:
 def nodes_for_profile(needs: Needs, *, tolerance: float) -> np.ndarray:
     """Nodes along x and y without which a grid would not see the profile, (n, 2)."""
     share = share_of(tolerance)
-    return needs.samples(share).nodes(share)
+    return needs.once("nodes", lambda share: needs.samples(share).nodes(share), share)
 
 
 def unseen_profiles(needs: Needs, *, tolerance: float) -> dict[int, str]:
     """The scenes whose profile under the finger no grid sees, and why."""
+    return needs.once("unseen", lambda tolerance: _unseen_profiles(needs, tolerance), tolerance)
+
+
+def _unseen_profiles(needs: Needs, tolerance: float) -> dict[int, str]:
     share = share_of(tolerance)
     missed = needs.samples(share).missed
     most = np.where(needs.fold_x & needs.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST)
@@ -145,7 +149,7 @@ def _choose(
     """
     scenes = needs.scenes
     samples = needs.samples(share_of(tolerance))
-    seen = samples.nodes(share_of(tolerance))
+    seen = nodes_for_profile(needs, tolerance=tolerance)
     known: dict[Chosen, int] = {}
     which = np.empty(len(needs), dtype=np.int64)
     outlines = [film.finger.smooth_outline for film in scenes.films]
