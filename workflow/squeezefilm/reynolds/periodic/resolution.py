@@ -216,7 +216,7 @@ def _points(
     """
     digits = log10(1 / (share * tolerance))
     epsilon, sigma, bend = gap_numbers(scenes)
-    aspect, n = scenes.aspect, len(scenes)
+    aspect = scenes.aspect
     with np.errstate(divide="ignore", invalid="ignore"):  # of films at rest
         ratio = epsilon / (1 + np.sqrt(1 - epsilon**2))
         left = np.minimum(log(TIME_SHARE / 3), log(TIME_FORCE) + 2 * np.log(epsilon))
@@ -239,11 +239,10 @@ def _points(
         wanted_y = _nodes(digits, epsilon=epsilon, sigma=layers * aspect**2, curvature=bent_y)
         shares = [1 + fold for fold in folds]
     wanted_x = _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x)
-    unknowns = (
+    nx, ny = (
         _unknowns(np.maximum(at_least, wanted), each, step)
         for at_least, wanted, each in zip(nodes.T, (wanted_x, wanted_y), shares, strict=True)
     )
-    nx, ny, nt = (np.broadcast_to(each, n) for each in (*unknowns, nt))
     return nx, ny, nt
 
 
