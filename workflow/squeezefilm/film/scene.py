@@ -276,8 +276,8 @@ def distinct(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def rows_alike(values: np.ndarray) -> list[np.ndarray]:
     """The rows of each different value."""
     first, which = distinct(values)
-    if len(first) == 1:
-        return [np.arange(len(values))]
+    if len(first) <= 1:
+        return [np.arange(len(values))][: len(values)]
     ends = np.cumsum(np.bincount(which))[:-1]
     return np.split(np.argsort(which, kind="stable"), ends)
 
