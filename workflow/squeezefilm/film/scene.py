@@ -349,7 +349,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def __getitem__(self, rows: int | Rows) -> "Scene | Scenes":
         index, point_id = self.film_index[rows], self.point_id[rows]
         numbers = [each[rows] for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)]
-        if isinstance(rows, int):
+        if isinstance(rows, (int, np.integer)):
             film = self.films[index]
             return Scene(point_id, *map(float, numbers), film.gas, film.actuator, film.finger)  # type: ignore[call-arg, arg-type]
         return Scenes(self.films, index, *numbers, point_id)  # type: ignore[call-arg]
