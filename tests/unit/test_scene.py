@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Piston, Sinc, make_profile
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import cartesian
 from squeezefilm.io.tables import scene_points

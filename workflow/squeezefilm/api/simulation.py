@@ -91,7 +91,7 @@ def simulate_table(
     """
     table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
     pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]
-    scenes_in = partial(_scenes, config=config, path=scenes)
+    scenes_in = partial(scenes_of_table, config=config, path=scenes)
     first, *_ = [scenes_in(piece)[0] for piece in pieces]
     how = settings.how(device_ready(config, option=device, scene=first))
     failures: list[str] = []
@@ -134,7 +134,8 @@ def missing_of(solution: Solution) -> str:
     return next((each.status for each in asked if each and each.status != "ok"), "")
 
 
-def _scenes(rows: pd.DataFrame, *, config: Config, path: Path | str) -> Scenes:
+def scenes_of_table(rows: pd.DataFrame, *, config: Config, path: Path | str) -> Scenes:
+    """The scenes of a table's rows; the table's path stands before what is wrong with one."""
     with naming(path):
         return scenes_in(rows, config)
 

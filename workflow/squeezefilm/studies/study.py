@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from squeezefilm.film.existence import check_scene, check_scenes
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene, Scenes
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
+from squeezefilm.film.validity import check_scene, check_scenes
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import POLAR
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, as_in

@@ -35,14 +35,14 @@ def scan_errors(
     draws: int = DRAWS,
     seed: int = SEED,
 ) -> pd.DataFrame:
-    """Solve the scenes again with profiles of other noise, and estimate what was left out.
+    """Solve the scenes again with profiles of other noise, and estimate what was neglected.
 
     Returns:
         In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
         ``lowest_n``, ``highest_n``, standard deviation and range over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
         and all that was taken off the profile's maximum as the noise's;
-        ``out_of_phase_n``, by what the force is low without motion out of phase that was left out;
+        ``out_of_phase_n``, by what the force is low without motion out of phase that was neglected;
         ``scan_error_n``, the sum of both.
 
     Raises:
