@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.progress import progress_bar
@@ -22,7 +22,6 @@ from squeezefilm.io.tables import (
     read_forces,
     read_scenes,
     read_timings,
-    scene_points,
     table_writer,
 )
 from squeezefilm.reynolds import Solution, node_cache, solve
@@ -33,7 +32,7 @@ from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scene_of, scenes_in
 
 PIECE = 4096
 """Scenes whose results are held before they are written."""
@@ -134,9 +133,9 @@ def missing_of(solution: Solution) -> str:
     return next((each.status for each in asked if each and each.status != "ok"), "")
 
 
-def _scenes(rows: pd.DataFrame, *, config: Config, path: Path | str) -> list[Scene]:
+def _scenes(rows: pd.DataFrame, *, config: Config, path: Path | str) -> Scenes:
     with naming(path):
-        return [scene_of(point, config) for point in scene_points(rows)]
+        return scenes_in(rows, config)
 
 
 def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:

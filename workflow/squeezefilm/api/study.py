@@ -12,7 +12,7 @@ from squeezefilm import __version__
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
+from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import described_fit, fit_of
 from squeezefilm.models.force_model import model_named
@@ -25,7 +25,7 @@ from squeezefilm.studies.plans import (
     level_values,
 )
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import film_of, scene_of, surface_of, symmetry_of
+from squeezefilm.studies.study import film_of, scenes_in, surface_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
@@ -116,7 +116,7 @@ class Study(Film):
     ) -> tuple[pd.DataFrame, pd.DataFrame | None]:
         """Points with their forces, and their physics limits if asked for."""
         settings = self._settings(None, None)
-        scenes = [scene_of(point, self.config) for point in scene_points(points)]
+        scenes = scenes_in(points, self.config)
         solutions = solve(
             scenes,
             tolerance=settings.tolerance,

@@ -91,8 +91,10 @@ class Limit:
         if not np.any(films):
             return {}
         value = QUANTITIES[self.symbol](scenes)
-        # A value that is no number lies within no bound.
-        beyond = films & ~(value <= min(self.not_above, self.unknown_above))
+        within = value <= min(self.not_above, self.unknown_above)
+        if within.all():
+            return {}
+        beyond = films & ~within  # a value that is no number lies within no bound
         return {row: self._text(float(value[row])) for row in np.flatnonzero(beyond).tolist()}
 
     def _text(self, value: float) -> str:
@@ -135,6 +137,22 @@ def validities(scenes: Scenes) -> list[str]:
 
 GAPS_M = (1e-9, 1e-3)
 SLACK = 1e-9
+
+
+def check_scenes(scenes: Scenes) -> None:
+    """Refuse scenes as ``check_scene`` does, the first of them that has no solution."""
+    columns = (scenes.h0_m, scenes.hv_m, scenes.x_m, scenes.y_m)
+    sound = np.isfinite(np.stack(columns)).all(axis=0)
+    sound &= (GAPS_M[0] <= scenes.h0_m) & (scenes.h0_m <= GAPS_M[1])
+    sound &= (scenes.hv_m >= 0) & (scenes.hv_m < scenes.h0_m)
+    for film, rows, some in scenes.of_each_film():
+        outline = np.array(film.finger.outline())
+        x_m, y_m = (np.add.outer(at, outline[:, k]) for k, at in enumerate((some.x_m, some.y_m)))
+        sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + SLACK).all(axis=1)
+    if sound.all():
+        sound &= scenes.closure < 1
+    for row in np.flatnonzero(~sound).tolist():
+        check_scene(scenes[row])
 
 
 def check_scene(scene: Scene) -> None:

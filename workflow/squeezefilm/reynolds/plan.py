@@ -41,7 +41,7 @@ def plans_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Plan]:
     named = "periodic" if method == "auto" else method
     plans = {row: Plan(named, refused=reason) for row, reason in unseen.items()}
     if method != "periodic":
-        seen = np.setdiff1d(np.arange(len(needs)), list(unseen))
+        seen = np.delete(np.arange(len(needs)), list(unseen))
         some = needs[seen] if unseen else needs
         found = composite(some, tolerance=tolerance, worth=method == "auto")
         rows = seen.tolist()

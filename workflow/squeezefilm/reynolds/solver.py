@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import isfinite, nan
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -66,9 +66,8 @@ def solve(
 
         try:
             if any("auto" in (film.gas.inertia, film.gas.heat) for film in some.films):
-                each = [some.scene(row) for row in range(len(some))]
                 some = Scenes.of(
-                    decided(each, model_tolerance=model_tolerance, method=method, device=device)
+                    decided(some, model_tolerance=model_tolerance, method=method, device=device)
                 )
             solutions = _solve(
                 some,
@@ -102,6 +101,8 @@ def each_on_its_own(
     Raises:
         InputError: that of ``work``, such as a device that is not there: it concerns all scenes.
     """
+    if not len(scenes):
+        return []
     try:
         return work(scenes)
     except InputError:
@@ -128,35 +129,32 @@ def _solve(
     keep_states: bool,
     report: Callable[[int], object],
 ) -> Solutions:
-    if not len(scenes):
-        return Solutions.of([])
     needs = needs_of(scenes)
     plans = plans_of(needs, tolerance=tolerance, method=method)
     report(len(plans))
+    how: dict[str, Any] = {"device": device, "keep_states": keep_states, "report": report}
+    if not plans:
+        return _periodic(needs, tolerance=tolerance, **how)
     solutions = Solutions.of_method(method, len(scenes))
     for row, plan in plans.items():
         solutions.status[row], solutions.method[row] = plan.refused, plan.method
         if plan.expanded is not None:
             _put_expanded(solutions, row, plan.expanded, needs, tolerance=tolerance)
-    rest = np.setdiff1d(np.arange(len(scenes)), list(plans))
-    if not rest.size:
-        return solutions
+    rest = np.delete(np.arange(len(scenes)), list(plans))
+    if rest.size:
+        solutions.put(rest, _periodic(needs[rest], tolerance=tolerance, **how))
+    return solutions
+
+
+def _periodic(needs: Needs, *, device: Device | None, **how: Any) -> Solutions:
     chosen = device or choose_device()
     if not chosen.processor:
         check_device(chosen)
     try:
-        found = solve_periodic(
-            needs[rest] if plans else needs,
-            tolerance=tolerance,
-            device=chosen,
-            keep_states=keep_states,
-            report=report,
-        )
+        return solve_periodic(needs, device=chosen, **how)
     except Exception:
         chosen.queue.finish()  # kernels under way write into arrays that this sets free
         raise
-    solutions.put(rest, found)
-    return solutions
 
 
 def _put_expanded(

@@ -20,7 +20,7 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm.designs.refine_loop import Round
+from squeezefilm.designs.sequential import Round
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,

@@ -20,13 +20,13 @@ import argparse
 import pandas as pd
 
 from squeezefilm.film.validity import validity
-from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_row
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scenes_in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,11 +41,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     table = read_scenes(options.scenes)
-    scenes = [scene_of(point, config) for point in scene_points(table)]
     device = choose_device(config["solver"]["device"], option=options.device)
     solver = config["solver"]
     scenes = decided(
-        scenes,
+        scenes_in(table, config),
         model_tolerance=solver["model_tolerance"],
         method=solver["method"],
         device=device,

@@ -11,7 +11,6 @@ from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.io.errors import RunError
-from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit
 from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
@@ -19,7 +18,7 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
-from squeezefilm.studies.study import scene_of, symmetry_of
+from squeezefilm.studies.study import scenes_in, symmetry_of
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 TOLERANCE = 1e-3
@@ -118,7 +117,7 @@ def errors_in_study(
 ) -> pd.DataFrame:
     """Forces of some of a study's scenes, and what the scan leaves open in them."""
     points = _points(config)
-    scenes = [scene_of(point, config) for point in scene_points(points)]
+    scenes = scenes_in(points, config)
     errors = scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
     force_n = errors["force_n"].abs()
     return points.join(
