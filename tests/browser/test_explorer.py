@@ -13,6 +13,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
 from squeezefilm.models.amplitude_for_force import amplitude_for_force
@@ -20,7 +21,6 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.reynolds.dynamics.response import gains, response
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
 from .conftest import DESKTOP, PHONE, Browser

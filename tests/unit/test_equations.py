@@ -6,8 +6,8 @@ import pytest
 
 from paper.equations import CONDITIONS, FITS, compare, survives
 from reporting.results import Results
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import load_config
 
 MORE = 1.02
 """Forces of the other study, over those of the first."""

@@ -12,8 +12,8 @@ from reporting.figures import FIGURES as OF_ANY_STUDY
 from reporting.figures import save, style
 from reporting.notes import one_digit, rounded_up
 from reporting.results import Results
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import load_config
 from verification import work_precision as measured
 
 FIGURES = OF_ANY_STUDY | OF_THE_PAPER

@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
@@ -30,7 +31,6 @@ from squeezefilm.reynolds.device import Device, describe
 from squeezefilm.reynolds.effects.automatic import kept_out
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
 from squeezefilm.studies.study import scene_of, scenes_in
 
@@ -90,7 +90,7 @@ def simulate_table(
     """
     table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
     pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]
-    scenes_in = partial(_scenes, config=config, path=scenes)
+    scenes_in = partial(scenes_of_table, config=config, path=scenes)
     first, *_ = [scenes_in(piece)[0] for piece in pieces]
     how = settings.how(device_ready(config, option=device, scene=first))
     failures: list[str] = []
@@ -133,7 +133,8 @@ def missing_of(solution: Solution) -> str:
     return next((each.status for each in asked if each and each.status != "ok"), "")
 
 
-def _scenes(rows: pd.DataFrame, *, config: Config, path: Path | str) -> Scenes:
+def scenes_of_table(rows: pd.DataFrame, *, config: Config, path: Path | str) -> Scenes:
+    """The scenes of a table's rows; the table's path stands before what is wrong with one."""
     with naming(path):
         return scenes_in(rows, config)
 

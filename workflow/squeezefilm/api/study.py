@@ -11,13 +11,13 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import described_fit, fit_of
 from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
     declared_ranges,
     finger_positions,

@@ -4,27 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import isfinite, nan
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validities
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import each_on_its_own, unexpected
 from squeezefilm.io.solution import Solution, Solutions
 from squeezefilm.reynolds.asymptotics.scenes import Expanded
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
-from squeezefilm.reynolds.plan import METHODS, plans_of
+from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.terms import left_out_of
-
-__all__ = ["METHODS", "each_on_its_own", "solve", "unexpected"]
-
-Result = TypeVar("Result")
-Batch = TypeVar("Batch", Scenes, Sequence[Scene])
 
 
 def solve(
@@ -88,36 +83,6 @@ def solve(
         return Solution(status=unexpected(error), method=method)
 
     return Solutions.of(each_on_its_own(attempt, Scenes.of(scenes), failed=failed))
-
-
-def each_on_its_own(
-    work: Callable[[Batch], Sequence[Result]],
-    scenes: Batch,
-    *,
-    failed: Callable[[Exception], Result],
-) -> Sequence[Result]:
-    """``work`` on all scenes; where it ends in an unexpected error, that of one scene alone.
-
-    Raises:
-        InputError: that of ``work``, such as a device that is not there: it concerns all scenes.
-    """
-    if not len(scenes):
-        return []
-    try:
-        return work(scenes)
-    except InputError:
-        raise
-    except Exception as error:
-        if len(scenes) == 1:
-            return [failed(error)]
-    half = len(scenes) // 2
-    halves = (scenes[:half], scenes[half:])
-    return [result for some in halves for result in each_on_its_own(work, some, failed=failed)]
-
-
-def unexpected(error: Exception) -> str:
-    """The status of a scene that ended in an error which no method foresees."""
-    return " ".join(f"unexpected error: {type(error).__name__}: {error}".split())
 
 
 def _solve(

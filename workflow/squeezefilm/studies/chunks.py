@@ -5,10 +5,10 @@ Only the configuration is asked: the number of jobs is known before any plan is 
 
 from math import ceil
 
+from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
-from squeezefilm.reynolds.explain import explain
-from squeezefilm.studies.config import Config
+from squeezefilm.reynolds.plan import previews
 from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
 from squeezefilm.studies.study import planned_profile_of, scenes_in
 
@@ -52,7 +52,7 @@ def expected_seconds(config: Config, *, centred: bool) -> float:
     profile = planned_profile_of(config)
     scenes = scenes_in(sample, config, profile=profile)
     solver = config["solver"]
-    explained = explain(scenes, tolerance=solver["tolerance"], method=solver["method"])
-    mflop = sum(each.expected_mflop for each in explained) / SAMPLE
+    planned = previews(scenes, tolerance=solver["tolerance"], method=solver["method"])
+    mflop = sum(each.expected_mflop for each in planned) / SAMPLE
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
     return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config["outputs"] else seconds

@@ -10,9 +10,9 @@ Where the limit does not hold, the numbers are left out and `status` says so.
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits
 

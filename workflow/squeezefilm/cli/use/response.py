@@ -38,7 +38,6 @@ from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, write_table
-from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import (
@@ -53,6 +52,7 @@ from squeezefilm.reynolds.dynamics.response import (
 from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.units import quantities
 
 CALLED = {
     "gain": "gain for slow modulation",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import corners
 from squeezefilm.designs.exact import exchange
 from squeezefilm.designs.optimal import (
@@ -26,7 +27,6 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, ParameterRange, parameter_ranges
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits
