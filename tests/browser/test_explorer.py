@@ -13,12 +13,12 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
+from squeezefilm.dynamics.response import gains, response
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
 from squeezefilm.models.fitted import FittedModel, read_fit
 from squeezefilm.models.force_model import Factors, get_model
 from squeezefilm.models.working_point import amplitude_for_force, gap_for_force
-from squeezefilm.reynolds.dynamics.response import gains, response
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 

@@ -15,8 +15,8 @@ from films import PISTON, SINC, film
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.tables import scene_points
+from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 

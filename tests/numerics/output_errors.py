@@ -15,8 +15,8 @@ from derivative_errors import PLANS, drawn, planned
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import OUTPUTS
+from squeezefilm.quantities.outputs import FROM_STATE, with_outputs
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.answers.outputs import FROM_STATE, with_outputs
 
 ASKED = tuple(name for name in OUTPUTS if name in FROM_STATE)
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from films import PISTON, AsTheGap, film, mean_overpressure, periodic_state
 
+from squeezefilm.dynamics import levitation
+from squeezefilm.dynamics.averaged_film import refused
 from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.scene import Scene
@@ -14,11 +16,9 @@ from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.shapes import Formula, StandingWave, TwoPhases, Vibration
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
+from squeezefilm.quantities.derivatives import moved, with_derivatives
+from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.dynamics import levitation
-from squeezefilm.reynolds.dynamics.scenes import refused
-from squeezefilm.reynolds.effects.budget import budgets
-from squeezefilm.reynolds.effects.derivatives import moved, with_derivatives
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -125,7 +125,7 @@ def test_a_travelling_wave_may_travel_along_either_axis_and_either_way():
     assert forces[0] > 1.5 * mean(standing)  # it moves as much everywhere
 
 
-def test_halves_are_left_out_only_where_both_parts_and_the_gap_are_even():
+def test_halves_are_neglected_only_where_both_parts_and_the_gap_are_even():
     def halves(profile: Vibration, gap: GapShape = FLAT) -> tuple[bool, bool]:
         needs = needs_of(shaped(film(epsilon=0.4, sigma=583.0, profile=profile), gap))
         return needs.fold_x, needs.fold_y
@@ -309,11 +309,11 @@ def test_the_budget_is_of_the_scene_itself():
     """Inertia by the adjoint beside inertia solved for, where it is small."""
     scene = shaped(film(epsilon=0.3, sigma=300.0, x=0.1, profile=TWO_MODES))
     scene = replace(scene, gas=replace(scene.gas, density_kg_per_m3=0.05))
-    (budget,) = budgets([scene])
+    (budget,) = error_budgets([scene])
     assert (budget.status, budget.basis) == ("ok", "")
     inert = replace(scene, gas=replace(scene.gas, inertia="included"))
     change = mean(inert, tolerance=1e-5) / mean(scene) - 1
-    assert budget.inertia.percent == pytest.approx(100 * change, rel=0.03)
+    assert budget.effects["inertia"].percent == pytest.approx(100 * change, rel=0.03)
 
 
 def test_what_is_not_derived_for_such_gaps_is_refused():

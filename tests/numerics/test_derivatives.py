@@ -15,10 +15,10 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.scene import Gas, Scene
 from squeezefilm.io.solution import DERIVATIVES, Derivatives
 from squeezefilm.io.tables import DERIVATIVE_COLUMNS, read_forces, write_table
+from squeezefilm.quantities import adjoint
+from squeezefilm.quantities import derivatives as module
+from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.effects import derivatives as module
-from squeezefilm.reynolds.effects import sensitivity
-from squeezefilm.reynolds.effects.derivatives import with_derivatives
 
 
 def derivatives(scene: Scene, *, tolerance: float) -> Derivatives:
@@ -145,7 +145,7 @@ def test_what_has_no_derivatives_says_why(scene: Scene, reason: str) -> None:
 
 
 def test_an_adjoint_that_is_not_solved_gives_no_derivatives(monkeypatch) -> None:
-    monkeypatch.setattr(sensitivity, "MOST_ITERATIONS", 3)
+    monkeypatch.setattr(adjoint, "MOST_ITERATIONS", 3)
     assert derivatives(FILMS["sliding"], tolerance=1e-3).status == module.NOT_FOUND
 
 

@@ -11,23 +11,25 @@ from physics_facts import piston_response
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
+from squeezefilm.dynamics.averaged_film import AveragedFilm
+from squeezefilm.dynamics.response import (
+    AVERAGING_ERROR,
+    CHANGED,
+    NEGLECTED,
+    gain_changes,
+    gains,
+    response,
+    slip_changes,
+    slow_gains,
+    steps_of,
+)
 from squeezefilm.film.vibration.choice import make_profile
 from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.dynamics.response import (
-    CHANGED,
-    HASTE,
-    gains,
-    response,
-    slip_changes,
-    steps_of,
-)
-from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
-from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes, slow_gains
 from squeezefilm.reynolds.limits.boundary_layer import all_weights
-from squeezefilm.reynolds.limits.films import limit_axis
+from squeezefilm.reynolds.limits.films import films_of, limit_axis
 
 DEVICE = choose_device()
 PERIODS = np.array([1, 3, 6, 11, 21, 41, 81, 120])
@@ -38,7 +40,23 @@ SLOW = np.array([0.06871, 0.07289, 0.07659, 0.08097, 0.08725, 0.09539, 0.10283, 
 STRIP = 1.098
 
 
-def strip(aspect: float, *, layer: bool) -> SlowFilm:
+def slow_film(
+    *,
+    epsilon: float,
+    sigma: float,
+    amplitude: np.ndarray,
+    aspect: float = 1.0,
+    slip: float = 0.0,
+    layer: bool = True,
+) -> AveragedFilm:
+    """The film of a profile on the nodes of ``films.limit_axis``, shape (nx + 2, ny + 2)."""
+    films = films_of(
+        np.array([epsilon]), np.array([sigma]), amplitude[None], aspect=aspect, slip=slip
+    )
+    return AveragedFilm(films, layer)
+
+
+def strip(aspect: float, *, layer: bool) -> AveragedFilm:
     """A finger 1 by ``aspect`` with a profile along x alone."""
     nodes = limit_axis(15).all_nodes - 0.5
     s = np.repeat(np.sinc(STRIP * nodes)[:, None], 33, axis=1)
@@ -51,7 +69,7 @@ def of_the_middle(force_by_aspect: dict[float, np.ndarray]) -> np.ndarray:
     return (force_by_aspect[long] * long - force_by_aspect[short] * short) / (long - short)
 
 
-def piston(*, epsilon: float, sigma: float, slip: float = 0.0) -> SlowFilm:
+def piston(*, epsilon: float, sigma: float, slip: float = 0.0) -> AveragedFilm:
     return slow_film(epsilon=epsilon, sigma=sigma, amplitude=np.ones((17, 17)), slip=slip)
 
 
@@ -112,7 +130,7 @@ def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(s
     assert fast == pytest.approx(1.24**0.5 * 0.84**-1.5, rel=0.02)
 
 
-def oscillation(film: SlowFilm, *, slow: float, scale: float) -> complex:
+def oscillation(film: AveragedFilm, *, slow: float, scale: float) -> complex:
     (root,) = [each for each in film.free_motion(slow=slow, scale=scale) if each.imag > 1e-9]
     return root
 
@@ -174,7 +192,7 @@ def test_a_mass_on_the_averaged_film_moves_in_time_as_its_root_says():
     assert complex(decay, frequency) == pytest.approx(root, rel=1e-4)
 
 
-def from_rest(film: SlowFilm, periods: np.ndarray) -> np.ndarray:
+def from_rest(film: AveragedFilm, periods: np.ndarray) -> np.ndarray:
     times = np.append(0.0, (2 * periods - 1) * pi)
     return film.after_step(film.at_rest(), film.epsilon, times)[1:]
 
@@ -335,7 +353,7 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
     strip = Strip(epsilon=0.3, sigma=300.0)
     marched = strip.gain(24, cycles=3)
     change, mean = of_the_middle({aspect: strip.slow(aspect, 24) for aspect in (4.0, 8.0)})
-    assert abs(change / mean / marched - 1) < HASTE / 24**2
+    assert abs(change / mean / marched - 1) < AVERAGING_ERROR / 24**2
 
 
 def test_two_phases_that_are_one_turned_have_its_response():

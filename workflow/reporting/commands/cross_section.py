@@ -9,9 +9,9 @@ import pandas as pd
 
 from reporting.cross_section import cross_section
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
@@ -27,7 +27,7 @@ def run(options: argparse.Namespace) -> None:
     points = scene_points(read_scenes(options.scenes))
     with node_cache.one_build_at_a_time():
         device = choose_device(config["solver"]["device"])
-    scenes = decided(
+    scenes = resolve_auto_terms(
         [scene_of(point, config) for point in points],
         model_tolerance=config["solver"]["model_tolerance"],
         device=device,

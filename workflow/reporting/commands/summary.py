@@ -15,12 +15,11 @@ from squeezefilm.film.validity import exceeded
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
+from squeezefilm.quantities.model_error import error_budgets, excluded_terms, notes_of_budget
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.effects.automatic import decided, kept_out
-from squeezefilm.reynolds.effects.budget import budgets
-from squeezefilm.reynolds.effects.words import notes_of_budget
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scene_of
 
 
@@ -60,15 +59,13 @@ def _notes(config: Config) -> dict[str, list[str]]:
     levels, amplitude = config["screen"]["h0_m"], config["screen"]["hv_m"]["stop"]
     gaps = (levels["start"], levels["stop"])
     scenes = [scene_of(ScenePoint("1", gap, amplitude), config) for gap in gaps]
-    solver, device = config["solver"], choose_device(config["solver"]["device"])
-    out = [kept_out(scene, method=solver["method"]) for scene in scenes]
-    scenes = decided(
-        scenes,
-        model_tolerance=solver["model_tolerance"],
-        method=solver["method"],
-        device=device,
+    settings, device = (
+        solver_settings(config, outputs=()),
+        choose_device(config["solver"]["device"]),
     )
-    found = budgets(scenes, device=device)
+    out = [excluded_terms(scene, method=settings.method) for scene in scenes]
+    scenes = settings.resolved(scenes, device)
+    found = error_budgets(scenes, device=device)
     return {
         f"h0 = {1e6 * gap:g} µm": [
             *names,

@@ -118,13 +118,8 @@ class Study(Film):
         """Points with their forces, and their physics limits if asked for."""
         settings = self._settings(None, None)
         scenes = [scene_of(point, self.config) for point in scene_points(points)]
-        solutions = solve(
-            scenes,
-            tolerance=settings.tolerance,
-            model_tolerance=settings.model_tolerance,
-            method=settings.method,
-            device=self.device,
-        )
+        scenes = settings.resolved(scenes, self.device)
+        solutions = solve(scenes, **settings.how(self.device))
         columns = {
             name: [getattr(solution, name) for solution in solutions]
             for name in ("force_n", "force_error_n", "status", "left_out")

@@ -15,7 +15,6 @@ from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.limits import forces as limits
 from squeezefilm.reynolds.limits.domain import unknown_to
 from squeezefilm.reynolds.limits.films import films_of, limit_axis
@@ -104,7 +103,6 @@ def solve(
     scenes: Sequence[Scene],
     *,
     tolerance: float,
-    model_tolerance: float = MODEL_TOLERANCE,
     method: str = "auto",
     device: Device | None = None,
     keep_states: bool = False,
@@ -112,13 +110,13 @@ def solve(
 ) -> list[Solution]:
     """Mean forces of scenes: |error| ≤ tolerance · |force| + round-off floor, or a reason why not.
 
+    What of a scene's gas is ``auto`` must be decided (quantities/model_error.py).
+
     Each scene is solved by itself: its result does not depend on the others, and an unexpected
     error in one, which becomes its status, does not touch theirs.
 
     Args:
         tolerance: relative error asked for.
-        model_tolerance: change of a force, relative, from which on a term that is ``auto`` in a
-            scene is included.
         method: one of METHODS. ``auto`` takes the first limit whose error estimate holds the
             tolerance, of those that may by their order, else the periodic state. A limit asked
             for by name always gives its force; the status then says where its estimate is above
@@ -130,6 +128,9 @@ def solve(
             number for those that an unexpected error asks to be solved again.
     """
 
+    if any("auto" in (scene.gas.inertia, scene.gas.heat) for scene in scenes):
+        raise ValueError("what of a scene's gas is auto must be decided before it is solved")
+
     def attempt(some: Sequence[Scene]) -> list[Solution]:
         finished = 0
 
@@ -139,16 +140,15 @@ def solve(
             report(more)
 
         try:
-            chosen = decided(some, model_tolerance=model_tolerance, method=method, device=device)
             solutions = _solve(
-                chosen,
+                some,
                 tolerance=tolerance,
                 method=method,
                 device=device,
                 keep_states=keep_states,
                 report=count,
             )
-            for scene, solution in zip(chosen, solutions, strict=True):
+            for scene, solution in zip(some, solutions, strict=True):
                 solution.validity = validity(scene)
             return solutions
         except Exception:

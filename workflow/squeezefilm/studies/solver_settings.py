@@ -5,8 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import checked_outputs
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.config import Config
@@ -16,7 +18,7 @@ TOLERANCES = (1e-10, 0.1)
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """``outputs`` are the answers beside the mean force (answers/outputs.py)."""
+    """``outputs`` are quantities beside the mean force (quantities/outputs.py)."""
 
     tolerance: float
     model_tolerance: float
@@ -24,13 +26,14 @@ class SolverSettings:
     outputs: tuple[str, ...] = ()
 
     def how(self, device: Device) -> dict[str, Any]:
-        """What forces, derivatives and outputs are all to be solved with."""
-        return {
-            "tolerance": self.tolerance,
-            "model_tolerance": self.model_tolerance,
-            "method": self.method,
-            "device": device,
-        }
+        """What forces are to be solved with."""
+        return {"tolerance": self.tolerance, "method": self.method, "device": device}
+
+    def resolved(self, scenes: Sequence[Scene], device: Device) -> list[Scene]:
+        """The scenes with what of their gas is ``auto`` decided."""
+        return resolve_auto_terms(
+            scenes, model_tolerance=self.model_tolerance, method=self.method, device=device
+        )
 
 
 def device_of(config: Config, *, option: str | None = None) -> Device:

@@ -21,11 +21,10 @@ import pandas as pd
 
 from squeezefilm.film.validity import validity
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.quantities.model_error import budget_row, error_budgets
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.reynolds.effects.budget import budgets
-from squeezefilm.reynolds.effects.words import budget_row
 from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scene_of
 
 
@@ -43,15 +42,9 @@ def run(options: argparse.Namespace) -> None:
     table = read_scenes(options.scenes)
     scenes = [scene_of(point, config) for point in scene_points(table)]
     device = choose_device(config["solver"]["device"], option=options.device)
-    solver = config["solver"]
-    scenes = decided(
-        scenes,
-        model_tolerance=solver["model_tolerance"],
-        method=solver["method"],
-        device=device,
-    )
+    scenes = solver_settings(config, outputs=()).resolved(scenes, device)
     rows = [
         budget_row(budget) | {"validity": validity(scene)}
-        for scene, budget in zip(scenes, budgets(scenes, device=device), strict=True)
+        for scene, budget in zip(scenes, error_budgets(scenes, device=device), strict=True)
     ]
     write_table(pd.concat([table, pd.DataFrame(rows)], axis=1), options.output)

@@ -18,10 +18,14 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK, validity
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
-from squeezefilm.reynolds.answers.outputs import refusals
-from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.reynolds.effects.budget import NAMES, Budget, budgets
-from squeezefilm.reynolds.effects.words import budget_row, notes_of_budget
+from squeezefilm.quantities.model_error import (
+    NAMES,
+    ErrorBudget,
+    budget_row,
+    error_budgets,
+    notes_of_budget,
+)
+from squeezefilm.quantities.outputs import refusals
 from squeezefilm.reynolds.explain import Explanation, explain
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.config import load_config
@@ -51,14 +55,9 @@ def run(options: argparse.Namespace) -> None:
     with naming(options.scenes):
         scenes = [scene_of(point, config) for point in points]
     device = device_of(config, option=options.device)
-    scenes = decided(
-        scenes,
-        model_tolerance=settings.model_tolerance,
-        method=settings.method,
-        device=device,
-    )
+    scenes = settings.resolved(scenes, device)
     explanations = explain(scenes, tolerance=settings.tolerance, method=settings.method)
-    left_out = budgets(scenes, device=device)
+    left_out = error_budgets(scenes, device=device)
     table = pd.DataFrame([_row(*each) for each in zip(scenes, explanations, left_out, strict=True)])
     if settings.outputs:
         missing = [asked_in_vain(scene, settings) for scene in scenes]
@@ -74,7 +73,7 @@ def asked_in_vain(scene: Scene, settings: SolverSettings) -> str:
     return "; ".join(f"{name}: {found[name]}" for name in settings.outputs if name in found)
 
 
-def _row(scene: Scene, explanation: Explanation, budget: Budget) -> dict[str, object]:
+def _row(scene: Scene, explanation: Explanation, budget: ErrorBudget) -> dict[str, object]:
     budget_columns = {f"budget_{name}": value for name, value in budget_row(budget).items()}
     return {
         "point_id": scene.point_id,

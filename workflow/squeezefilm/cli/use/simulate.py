@@ -7,7 +7,8 @@
 The first takes a table of scenes. The others take quantities: a number with its unit, several with
 commas, or evenly spaced ones as first:last:count; every combination is a point. One point is shown
 with all that is known of its force; several make a table, in which `force_error_n` has the part of
-a scan too and `left_out_…_percent` is what the film equation leaves out, least and most.
+a scan too and, with `--budget`, `left_out_…_percent` is what the film equation leaves out, least
+and most.
 
 `validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with what
 that means. One point outside them is shown too, with exit status 1; rows of a table end with 0.
@@ -32,7 +33,7 @@ from functools import partial
 
 import pandas as pd
 
-from squeezefilm.api.forces import force_of, forces_of, forces_table
+from squeezefilm.api.forces import WITH_STATES, force_of, forces_of, forces_table, solved
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
@@ -50,10 +51,8 @@ from squeezefilm.io.tables import (
     scene_points,
     table_writer,
 )
-from squeezefilm.reynolds import Solution, node_cache, solve
-from squeezefilm.reynolds.answers.outputs import with_outputs
-from squeezefilm.reynolds.effects.automatic import kept_out
-from squeezefilm.reynolds.effects.derivatives import with_derivatives
+from squeezefilm.quantities.model_error import excluded_terms
+from squeezefilm.reynolds import Solution, node_cache
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import (
@@ -83,6 +82,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--derivatives", action="store_true", help="of the force too, to each number of a scene"
+    )
+    parser.add_argument(
+        "--budget",
+        action="store_true",
+        help="what the film equation leaves out, as columns of several points; one has it anyway",
     )
     parser.add_argument(
         "--outputs",
@@ -135,6 +139,7 @@ def _simulate_points(
             device=device,
             smoothed=smoothed,
             derivatives=options.derivatives,
+            budget=options.budget,
         )
         write_points(forces_table(points, forces), options.output)
         _print_warnings(smoothed)
@@ -152,18 +157,20 @@ def _simulate_points(
 def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
     if options.scenes is None or options.output is None:
         raise InputError("give a table of scenes and --output, or points by --h0 and --hv")
+    if options.budget:
+        raise InputError("--budget is of points; `squeezefilm budget` is of a table of scenes")
     rows = all_rows if options.chunk is None else partial(chunk_rows, options.chunk)
     table = read_scenes(options.scenes, rows=rows)
-    pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]
+    size = WITH_STATES if options.derivatives or settings.outputs else PIECE
+    pieces = [table.iloc[first : first + size] for first in range(0, len(table), size)]
     for piece in pieces:
         _scenes(piece, config, path=options.scenes)  # refused before anything is solved
     with node_cache.one_build_at_a_time():
         device = device_of(config, option=options.device)
         warm(device, _scenes(pieces[0], config, path=options.scenes)[0])
-    how = settings.how(device)
     failures: list[str] = []
-    solved = 0
-    seconds = derivative_seconds = 0.0
+    good = 0
+    seconds = 0.0
     timings = table_writer(options.timings) if options.timings else nullcontext(lambda rows: None)
     with (
         progress_bar(len(table), unit="scene", name=str(options.scenes)) as bar,
@@ -173,23 +180,25 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
         for piece in pieces:
             scenes = _scenes(piece, config, path=options.scenes)
             start = time.perf_counter()
-            solutions = solve(scenes, **how, report=bar.update)
+            solutions = solved(
+                settings.resolved(scenes, device),
+                settings=settings,
+                device=device,
+                derivatives=options.derivatives,
+                report=bar.update,
+            )
             wall = time.perf_counter() - start
             seconds += wall
-            if options.derivatives:
-                solutions = with_derivatives(scenes, solutions, **how)
-                derivative_seconds += time.perf_counter() - start - wall
-            solutions = with_outputs(scenes, solutions, outputs=settings.outputs, **how)
             write(_forces(piece, solutions))
             shares = [wall * share for share in _work_shares(solutions)]
             write_timings(piece[["point_id"]].assign(solve_seconds=shares))
-            solved += sum(solution.status == "ok" for solution in solutions)
+            good += sum(solution.status == "ok" for solution in solutions)
             failures += [
                 f"point {scene.point_id}: {reason}"
                 for scene, solution in zip(scenes, solutions, strict=True)
                 if (reason := _missing(solution))
             ]
-    for note in kept_out(
+    for note in excluded_terms(
         _scenes(table.iloc[:1], config, path=options.scenes)[0], method=settings.method
     ):
         print(note, file=sys.stderr)
@@ -201,11 +210,7 @@ def _simulate_table(options: argparse.Namespace, config: Config, settings: Solve
             file=sys.stderr,
         )
     _print_warnings(smoothed)
-    print(
-        f"{solved} of {len(table)} scenes solved in {seconds:.3f} s"
-        + f", their derivatives in {derivative_seconds:.3f} s" * options.derivatives,
-        file=sys.stderr,
-    )
+    print(f"{good} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)
     if failures and options.keep_going:
         print("\n".join(failures), file=sys.stderr)
     elif failures:

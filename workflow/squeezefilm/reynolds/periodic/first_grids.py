@@ -40,7 +40,7 @@ def first_grids(
         room: most unknowns of a grid that the device has memory for.
         refined: whether the last grid must be finer than the one before in every direction.
     """
-    plain = needs.outline is None and margin_of(needs.terms) == 1
+    plain = not refined and needs.outline is None and margin_of(needs.terms) == 1
     # Twice the change to the second grid must be below the tolerance, or a third is needed; but
     # plain films want fewer nodes than the guess.
     plain_share = JUDGED_SHARE if tolerance > TIGHT_BELOW else TIGHT_SHARE

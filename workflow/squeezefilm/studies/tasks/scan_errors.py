@@ -12,6 +12,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import scene_points
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.limits.films import films_of, limit_axis
@@ -69,6 +70,7 @@ def scan_errors(
     """
     from scipy.special import stdtrit
 
+    scenes = resolve_auto_terms(scenes, device=device)
     profiles = [smoothed.vibration, *smoothed.residual_bootstrap(count=draws, seed=seed)]
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
