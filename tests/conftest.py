@@ -1,14 +1,20 @@
 """What all tests share."""
 
 import json
+import runpy
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from snakemake.iocontainers import InputFiles, OutputFiles
 
+from scripts import job
 from squeezefilm.cli.main import main
 from squeezefilm.io.tables import ScenePoint
+from squeezefilm.provenance import WORKFLOW
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
@@ -51,6 +57,36 @@ def quick(repository):
 def scene(paper):
     """The paper's operating point beyond its screen."""
     return scene_of(ScenePoint("1", 5e-6, 2.2e-6), paper)
+
+
+@pytest.fixture(scope="session")
+def script() -> Callable[..., None]:
+    """A function that runs the script of a rule, without Snakemake, for a study's file."""
+
+    def run(
+        name: str,
+        config: object,
+        *,
+        input: dict[str, Any],
+        output: object,
+        threads: int = 1,
+        params: dict[str, Any] | None = None,
+        **wildcards: str,
+    ) -> None:
+        files = output if isinstance(output, dict) else {"file": output}
+        snakemake = SimpleNamespace(
+            config={"study_file": str(config)},
+            input=InputFiles(fromdict=input),
+            output=OutputFiles(fromdict={key: str(file) for key, file in files.items()}),
+            params=SimpleNamespace(**params or {}),
+            threads=threads,
+            wildcards=SimpleNamespace(**wildcards),
+        )
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(job, "begin", lambda: snakemake)
+            runpy.run_path(str(WORKFLOW / "scripts" / f"{name}.py"))
+
+    return run
 
 
 @pytest.fixture

@@ -79,9 +79,6 @@ ELSEWHERE = {
 BY_HAND = {
     "git clone <this repository> && cd <its folder>": "the address is the reader's",
     "apt install python3 python3-venv make gcc": "a system's own packages",
-    "apt-get install clang-14 libclc-14": "a system's own packages",
-    "pip install nvidia-cuda-nvcc-cu12": "a compiler for processors that no test needs",
-    "python tests/device/registers.py PATH/TO/ptxas": "needs the two above; tested where they are",
     "podman build .": "needs a container engine and a registry",
     "python -m verification random-studies --studies 100 --seed 1 --output TABLE.csv": (
         "minutes; ten such studies are a test"

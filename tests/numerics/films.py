@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.finger import Finger
+from squeezefilm.film.profiles import Piston, Profile, Sinc
 from squeezefilm.film.scene import Actuator, Gas, Scene
-from squeezefilm.film.vibration.shapes import Piston, Profile, Sinc
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.limits.films import Films, films_of, limit_axis
@@ -113,6 +113,7 @@ class AsTheGap:
     """A surface that moves most where the gap is wide, s = gap at rest / h0."""
 
     scene: Scene
+    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         finger = self.scene.finger

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from films import PISTON, film
 
-from squeezefilm.film.contour import read_contour
 from squeezefilm.film.finger import GapShape
+from squeezefilm.film.outline import read_contour
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.solver import solve
 

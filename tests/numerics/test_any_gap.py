@@ -11,10 +11,9 @@ from squeezefilm.dynamics import levitation
 from squeezefilm.dynamics.averaged_film import refused
 from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
+from squeezefilm.film.profiles import Formula, Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.shapes import Formula, StandingWave, TwoPhases, Vibration
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.quantities.derivatives import moved, with_derivatives
 from squeezefilm.quantities.model_error import error_budgets
@@ -28,20 +27,20 @@ from squeezefilm.reynolds.solver import solve
 DISC = Disc(0.01)
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 OTHER = StandingWave(wavelength_m=0.014, direction_deg=60.0, crest_m=0.004)
-TWO_MODES = TwoPhases(WAVE, OTHER, shares=(0.7, 0.7))
+TWO_MODES = Quadrature(WAVE, OTHER, shares=(0.7, 0.7))
 FLAT = GapShape()
 SHAPE = GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, bulge_m=0.5e-6)
 
 
-def travelling(direction_deg: float = 0.0) -> Vibration:
+def travelling(direction_deg: float = 0.0) -> Profile:
     return make_profile(
         kind="travelling-wave", surface=DISC, wavelength_m=0.02, direction_deg=direction_deg
     )
 
 
-def begun_later(angle: float) -> TwoPhases:
+def begun_later(angle: float) -> Quadrature:
     """The wave that stands, at another instant called the first."""
-    return TwoPhases(WAVE, WAVE, shares=(cos(angle), sin(angle)))
+    return Quadrature(WAVE, WAVE, shares=(cos(angle), sin(angle)))
 
 
 def shaped(scene: Scene, gap: GapShape = SHAPE) -> Scene:
@@ -125,16 +124,16 @@ def test_a_travelling_wave_may_travel_along_either_axis_and_either_way():
     assert forces[0] > 1.5 * mean(standing)  # it moves as much everywhere
 
 
-def test_halves_are_neglected_only_where_both_parts_and_the_gap_are_even():
-    def halves(profile: Vibration, gap: GapShape = FLAT) -> tuple[bool, bool]:
+def test_halves_are_left_out_only_where_both_parts_and_the_gap_are_even():
+    def halves(profile: Profile, gap: GapShape = FLAT) -> tuple[bool, bool]:
         needs = needs_of(shaped(film(epsilon=0.4, sigma=583.0, profile=profile), gap))
         return needs.fold_x, needs.fold_y
 
     even = replace(WAVE, crest_m=0.0)
     assert halves(even) == (True, True)
     assert halves(travelling()) == (False, True)
-    assert halves(TwoPhases(even, OTHER)) == (False, False)
-    assert halves(TwoPhases(even, replace(even, direction_deg=90.0), (0.7, 0.7))) == (True, True)
+    assert halves(Quadrature(even, OTHER)) == (False, False)
+    assert halves(Quadrature(even, replace(even, direction_deg=90.0), (0.7, 0.7))) == (True, True)
     assert halves(even, GapShape(tilt_x_m=1e-6)) == (False, True)
     assert halves(even, GapShape(tilt_y_m=1e-6)) == (True, False)
     assert halves(even, GapShape(bulge_m=1e-6)) == (True, True)

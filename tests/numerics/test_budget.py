@@ -15,8 +15,8 @@ from numpy.linalg import solve as solve_linear
 from periodic_strip import PeriodicStrip
 
 from squeezefilm.cli.main import main
+from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import Profile
 from squeezefilm.io.tables import write_table
 from squeezefilm.quantities import adjoint as sensitivity_module
 from squeezefilm.quantities import first_order
@@ -274,6 +274,7 @@ class Ridge:
     """The paper's profile along x, the same all along y."""
 
     largest = 1.0
+    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.asarray(np.sinc(109.8 * x_m) + 0 * y_m)

@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 from stored_strip import strip_force
 
+from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import Piston
 from squeezefilm.quantities.model_error import (
     NAMES,
     TABLE,
@@ -120,13 +120,13 @@ def test_the_budget_has_it_in_words_rows_and_sums(scene):
     assert any("error of depth-averaged terms" in note for note in notes_of_budget(found))
     assert "depth_averaged" not in budget_row(found)["above_range"]
     least, most = found.sums(neglected_only=True)
-    nothing = replace(found, depth_averaged=Effect(0.0, 0.0))
+    nothing = replace(found, effects={**found.effects, "depth_averaged": Effect(0.0, 0.0)})
     fewer, more = nothing.sums(neglected_only=True)
     effect = found.effects["depth_averaged"]
     assert least - fewer == pytest.approx(effect.percent - effect.off_percent)
     assert most - more == pytest.approx(effect.percent + effect.off_percent)
     assert "error of depth-averaged terms not known" in budget_text(unknown)
     assert np.isnan(unknown.sums(neglected_only=True)).all()
-    small = ErrorBudget(**dict.fromkeys(NAMES, Effect(0.0, 0.0, estimate=True)))
-    small = replace(small, depth_averaged=Effect(-0.004, 0.004, estimate=True))
+    effects = dict.fromkeys(NAMES, Effect(0.0, 0.0, estimate=True))
+    small = ErrorBudget(effects | {"depth_averaged": Effect(-0.004, 0.004, estimate=True)})
     assert "depth-averaged" not in budget_text(small)

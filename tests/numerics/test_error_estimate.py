@@ -10,10 +10,9 @@ import pytest
 from films import PISTON, film, saying
 
 from squeezefilm import reynolds
+from squeezefilm.film.profiles import Formula, Modes, Quadrature, StandingWave
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import Formula, Modes, StandingWave, TwoPhases
-from squeezefilm.film.vibration.surfaces import Disc
-from squeezefilm.film.vibration.zernike import orders_up_to
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.error_estimate import (
@@ -25,12 +24,11 @@ from squeezefilm.reynolds.error_estimate import (
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import refinement
-from squeezefilm.reynolds.periodic.first_grids import first_grids, grid_for
-from squeezefilm.reynolds.periodic.resolution import profile_fall
+from squeezefilm.reynolds.periodic.resolution import first_grids, grid_for, profile_fall
 
 DISC = Disc(0.012)
 JUDGED = pd.read_csv(Path(__file__).parent / "data" / "judged_films.csv", comment="#")
-FIRST_GRID = "squeezefilm.reynolds.periodic.first_grids.first_grid"
+FIRST_GRID = "squeezefilm.reynolds.periodic.resolution.first_grid"
 
 
 def quarter(points: int) -> Grid:
@@ -168,11 +166,11 @@ def scene_of(row: pd.Series) -> Scene:
     """A stored film: its profile is a formula, Zernike modes, or has a second phase."""
     kind, _, numbers = row["profile"].partition(" ")
     if kind == "zernike":
-        orders = orders_up_to(8, axisymmetric=False)
+        orders = DISC.orders_up_to(8, axisymmetric=False)
         profile = Modes(orders, tuple(map(float, numbers.split())), DISC)
     elif kind == "piston":
         wave = StandingWave(0.00806783744704207, 161.10342338401298, -3.304887452778127e-05, DISC)
-        profile = TwoPhases(PISTON, wave, shares=(0.9696541898636697, 0.24448057607881724))
+        profile = Quadrature(PISTON, wave, shares=(0.9696541898636697, 0.24448057607881724))
     else:
         profile = Formula(row["profile"], surface=DISC)
     names = ("epsilon", "sigma", "bearing", "x", "y")

@@ -10,8 +10,8 @@ from films import PISTON, SINC, film
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.finger import GapShape
+from squeezefilm.film.profiles import Profile, StandingWave
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import Profile, StandingWave
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.explain import explain

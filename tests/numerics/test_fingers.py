@@ -11,9 +11,9 @@ from scipy.special import ellipe, iv
 
 from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
+from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import StandingWave
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import cartesian
 from squeezefilm.reynolds import Solution

@@ -10,9 +10,9 @@ from films import film, mean_overpressure
 from random_scenes import moved_by_leaving_out, random_scenes
 from stored_strip import strip_force
 
+from squeezefilm.film.profiles import Formula
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import Formula
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import (
     budget_text,
     error_budgets,

@@ -12,9 +12,9 @@ from numpy.linalg import solve as solve_linear
 from random_scenes import moved_by_leaving_out, random_scenes
 from stored_strip import strip_force
 
+from squeezefilm.film.profiles import Formula, Profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import Formula, Profile
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.flux_points import flux_points

@@ -6,7 +6,7 @@ import pytest
 from films import PISTON, SINC, film, limit, mean_overpressure
 from physics_facts import SINC_FAST, SINC_SECOND_ORDER, slow_piston
 
-from squeezefilm.film.vibration.shapes import Profile
+from squeezefilm.film.profiles import Profile
 from squeezefilm.reynolds.limits.forces import fast_limit, small_amplitude
 from verification import analytic
 from verification.films import Film

@@ -5,7 +5,7 @@ import pytest
 from films import PISTON, SINC, film, limit, mean_overpressure
 from physics_facts import SINC_CONVERGED, fast_piston
 
-from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.film.profiles import Sinc
 from squeezefilm.reynolds.limits.films import limit_axis
 from squeezefilm.reynolds.limits.forces import (
     boundary_layer,

@@ -9,11 +9,10 @@ from films import PISTON, film
 from scipy.special import ive, ivp
 from skfem import MeshTri2
 
-from squeezefilm.film.contour import read_contour
 from squeezefilm.film.finger import GapShape
-from squeezefilm.film.outlines import ellipse
+from squeezefilm.film.outline import ellipse, read_contour
+from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.shapes import StandingWave
 from squeezefilm.quantities.outputs import _from_states
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import choose_device

@@ -18,10 +18,9 @@ from physics_facts import piston_response
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.finger import GapShape
+from squeezefilm.film.profiles import StandingWave, make_profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.shapes import StandingWave
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.solution import OUTPUTS, Outputs
 from squeezefilm.io.tables import OUTPUT_COLUMNS, read_forces, write_table
 from squeezefilm.quantities import outputs as module

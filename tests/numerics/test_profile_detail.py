@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from films import LENGTH_M, PISTON, film
 
-from squeezefilm.film.vibration.shapes import Formula, StandingWave
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.profiles import Formula, StandingWave
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.needs import needs_of

@@ -23,8 +23,8 @@ from squeezefilm.dynamics.response import (
     slow_gains,
     steps_of,
 )
-from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.profiles import make_profile
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device

@@ -7,7 +7,7 @@ import pytest
 from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
 from physics_facts import ASIDE_N, CENTRED_N, slow_piston
 
-from squeezefilm.film.vibration.shapes import Sinc
+from squeezefilm.film.profiles import Sinc
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
@@ -98,6 +98,8 @@ def test_a_limit_that_does_not_know_a_term_refuses_the_scene():
 class Spot:
     """A spot 20 mm off the disc's centre, which is exactly nothing under a finger at the centre."""
 
+    is_complex = False
+
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.exp(-((x_m - 0.02) ** 2 + y_m**2) / 5e-4**2)
 
@@ -107,6 +109,7 @@ class Broken:
     """A profile that ends in an error which nobody foresees, or in no number."""
 
     fails: bool
+    is_complex = False
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         if self.fails:

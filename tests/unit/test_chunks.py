@@ -31,10 +31,10 @@ def test_more_jobs_than_a_workflow_can_handle_are_refused(quick, monkeypatch):
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
-def test_neither_chunks_nor_pieces_change_a_row(repository, tmp_path, monkeypatch, suffix):
+def test_neither_chunks_nor_pieces_change_a_row(repository, tmp_path, monkeypatch, suffix, script):
     config = str(repository / "config" / "quick.yaml")
     scenes, forces = (str(tmp_path / f"{name}.{suffix}") for name in ("scenes", "forces"))
-    assert main(["plan", "sweep", "--config", config, "--output", scenes]) == 0
+    script("plan", config, input={"design": []}, output=scenes, plan="sweep")
     solve = ["simulate", scenes, "--config", config]
     assert main([*solve, "--output", forces]) == 0
     monkeypatch.setattr(simulate, "PIECE", 4)

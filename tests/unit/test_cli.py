@@ -82,7 +82,7 @@ def test_a_negative_value_is_no_option():
     assert with_negative_values(words) == joined
 
 
-@pytest.mark.parametrize("words", [[], ["simulat"], ["plan"], ["plan", "nonsense"], ["--nonsense"]])
+@pytest.mark.parametrize("words", [[], ["simulat"], ["predict"], ["--nonsense"]])
 def test_a_wrong_call_ends_with_status_2(words, capsys):
     with pytest.raises(SystemExit) as end:
         main(words)
@@ -93,16 +93,9 @@ def test_a_wrong_call_ends_with_status_2(words, capsys):
 def test_a_wrong_study_is_told_by_the_command_line_too(config, tmp_path, refused):
     study = tmp_path / "study.yaml"
     study.write_text(Path(config).read_text().replace("gas:", "gass:"))
-    text = refused("plan", "screen", "--config", study, "--output", tmp_path / "s.csv")
+    text = refused("simulate", "scenes.csv", "--config", study, "--output", tmp_path / "s.csv")
     assert "unknown key 'gass'; did you mean 'gas'?" in text
     assert not (tmp_path / "s.csv").exists()
-
-
-def test_a_plan_of_a_design_needs_one(config, tmp_path, refused):
-    end = ["--config", config, "--output", tmp_path / "s.csv"]
-    assert "needs a --design" in refused("plan", "four_factor", *end)
-    assert "takes no --design" in refused("plan", "screen", "--design", "d.csv", *end)
-    assert "no such table" in refused("plan", "four_factor", "--design", "none.csv", *end)
 
 
 def part(path: Path, *ids: str, status: str = "ok") -> Path:
@@ -172,19 +165,19 @@ def fit_file(path: Path, **changes: object) -> Path:
     return path
 
 
-def test_an_extrapolation_asks_every_fit(config, tmp_path):
+def test_an_extrapolation_asks_every_fit(config, tmp_path, script):
     fits = [str(fit_file(tmp_path / name)) for name in ("screen.json", "other.json")]
     output = tmp_path / "scenes.csv"
-    assert main(["extrapolate", *fits, "--config", config, "--output", str(output)]) == 0
+    script("plan_extrapolation", config, input={"fits": fits}, output=output)
     scenes = read_scenes(output)
     assert list(scenes["point_id"]) == ["operating_point", "screen", "other"]
     assert scenes["hv_m"].between(1.5e-6, 3e-6).all()
 
 
-def test_a_force_out_of_reach_is_told(config, tmp_path, refused):
+def test_a_force_out_of_reach_is_told(config, tmp_path, script):
     fit = fit_file(tmp_path / "screen.json", theta=[0.1, 0.1, -1.0])
-    text = refused("extrapolate", fit, "--config", config, "--output", tmp_path / "scenes.csv")
-    assert "screen.json" in text
+    with pytest.raises(InputError, match="screen"):
+        script("plan_extrapolation", config, input={"fits": [fit]}, output=tmp_path / "scenes.csv")
 
 
 def test_a_design_of_another_model_is_refused(config, tmp_path, refused):

@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 import squeezefilm as sf
-from squeezefilm.film.contour import read_contour
 from squeezefilm.film.finger import Finger
+from squeezefilm.film.outline import read_contour
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import parse_config
 from squeezefilm.studies.effective import effective_text

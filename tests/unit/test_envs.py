@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 CONDA_NAME = {"matplotlib": "matplotlib-base", "pocl-binary-distribution": "pocl"}
-PACKAGES = ("squeezefilm", "verification", "reporting", "paper")
+PACKAGES = ("squeezefilm", "verification", "reporting", "paper", "scripts")
 DISTRIBUTION = {
     "markdown_it": "markdown-it-py",
     "mpl_toolkits": "matplotlib",
@@ -54,7 +54,7 @@ def test_versions_are_those_of_the_lock(environment, locked):
 
 def test_every_environment_is_used():
     rules = "".join(path.read_text("utf-8") for path in (WORKFLOW / "rules").glob("*.smk"))
-    assert set(CONDA.findall(rules)) == set(ENVIRONMENTS)
+    assert {*CONDA.findall(rules), "workflow"} == set(ENVIRONMENTS)
 
 
 def third_party(path: Path) -> set[str]:

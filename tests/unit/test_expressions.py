@@ -5,8 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from squeezefilm.formulas.derivatives import derivative
-from squeezefilm.formulas.expressions import FUNCTIONS, Program, parse
+from squeezefilm.formulas.expressions import FUNCTIONS, Expression, parse
 from squeezefilm.io.errors import InputError
 
 NAMES = ("a", "b", "x", "h0")
@@ -108,8 +107,13 @@ FORMULAS = [
 ]
 
 
-def differences(root, values: dict, name: str, step: float = 1e-4) -> np.ndarray:
-    at = [Program([root]).run(values | {name: values[name] + k * step})[0] for k in (-2, -1, 1, 2)]
+def slope(formula: Expression, values: dict, name: str) -> np.ndarray:
+    """Derivative with respect to a named quantity, by a complex step."""
+    return formula.evaluate(**values | {name: values[name] + 1e-30j}).imag / 1e-30
+
+
+def differences(formula: Expression, values: dict, name: str, step: float = 1e-4) -> np.ndarray:
+    at = [formula.evaluate(**values | {name: values[name] + k * step}) for k in (-2, -1, 1, 2)]
     return (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * step)
 
 
@@ -119,40 +123,32 @@ def test_derivatives_agree_with_differences(text):
     rng = np.random.default_rng(1)
     values = {name: rng.uniform(0.3, 0.9, 12) for name in NAMES}
     values["x"][:3] = 0.0
-    root = read(text).root
-    defined = np.isfinite(Program([root]).run(values)[0])
-    count = int(defined.sum())
-    assert count >= 9
+    formula = read(text)
+    defined = np.isfinite(formula.evaluate(**values))
+    assert defined.sum() >= 9
     values = {name: each[defined] for name, each in values.items()}
     for name in ("a", "b"):
-        (slope,) = Program([derivative(root, name)]).run(values)
-        difference = differences(root, values, name)
-        np.testing.assert_allclose(np.broadcast_to(slope, count), difference, rtol=1e-8, atol=1e-9)
+        found, difference = slope(formula, values, name), differences(formula, values, name)
+        np.testing.assert_allclose(found, difference, rtol=1e-8, atol=1e-9)
 
 
 def test_the_slope_of_sinc_is_exact_down_to_zero():
     """(cos πu - sinc u)/u loses every digit below 1e-8; by Taylor it is -π²u/3 + π⁴u³/30."""
     u = np.array([0.0, 1e-100, -1e-12, 1e-8, 1e-5, -1e-3])
-    (slope,) = Program([derivative(read("sinc(a)").root, "a")]).run({"a": u})
     series = -(np.pi**2) * u / 3 + np.pi**4 * u**3 / 30 - np.pi**6 * u**5 / 840
-    np.testing.assert_allclose(slope, series, rtol=1e-14, atol=0)
+    np.testing.assert_allclose(slope(read("sinc(a)"), {"a": u}, "a"), series, rtol=1e-14, atol=0)
 
 
 @pytest.mark.parametrize(
-    "text", ["abs(a)", "sqrt(a)", "sqrt(a**2)", "a**0.5", "abs(a - x)", "x**a"]
+    "text", ["abs(a)", "sqrt(a)", "a**0.5", "abs(a - x)", "x**a", "sqrt(a**2)", "abs(a)**2"]
 )
 def test_a_kink_or_a_vertical_tangent_has_no_derivative(text):
-    (slope,) = Program([derivative(read(text).root, "a")]).run({"a": 0.0, "x": 0.0})
-    assert not np.isfinite(slope)
+    assert not np.isfinite(slope(read(text), {"a": 0.0, "x": 0.0}, "a"))
 
 
-def test_derivatives_of_long_products_stay_short():
-    # Without sharing of parts the derivative of a nested product would double at every level.
-    text = "(a+x)"
-    for _ in range(30):
-        text = f"({text}*(a+b))"
-    program = Program([derivative(read(text).root, "a")])
-    assert len(program.steps) < 200
+@pytest.mark.parametrize("text", ["sqrt(a*x)", "abs(a*x)", "x**(a + 1)", "(a*x)**0.3", "(a*x)**a"])
+def test_what_is_zero_and_stays_so_has_the_derivative_zero(text):
+    assert slope(read(text), {"a": 0.7, "x": 0.0}, "a") == 0
 
 
 def random_formula(rng: np.random.Generator, depth: int) -> str:
@@ -168,22 +164,22 @@ def random_formula(rng: np.random.Generator, depth: int) -> str:
     return f"({inner} {operator} {random_formula(rng, depth - 1)})"
 
 
-def root_or_none(text: str):
+def read_or_none(text: str) -> Expression | None:
     """The formula, or none where it is refused; a refusal must name its place."""
     message = ""
     try:
-        return read(text).root
+        return read(text)
     except InputError as error:
         message = str(error)
     assert message.startswith("model: ")
     return None
 
 
-def one_sided(root, values: dict, step: float) -> np.ndarray:
+def one_sided(formula: Expression, values: dict, step: float) -> np.ndarray:
     """Slope by a from one side, of second order, where it no longer depends on the step; or NaN."""
 
     def by(h: float) -> np.ndarray:
-        at = [Program([root]).run(values | {"a": values["a"] + k * h})[0] for k in range(3)]
+        at = [formula.evaluate(**values | {"a": values["a"] + k * h}) for k in range(3)]
         at = np.broadcast_arrays(values["a"], *at)[1:]
         return (-1.5 * at[0] + 2 * at[1] - 0.5 * at[2]) / h
 
@@ -196,20 +192,22 @@ def test_a_finite_derivative_is_right_from_both_sides_at_zeros_too():
     rng = np.random.default_rng(3)
     values = dict.fromkeys(NAMES, np.array([0.0, 0.0, 0.6, -0.4, 0.3, 0.0]))
     values["a"] = np.array([0.7, -0.3, 0.5, 0.9, 0.0, 0.0])
-    judged = 0
+    compared = 0
     for _ in range(600):
         text = random_formula(rng, 4)
-        root = None if "1e" in text else root_or_none(text)  # differences see no 1e-30
-        if root is None:
+        formula = None if "1e" in text else read_or_none(text)  # differences see no 1e-30
+        if formula is None:
             continue
-        (slope,) = Program([derivative(root, "a")]).run(values)
+        defined = np.isfinite(formula.evaluate(**values))
+        found = np.where(defined, slope(formula, values, "a"), np.full(6, np.nan))
         for step in (1e-4, -1e-4):
-            difference = one_sided(root, values, step)
-            both = np.isfinite(slope) & np.isfinite(difference) & (np.abs(difference) < 100)
-            slopes = np.broadcast_to(slope, both.shape)[both]
-            np.testing.assert_allclose(slopes, difference[both], rtol=1e-3, atol=1e-3, err_msg=text)
-            judged += len(slopes)
-    assert judged > 1000
+            difference = one_sided(formula, values, step)
+            both = np.isfinite(found) & np.isfinite(difference) & (np.abs(difference) < 100)
+            np.testing.assert_allclose(
+                found[both], difference[both], rtol=1e-3, atol=1e-3, err_msg=text
+            )
+            compared += np.count_nonzero(both)
+    assert compared > 1000
 
 
 def test_damaged_formulas_run_or_are_refused_with_their_place():
@@ -220,6 +218,6 @@ def test_damaged_formulas_run_or_are_refused_with_their_place():
         for _ in range(rng.integers(1, 6)):
             place = rng.integers(len(text))
             text[place : place + rng.integers(2)] = rng.choice(letters)
-        root = root_or_none("".join(text))
-        if root is not None:
-            Program([root]).run({"a": 1.0, "b": 2.0, "x": 0.5, "h0": 1.0})
+        formula = read_or_none("".join(text))
+        if formula is not None:
+            formula.evaluate(a=1.0, b=2.0, x=0.5, h0=1.0)

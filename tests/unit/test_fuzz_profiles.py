@@ -14,8 +14,8 @@ import pytest
 import yaml
 
 from squeezefilm.cli.study.example_scan import scan_text
-from squeezefilm.film.vibration.scans import smoothed_scan
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.measured.smooth import smoothed_scan
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import check_study

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.film.directions import Mirrors
+from squeezefilm.film.symmetry import Mirrors
 from squeezefilm.studies import plans
 from squeezefilm.studies.plans import (
     centred_grid,

@@ -1,4 +1,4 @@
-"""Vibration shapes: analytic ones, and measured ones made smooth with a known error."""
+"""Profile shapes: analytic ones, and measured ones made smooth with a known error."""
 
 from dataclasses import replace
 from typing import Any
@@ -11,13 +11,11 @@ from paper.figures import fig05
 from reporting.figures import figure_module
 from reporting.figures.parts import style
 from squeezefilm.cli.study.example_scan import scan_text
-from squeezefilm.film.vibration import residuals as profile_figure
-from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.scan_tables import points_table, summary_of
-from squeezefilm.film.vibration.scans import SmoothedScan, smoothed_scan
-from squeezefilm.film.vibration.shapes import Modes, Profile, Sinc
-from squeezefilm.film.vibration.surfaces import Disc
-from squeezefilm.film.vibration.vibrometer import read_scan
+from squeezefilm.film.measured.read import read_scan
+from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan
+from squeezefilm.film.measured.tables import described, profile_table, summary_of
+from squeezefilm.film.profiles import Modes, Profile, Sinc, make_profile
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.reynolds import solve
@@ -281,19 +279,14 @@ def test_a_profile_of_any_kind_can_be_drawn(settings, repository):
         assert [*axes.lines, *axes.collections, *axes.images]
 
 
-def test_the_scan_is_drawn_with_its_residuals(smooth):
+def test_a_scan_s_table_has_its_outliers_and_residuals(smooth):
     lines = scan_text(noise=0.02, missing=0.1, seed=2).splitlines()
     lines[77] = lines[77].split(",")[0] + ",0.75,2.0,0"
     smoothed = smooth("\n".join(lines), axisymmetric=False)
     summary = summary_of(smoothed, noise=0.01, error=0.01)
-    rows = points_table(smoothed)
-    assert summary["outlier_lines"] == list(rows.loc[rows["outlier"], "line"]) == [78]
-    data = profile_figure.build(smoothed, summary)
-    module = figure_module("profile")
-    assert set(data["layer"]) == {"points", "outliers", "profile"}
-    assert "1 far from the rest, left out (line 78)" in data["note"].iloc[0]
-    with style.settings():
-        left, right = module.draw(data).axes
-    drawn = left.lines[0].get_xdata()
-    assert len(drawn) == len(smoothed.measured_m) - 1
-    assert right.get_ylabel() == "residual (µm)"
+    table = profile_table(smoothed)
+    assert summary["outlier_lines"] == list(table.loc[table["layer"] == "outliers", "line"]) == [78]
+    assert set(table["layer"]) == {"points", "outliers", "profile"}
+    assert "outliers, not fitted  1 (lines 78)" in described(summary)
+    points = table[table["layer"] == "points"]
+    assert points["residual_um"].std() == pytest.approx(smoothed.noise_m * 1e6, rel=0.1)

@@ -9,13 +9,12 @@ import pytest
 import yaml
 
 from squeezefilm.cli.study.example_scan import EXAMPLES, PLATE, scan_text
-from squeezefilm.film.directions import Mirrors, symmetry_from_dict
 from squeezefilm.film.existence import check_scene
+from squeezefilm.film.measured.smooth import smoothed_scan
+from squeezefilm.film.profiles import StandingWave, largest_magnitude
+from squeezefilm.film.surfaces import Disc, Rectangle
+from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.film.validity import validity
-from squeezefilm.film.vibration import legendre
-from squeezefilm.film.vibration.scans import smoothed_scan
-from squeezefilm.film.vibration.shapes import StandingWave, largest_magnitude
-from squeezefilm.film.vibration.surfaces import Disc, Rectangle
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
 from squeezefilm.models.force_model import Factors
@@ -44,14 +43,14 @@ def study(config: Config, **changes: dict[str, Any]) -> Config:
 
 
 def test_modes_span_the_polynomials_of_their_degree():
-    orders = legendre.orders_up_to(4)
+    orders = Rectangle(2.0, 2.0).orders_up_to(4)
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, 60))
-    modes = legendre.modes_at(orders, x=x, y=y)
+    modes = Rectangle(2.0, 2.0).modes_at(orders, x=x, y=y)
     powers = np.stack([x**i * y**j for i in range(5) for j in range(5 - i)], axis=1)
     assert modes.shape == powers.shape == (60, 15)
     left, *_ = np.linalg.lstsq(modes, powers, rcond=None)
     np.testing.assert_allclose(modes @ left, powers, atol=1e-12)
-    single = legendre.modes_at(orders, x=np.array(x[0]), y=np.array(y[0]))
+    single = Rectangle(2.0, 2.0).modes_at(orders, x=np.array(x[0]), y=np.array(y[0]))
     np.testing.assert_array_equal(single, modes[0])
 
 

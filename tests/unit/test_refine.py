@@ -49,14 +49,14 @@ def refine(model: str, folder: Path, config: Path, *more: str) -> int:
 
 
 @pytest.fixture(scope="module")
-def refined(repository, tmp_path_factory):
+def refined(repository, tmp_path_factory, script):
     folder = tmp_path_factory.mktemp("refined")
     config = study(repository, folder / "study.yaml", refine={"worst_error": 0.01})
     for model in ("limit_2", "square"):
         assert refine(model, folder / model, config) == 0
     scenes, forces, limits = (folder / f"{name}.csv" for name in ("scenes", "forces", "limits"))
     end = ["--config", str(config), "--output"]
-    assert main(["plan", "validation_four_factor", *end, str(scenes)]) == 0
+    script("plan", config, input={"design": []}, output=scenes, plan="validation_four_factor")
     assert main(["simulate", str(scenes), *end, str(forces)]) == 0
     assert main(["limits", str(scenes), *end, str(limits)]) == 0
     return Refined(folder, forces, limits)

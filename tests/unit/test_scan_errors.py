@@ -11,13 +11,11 @@ import pytest
 from scipy.stats import binom
 
 from squeezefilm.cli import main as cli
+from squeezefilm.film.measured.read import Scan
+from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
+from squeezefilm.film.profiles import Modes, Profile, make_profile
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.scans import SmoothedScan, smoothed
-from squeezefilm.film.vibration.shapes import Modes, Profile, TwoPhases, phasor_of
-from squeezefilm.film.vibration.smoothed_file import read_smoothed, write_smoothed
-from squeezefilm.film.vibration.surfaces import Disc
-from squeezefilm.film.vibration.vibrometer import Scan
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
@@ -97,9 +95,9 @@ def test_ninety_five_percent_of_the_intervals_hold_the_force(scene):
         (true,) = solve([on(scene, shape)], tolerance=1e-4, device=device)
         for strays, seed in product((0, 3), range(draws)):
             scan = smooth(scan_of(shape, noise=0.03, seed=seed, strays=strays))
-            errors = scan_errors([on(scene, scan.profile)], scan, device=device)
-            difference = float(errors.force_n[0]) - true.force_n
-            held.append(abs(difference) <= errors.total_n[0] + 1e-3 * true.force_n)
+            errors = scan_errors([on(scene, scan.profile)], scan, device=device).iloc[0]
+            difference = float(errors.force_n) - true.force_n
+            held.append(abs(difference) <= errors.scan_error_n + 1e-3 * true.force_n)
     assert len(held) == 100
     assert sum(held) >= binom.ppf(0.025, 100, 0.95)
 
@@ -164,13 +162,13 @@ def with_two_phases(share: float) -> Scan:
 def test_little_motion_out_of_phase_is_left_out_and_weighed(scene):
     """Small forces go as s₁² + s₂²: a share q of the motion makes them q² low."""
     scan = smooth(with_two_phases(0.025))
-    assert scan.vibration is scan.profile
+    assert not scan.profile.is_complex
     assert scan.out_of_phase_effect == pytest.approx(0.025**2, rel=0.15)
     effect = out_of_phase_effect(on(scene, scan.profile), scan)
     assert 0.0003 < effect < 0.002
-    errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device())
+    errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device()).iloc[0]
     assert errors.out_of_phase_n == pytest.approx(effect * errors.force_n)
-    assert errors.total_n >= errors.out_of_phase_n
+    assert errors.scan_error_n >= errors.out_of_phase_n
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.7])
@@ -181,19 +179,19 @@ def test_a_scan_of_a_travelling_wave_is_one(scene, begin):
         kind="travelling-wave", surface=Disc(RADIUS_M), wavelength_m=0.014, direction_deg=30.0
     )
     noise = 0.003 * np.random.default_rng(1).standard_normal((2, len(x_m)))
-    u = phasor_of(wave, x_m=x_m, y_m=y_m) + noise[0] + 1j * noise[1]
+    u = wave.amplitude(x_m=x_m, y_m=y_m) + noise[0] + 1j * noise[1]
     lines = np.arange(len(u))
     measured = Scan(
         Path("scan.csv"), x_m, y_m, 1e-6 * u * np.exp(1j * begin), lines, 0, signed=True
     )
     scan = smooth(measured)
-    found = phasor_of(scan.vibration, x_m=x_m, y_m=y_m)
+    found = scan.profile.amplitude(x_m=x_m, y_m=y_m)
     together = np.vdot(found, u)
     assert np.abs(found * together / abs(together) - u).max() < 0.05
-    sought, fitted = solve([on(scene, each) for each in (wave, scan.vibration)], tolerance=1e-4)
-    errors = scan_errors([on(scene, scan.vibration)], scan, device=choose_device(), draws=20)
+    sought, fitted = solve([on(scene, each) for each in (wave, scan.profile)], tolerance=1e-4)
+    errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device(), draws=20).iloc[0]
     assert errors.out_of_phase_n == 0
-    assert abs(fitted.force_n - sought.force_n) < errors.total_n + fitted.force_error_n
+    assert abs(fitted.force_n - sought.force_n) < errors.scan_error_n + fitted.force_error_n
     assert errors.noise_n < 0.1 * fitted.force_n
 
 
@@ -203,11 +201,11 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     scan = smooth(replace(with_two_phases(0.5), path=path))
     write_smoothed(scan, tmp_path / "smoothed.npz", settings={"surface": Disc(RADIUS_M)})
     again = read_smoothed(tmp_path / "smoothed.npz", path, settings={"surface": Disc(RADIUS_M)})
-    assert isinstance(scan.vibration, TwoPhases)
-    assert again.vibration == scan.vibration
+    assert scan.profile.is_complex
+    assert again.profile == scan.profile
     first, second = (each.residual_bootstrap(count=3, seed=1) for each in (scan, again))
     assert first == second
-    assert len({*first, scan.vibration}) == 4
+    assert len({*first, scan.profile}) == 4
 
 
 def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene):

@@ -10,13 +10,11 @@ import pytest
 import pyuff
 
 from squeezefilm.cli.main import main
-from squeezefilm.film.vibration import binning, scans
-from squeezefilm.film.vibration.files.columns import column_of
-from squeezefilm.film.vibration.files.universal import SUFFIXES
-from squeezefilm.film.vibration.scan_tables import summary_of
-from squeezefilm.film.vibration.scans import smoothed_scan
-from squeezefilm.film.vibration.surfaces import Disc
-from squeezefilm.film.vibration.vibrometer import Scan, read_scan
+from squeezefilm.film.measured import smooth
+from squeezefilm.film.measured.read import UNIVERSAL, Scan, column_of, read_scan
+from squeezefilm.film.measured.smooth import smoothed_scan
+from squeezefilm.film.measured.tables import summary_of
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import study as studies
 from squeezefilm.studies.config import load_config
@@ -274,7 +272,7 @@ def test_a_universal_file_that_says_something_else_is_refused(tmp_path):
     (tmp_path / "text.uff").write_text(PLAIN)
     with pytest.raises(InputError, match=r"text\.uff"):
         read_scan(tmp_path / "text.uff", frequency_hz=FREQUENCY_HZ)
-    for suffix in SUFFIXES:
+    for suffix in UNIVERSAL:
         with pytest.raises(InputError, match="there is no such scan"):
             read_scan(tmp_path / f"none{suffix}", frequency_hz=FREQUENCY_HZ)
 
@@ -345,7 +343,7 @@ def test_too_many_points_are_averaged_over_cells_with_a_stated_loss(tmp_path, mo
     settings = {"surface": Disc(RADIUS_M), "axisymmetric": False}
     all_points = smoothed_scan(path, **settings)
     assert all_points.averaging_loss == 0
-    monkeypatch.setattr(binning, "MOST_POINTS", 900)
+    monkeypatch.setattr(smooth, "MOST_POINTS", 900)
     smoothed_scan.cache_clear()
     fewer = smoothed_scan(path, **settings)
     smoothed_scan.cache_clear()
@@ -363,8 +361,8 @@ def test_too_many_points_are_averaged_over_cells_with_a_stated_loss(tmp_path, mo
 def test_the_stated_loss_is_that_of_a_profile_without_noise(tmp_path, monkeypatch):
     x, y, u = points(count=200)
     scan = Scan(tmp_path, x / 1e3, y / 1e3, u.astype(complex), np.arange(len(x)), 0, True)
-    monkeypatch.setattr(binning, "MOST_POINTS", 400)
-    fewer = binning.binned(scan)
+    monkeypatch.setattr(smooth, "MOST_POINTS", 400)
+    fewer = smooth.binned(scan)
     assert fewer.y_m is not None
     means = fewer.amplitude_m.real / 1.2
     off = np.abs(means - np.sinc(109.8 * np.hypot(fewer.x_m, fewer.y_m))).max()
@@ -388,7 +386,7 @@ def test_a_scan_is_smoothed_once_and_read_as_it_was(measured, tmp_path, monkeypa
         assert main(["smooth", "--config", str(measured), "--output", str(file)]) == 0
     assert files[0].read_bytes() == files[1].read_bytes()
     monkeypatch.setenv(studies.SMOOTHED_VARIABLE, str(files[0]))
-    monkeypatch.setattr(scans, "smoothed", None)  # whoever smooths again fails
+    monkeypatch.setattr(smooth, "smoothed", None)  # whoever smooths again fails
     smoothed_scan.cache_clear()
     kept = studies.smoothed_scan_of(config)
     assert kept is not None
@@ -407,7 +405,7 @@ def test_a_scan_is_smoothed_once_and_read_as_it_was(measured, tmp_path, monkeypa
 def test_a_study_is_checked_and_planned_without_smoothing_its_scan(measured, monkeypatch):
     from squeezefilm.studies.chunks import chunk_counts
 
-    monkeypatch.setattr(scans, "smoothed", None)
+    monkeypatch.setattr(smooth, "smoothed", None)
     smoothed_scan.cache_clear()
     for axisymmetric in ("true", "false"):
         text = measured.read_text().replace("axisymmetric: true", f"axisymmetric: {axisymmetric}")

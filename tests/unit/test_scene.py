@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from squeezefilm.film.existence import check_scene
-from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.shapes import Piston, Sinc
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.profiles import Piston, Sinc, make_profile
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import cartesian
 

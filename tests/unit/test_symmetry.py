@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
-from squeezefilm.film.directions import Directions
+from squeezefilm.film.symmetry import Directions
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
@@ -133,7 +133,7 @@ def test_a_pad_that_leaves_the_disc_between_the_directions_given_is_refused(quic
 
 
 @pytest.fixture(scope="module")
-def rectangle(repository, tmp_path_factory):
+def rectangle(repository, tmp_path_factory, script):
     """A folder with a 14 × 9 mm pad's study, and a model fitted to simulations of its space."""
     folder = tmp_path_factory.mktemp("rectangle")
     text = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
@@ -152,11 +152,13 @@ def rectangle(repository, tmp_path_factory):
     names = {name: f"{folder}/{name}.csv" for name in ("design", "scenes", "forces", "limits")}
     sample = {name: f"{folder}/sample_{name}.csv" for name in ("scenes", "forces", "limits")}
     study = f"--config={config}"
+    design_of_plan = {"four_factor": names["design"], "validation_four_factor": []}
+    for plan, files in (("four_factor", names), ("validation_four_factor", sample)):
+        design = {"design": design_of_plan[plan]}
+        script("plan", config, input=design, output=files["scenes"], plan=plan)
     for words in (
-        ["plan", "four_factor", f"--design={names['design']}", f"--output={names['scenes']}"],
         ["simulate", names["scenes"], f"--output={names['forces']}"],
         ["limits", names["scenes"], f"--output={names['limits']}"],
-        ["plan", "validation_four_factor", f"--output={sample['scenes']}"],
         ["simulate", sample["scenes"], f"--output={sample['forces']}"],
         ["limits", sample["scenes"], f"--output={sample['limits']}"],
         ["limit-table", f"--output={folder}/table.json"],

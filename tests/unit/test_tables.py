@@ -190,7 +190,7 @@ WRONG_PARQUET: dict[str, tuple[dict[str, object], str]] = {
     "numbers for names": ({"point_id": [1, 2]}, "column 'point_id' holds int64"),
     "not a number": ({"hv_m": [1e-6, np.nan]}, "row 2: hv_m is nan"),
     "infinity": ({"hv_m": [np.inf, 1e-6]}, "row 1: hv_m is inf"),
-    "a name twice": ({"point_id": ["1", "1"]}, "point_id '1' stands twice"),
+    "a name twice": ({"point_id": ["1", "1"]}, "row 2: point_id '1' stands in row 1"),
     "no name": ({"point_id": ["1", ""]}, "row 2: point_id is empty"),
 }
 

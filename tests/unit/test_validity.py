@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.film.finger import GapShape
+from squeezefilm.film.profiles import Piston
 from squeezefilm.film.validity import (
     LEAST_INVERSE_KNUDSEN,
     LIMITS,
@@ -16,7 +17,6 @@ from squeezefilm.film.validity import (
     exceeded,
     validity,
 )
-from squeezefilm.film.vibration.shapes import Piston
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.study import scene_of
 

@@ -76,11 +76,11 @@ def test_a_module_works_in_a_folder_with_spaces_and_umlauts(repository, tmp_path
     folder = tmp_path / "Ordner mit Umläuten äöü"
     clone = copy_checkout(repository, folder / "squeezefilm, Kopie")
     outer(more='    prefix: "große Läufe"', folder=folder, snakefile=clone / "workflow/Snakefile")
-    figure = "große Läufe/results/mine/figures/fig07.png"
-    done = snakemake(folder, figure, "--cores", "1")
+    files = [f"große Läufe/{name}" for name in ("results/mine/figures/fig07.png", SCENES)]
+    done = snakemake(folder, *files, "--cores", "1")
     assert done.returncode == 0, done.stdout
-    assert (folder / figure).is_file()
-    assert "Nothing to be done" in snakemake(folder, figure, "--cores", "1").stdout
+    assert all((folder / file).is_file() for file in files)
+    assert "Nothing to be done" in snakemake(folder, *files, "--cores", "1").stdout
 
 
 def test_a_module_plans_as_much_as_the_workflow_alone(outer):

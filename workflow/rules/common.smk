@@ -61,6 +61,8 @@ try:
     CONFIG = load_config(CONFIG_FILE)
 except InputError as error:
     refuse(error)
+# All that scripts read of Snakemake's configuration.
+config = {"study_file": CONFIG_FILE}
 STUDY = CONFIG["study"]
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
 PAPER = CONFIG["paper"]

@@ -30,7 +30,6 @@ if SCAN:
             config=ancient(CONFIG_FILE),
             kernels="<results>/simulations/device.json",
         output:
-            points="<results>/profile/points.csv",
             summary="<results>/profile/summary.json",
             forces="<results>/profile/forces.csv",
             figure="<results>/figures/profile.csv",
@@ -49,7 +48,7 @@ if SCAN:
         shell:
             "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
             "python -m squeezefilm profile "
-            "--config {input.config:q} --points {output.points:q} --summary {output.summary:q} "
+            "--config {input.config:q} --summary {output.summary:q} "
             "--forces {output.forces:q} --figure {output.figure:q} >{log:q} 2>&1"
 
     rule profile:

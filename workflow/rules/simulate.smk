@@ -23,7 +23,6 @@ SECTIONS_OF_PLAN = {
 
 rule plan:
     input:
-        config=ancient(CONFIG_FILE),
         profile=SMOOTHED,
         design=lambda wildcards: DESIGN_OF_PLAN.get(wildcards.plan, []),
     output:
@@ -33,39 +32,30 @@ rule plan:
     wildcard_constraints:
         plan="|".join(SECTIONS_OF_PLAN),
     localrule: True
-    conda:
-        "../../envs/tables.yaml"
     params:
         code=CODE["solver"],
         study=lambda wildcards: sections(*SECTIONS_OF_PLAN[wildcards.plan]),
-        design=lambda wildcards, input: f"--design {quote(input.design)}" if input.design else "",
-        position="--position cartesian" if "surface" in CONFIG["actuator"] else "",
     message:
         "Points to simulate: {wildcards.plan}"
-    shell:
-        "python -m squeezefilm plan {wildcards.plan} --config {input.config:q} {params.design} "
-        "{params.position} --output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/plan.py"
 
 
 rule plan_extrapolation:
     input:
-        config=ancient(CONFIG_FILE),
         fits=["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
     output:
         "<results>/simulations/extrapolation/scenes.csv",
     log:
         "<logs>/plan/extrapolation.log",
     localrule: True
-    conda:
-        "../../envs/tables.yaml"
     params:
         code=CODE["models"],
         study=sections("extrapolation"),
     message:
         "Points to simulate: where the fitted models expect the wanted force"
-    shell:
-        "python -m squeezefilm extrapolate {input.fits:q} --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/plan_extrapolation.py"
 
 
 # Compiled kernels go to the caches, so that the chunks, which start side by side, find them there.

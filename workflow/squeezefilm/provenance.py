@@ -19,10 +19,11 @@ PACKAGES = (
     *("pocl-binary-distribution", "pyarrow", "scikit-fem"),
 )
 SOLVER = [
-    *(f"squeezefilm/{room}" for room in ("film", "formulas", "io", "reynolds", "studies")),
+    *(f"squeezefilm/{room}" for room in ("dynamics", "film", "formulas", "io", "quantities")),
+    *("squeezefilm/reynolds", "squeezefilm/studies"),
     *("squeezefilm/api/forces.py", "squeezefilm/api/points.py", "squeezefilm/designs/box.py"),
     *("squeezefilm/cli/points.py", "squeezefilm/cli/which_study.py"),
-    *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "plan", "smooth", "warm")),
+    *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "smooth", "warm")),
     *(
         f"squeezefilm/cli/use/{command}.py"
         for command in ("budget", "explain", "levitate", "response", "simulate")

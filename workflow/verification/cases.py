@@ -7,8 +7,8 @@ from itertools import product
 from math import log10
 from typing import NamedTuple
 
-from squeezefilm.film.vibration.shapes import Formula, Sinc
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.profiles import Formula, Sinc
+from squeezefilm.film.surfaces import Disc
 from verification.films import PISTON, Film, gap_shape, travelling
 
 # Where waves steepen so much that no grid or no step of Newton's method may be enough.

@@ -6,9 +6,9 @@ from math import pi
 import numpy as np
 
 from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.profiles import Piston, Profile, Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Gas, Scene
-from squeezefilm.film.vibration.shapes import Piston, Sinc, StandingWave, TwoPhases, Vibration
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from verification.marching import FloatArray, Fold
 
 LENGTH_M = 0.01
@@ -40,7 +40,7 @@ class Film:
     epsilon: float
     sigma: float
     bearing: float = 0.0
-    profile: Vibration = SINC
+    profile: Profile = SINC
     x: float = 0.0
     y: float = 0.0
     aspect: float = 1.0
@@ -101,10 +101,10 @@ class Film:
         return bool(even_x), bool(even_y and self.gap.tilt_y_m == 0)
 
 
-def travelling(wavelength: float = 2.0, direction_deg: float = 0.0) -> Vibration:
+def travelling(wavelength: float = 2.0, direction_deg: float = 0.0) -> Profile:
     """A wave of a length in units of the finger's side."""
     wave = StandingWave(wavelength * LENGTH_M, direction_deg, crest_m=0.0)
-    return TwoPhases(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
+    return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
 
 
 def gap_shape(tilt_x: float = 0.0, tilt_y: float = 0.0, bulge: float = 0.0) -> GapShape:

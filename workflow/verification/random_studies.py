@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.api.study import Study
-from squeezefilm.film.vibration.shapes import parts_of
 from squeezefilm.studies.config import parse_config
 from squeezefilm.studies.study import profile_of, surface_of
 
@@ -158,7 +157,7 @@ def _scan(study: Study, seed: int) -> str:
     x, y = (values.ravel() for values in np.meshgrid(*sides))
     on_it = surface.reach(x, y) <= 1
     x, y = x[on_it], y[on_it]
-    (shape,) = parts_of(profile_of(study.config), x_m=x, y_m=y)
+    shape = profile_of(study.config).amplitude(x_m=x, y_m=y)
     measured = shape + SCAN_NOISE * random.standard_normal(len(x))
     rows = zip(1e3 * x, 1e3 * y, np.abs(measured), np.where(measured < 0, 180.0, 0.0), strict=True)
     lines = (f"{a:.4f},{b:.4f},{c:.5f},{d:.0f}\n" for a, b, c, d in rows)

@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 
 from squeezefilm.film.existence import check_scene
@@ -175,6 +176,7 @@ def analytic_limit(film: Film) -> tuple[float, float] | None:
         force = analytic.small_amplitude(epsilon=eps, sigma=sigma, amplitude=film.amplitude)
         return force, 3 * eps**2 + TOLERANCE
     if sigma >= 1e5:
-        force = analytic.fast(epsilon=eps, amplitude=film.scene.magnitude, knudsen=film.knudsen)
+        magnitude = lambda x, y: np.abs(film.scene.amplitude(x, y))  # noqa: E731
+        force = analytic.fast(epsilon=eps, amplitude=magnitude, knudsen=film.knudsen)
         return force, 3 / math.sqrt(sigma) + TOLERANCE
     return None

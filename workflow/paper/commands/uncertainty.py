@@ -13,6 +13,7 @@ from paper.uncertainty import compare, to_markdown
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.tables import write_table
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
@@ -30,7 +31,8 @@ def run(options: argparse.Namespace) -> None:
     tolerance, device = config["solver"]["tolerance"], device_of(config)
 
     def force(scene: Scene) -> float:
-        [solution] = solve([scene], tolerance=tolerance, device=device)
+        scenes = resolve_auto_terms([scene], device=device)
+        [solution] = solve(scenes, tolerance=tolerance, device=device)
         return solution.force_n
 
     table, curves = compare(config, force=force)

@@ -12,8 +12,8 @@ import pandas as pd
 from squeezefilm.api.field import TOLERANCE, field_of
 from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
 from squeezefilm.api.points import Values, points_of, scene_points_of
+from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.config import Config, parse_film

@@ -8,9 +8,9 @@ from math import isfinite
 
 import pandas as pd
 
+from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
-from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.typed_units import with_error
 from squeezefilm.quantities.derivatives import derivatives_text, with_derivatives

@@ -315,7 +315,7 @@ def film_on(scene: Scene, points: int) -> tuple[AveragedFilm, float]:
     films = films_of(
         np.array([scene.epsilon]),
         np.array([scene.sigma]),
-        scene.phasor(*np.meshgrid(nodes, nodes, indexing="ij"))[None],
+        scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))[None],
         aspect=scene.aspect,
         slip=sum(dict(term.limit_numbers(scene)).get("slip", 0.0) for term in terms_of(scene)),
     )

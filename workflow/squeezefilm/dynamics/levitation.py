@@ -272,7 +272,7 @@ def _gaps(scene: Scene) -> np.ndarray:
     gap = scene.finger.gap
     if not gap.flat:
         x, y = scene.inside()
-        excursion_m = scene.hv_m * scene.magnitude(x, y)
+        excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
         least = max(least, float((excursion_m / CLOSEST - gap.rise_m(x, y)).max()))
     return np.geomspace(least, max(least, most), LOOKED_AT)
 

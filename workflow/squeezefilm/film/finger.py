@@ -7,8 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from squeezefilm.film.contour import DENSE, Contour
-from squeezefilm.film.outlines import Outline, ellipse
+from squeezefilm.film.outline import DENSE, Contour, Outline, ellipse
 
 OUTLINE_POINTS = 144
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from squeezefilm.film.finger import Finger, net
-from squeezefilm.film.vibration.shapes import TwoPhases, Vibration, parts_of, phasor_of
-from squeezefilm.film.vibration.surfaces import Surface
+from squeezefilm.film.profiles import Profile
+from squeezefilm.film.surfaces import Surface
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,10 @@ class Gas:
     isothermal film, the ratio of specific heats for an adiabatic one. The mean free path is given
     at ambient density and goes like 1/ρ, as for molecules of a fixed size; slip of first order is
     by a length of ``slip_coefficient`` times it. ``inertia`` and ``heat`` are ``none`` or
-    ``included``; ``auto`` is decided before a scene is solved (effects/automatic.py). Heat goes by
-    the Prandtl number, the ratio of specific heats and the exponent κ of viscosity ~
+    ``included``; ``auto`` is decided before a scene is solved (quantities/model_error.py). Heat
+    goes by the Prandtl number, the ratio of specific heats and the exponent κ of viscosity ~
     temperature^κ. What the equation of a scene leaves out enters its budget alone
-    (reynolds/effects).
+    (quantities/model_error.py).
     """
 
     viscosity_pa_s: float
@@ -43,14 +43,11 @@ class Gas:
 
 @dataclass(frozen=True)
 class Actuator:
-    """A surface that vibrates normal to itself at one frequency, by hv · s(x, y) sin ωt.
-
-    Or, with a profile in two phases, by hv · (s₁ sin ωt + s₂ cos ωt).
-    """
+    """A surface that vibrates normal to itself at one frequency, by hv · Im(s(x, y) e^(iωt))."""
 
     frequency_hz: float
     surface: Surface
-    profile: Vibration
+    profile: Profile
 
     @property
     def angular_frequency_rad_per_s(self) -> float:
@@ -158,7 +155,7 @@ class Scene:
         return self.gas.ambient_pressure_pa * self.finger.area_m2
 
     @cached_property
-    def place(self) -> tuple[Vibration, Finger, float, float]:
+    def place(self) -> tuple[Profile, Finger, float, float]:
         """All that the profile under the finger depends on: equal for scenes that share it."""
         return self.actuator.profile, self.finger, self.x_m, self.y_m
 
@@ -173,41 +170,21 @@ class Scene:
         return _at(AtPlace(self))
 
     @property
-    def two_phases(self) -> bool:
-        """Whether the surface does not move in one phase: a travelling wave, modes with a lag."""
-        return isinstance(self.actuator.profile, TwoPhases)
-
-    @property
     def plain(self) -> bool:
         """Whether the gap is even at rest and moves in one phase."""
-        return self.finger.gap.flat and not self.two_phases
+        return self.finger.gap.flat and not self.actuator.profile.is_complex
 
-    def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The profile's s, or s₁ and s₂, at positions x, y in [0, 1] across the finger.
-
-        Shape (phases, …), x and y of any common shape.
-        """
-        return parts_of(self.actuator.profile, **self._place_of(x, y))
-
-    def phasor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """s, or s₁ + i s₂, at positions in [0, 1] across the finger."""
-        return phasor_of(self.actuator.profile, **self._place_of(x, y))
-
-    def _place_of(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
-        """Positions across the finger on the actuator."""
+    def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The profile's s at positions x, y in [0, 1] across the finger, any common shape."""
         along_x, along_y = self.finger.turned(
             (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
         )
-        return {"x_m": self.x_m + along_x, "y_m": self.y_m + along_y}
+        return self.actuator.profile.amplitude(x_m=self.x_m + along_x, y_m=self.y_m + along_y)
 
-    def amplitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Profile s of a vibration in one phase at positions in [0, 1] across the finger."""
-        (s,) = self.parts(x, y)
-        return s
-
-    def magnitude(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """How far the surface moves over a period, |s| or √(s₁² + s₂²)."""
-        return np.abs(self.phasor(x, y))
+    def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Real and, of a complex one, imaginary part of ``amplitude``, shape (1 or 2, …)."""
+        s = self.amplitude(x, y)
+        return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
 
     def rest_gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Gap over h0 without vibration at positions in [0, 1] across the finger."""
@@ -218,8 +195,7 @@ class Scene:
 
         It widens while sin ωt > 0: the surface goes down.
         """
-        moves = zip(self.parts(x, y), (np.sin(phase), np.cos(phase)), strict=False)
-        moved = sum(part[..., None] * each for part, each in moves)
+        moved = (self.amplitude(x, y)[..., None] * np.exp(1j * phase)).imag
         return self.rest_gap(x, y)[..., None] + self.epsilon * moved
 
     @property
@@ -300,7 +276,7 @@ def _inside(at: AtPlace) -> _Inside:
     x, y = (each.ravel() for each in at.scene.inside())
     rises_m = at.scene.finger.gap.rise_m(x, y)
     of_rises = (rises_m.min(), rises_m.max(), rises_m.mean(), rises_m.var())
-    moves = at.scene.magnitude(x, y)
+    moves = np.abs(at.scene.amplitude(x, y))
     order = np.lexsort((-moves, rises_m))
     rises_m, moves = rises_m[order], moves[order]
     # What is no number stays, for it has no finite value to be hidden behind.

@@ -1,8 +1,8 @@
 """Limits of validity of the film equation, as data, and which of them a scene exceeds.
 
-Within the limits the budget of a force (reynolds/effects) states what the equation neglects. Beyond
-them the force is still solved for, and its error as a statement about a real film is unknown, or
-the equation does not apply. The list, with reasons and sources, is ``validity.csv``.
+Within the limits the budget of a force (quantities/model_error.py) states what the equation
+neglects. Beyond them the force is still solved for, and its error as a statement about a real film
+is unknown, or the equation does not apply. The list, with reasons and sources, is ``validity.csv``.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ QUANTITIES: dict[str, Callable[[Scene], float]] = {
     "hv/h0": Scene.closure,
     "Ra/h": lambda s: _over(ROUGHNESS_M, s.narrowest * s.h0_m),
 }
-# The list's kinds of films; ``auto`` terms are decided before (effects/automatic.py).
+# The list's kinds of films; ``auto`` terms are decided before (quantities/model_error.py).
 FILMS: dict[str, Callable[[Scene], bool]] = {
     "all": lambda s: True,
     "viscous flow": lambda s: s.gas.rarefaction == "none",

@@ -2,8 +2,15 @@
 
 A formula is arithmetic on named quantities and nothing else: + - * / **, numbers, ``pi``, and the
 functions of FUNCTIONS. Python's own parser reads the text; every node of its tree is then either
-one of these or refused with its place, so that no text can run anything. Size, depth and exponents
-are bounded, and constant parts are computed in floating point, so that none can take long either.
+one of these or an error that names its place, so that no text can run anything. Size, depth and
+exponents are bounded, and constant parts are computed in floating point, so that none can take long
+either.
+
+Values may be complex: a formula at θ + ih, h far below round-off, has its derivative with respect
+to θ in the imaginary part, without a difference (W. Squire and G. Trapp, Using complex variables to
+estimate derivatives of real functions, SIAM Rev. 40 (1998) 110-112). Where the formula has a kink
+or a vertical tangent the value is NaN. A formula that is undefined for real numbers may have a
+complex value; its real value has to be looked at first.
 """
 
 from __future__ import annotations
@@ -11,8 +18,8 @@ from __future__ import annotations
 import ast
 import math
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -21,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.io.errors import InputError
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 
 LONGEST = 4000
 MOST_PARTS = 1000
@@ -29,6 +36,7 @@ DEEPEST = 150
 LARGEST_EXPONENT = 32.0
 LARGEST_NUMBER = 1e100
 CONSTANTS = {"pi": math.pi}
+UNDEFINED = complex(math.nan, math.nan)
 
 
 @dataclass(frozen=True)
@@ -57,16 +65,53 @@ class Operation:
 Node = Number | Name | Operation
 
 
+def _at_zero(z: Any) -> Any:
+    """Where a value is zero and changes with the quantity that has the complex step."""
+    return (np.imag(z) != 0) & (np.abs(np.real(z)) <= np.abs(np.imag(z)))
+
+
+def _square_root(z: Any) -> Any:
+    if not np.iscomplexobj(z):
+        return np.sqrt(z)
+    return np.where((z != 0) & (z.real <= np.abs(z.imag)), UNDEFINED, np.sqrt(z))
+
+
+def _absolute(z: Any) -> Any:
+    if not np.iscomplexobj(z):
+        return np.abs(z)
+    return np.where(_at_zero(z), UNDEFINED, np.sign(z.real) * z)
+
+
+def _sinc(z: Any) -> Any:
+    """sin(πz)/(πz); its slope is -π j1(πz), with the spherical Bessel function, exact at 0."""
+    if not np.iscomplexobj(z):
+        return np.sinc(z)
+    from scipy.special import spherical_jn  # few need it, and it takes long to import
+
+    return np.sinc(z.real) - 1j * np.pi * spherical_jn(1, np.pi * z.real) * z.imag
+
+
+def _power(base: Any, exponent: Any) -> Any:
+    if isinstance(exponent, float) and exponent == 2:
+        return np.square(base)
+    if not (np.iscomplexobj(base) or np.iscomplexobj(exponent)):
+        return np.power(base, exponent)
+    zero = (base == 0) & (np.real(exponent) > 0)  # 0**v is 0 for every such v
+    vertical = _at_zero(base) & (np.real(exponent) < 1) & (exponent != 0)
+    undefined = vertical | ((np.real(base) < 0) & (np.imag(exponent) != 0))
+    return np.where(zero, 0, np.where(undefined, UNDEFINED, np.power(base + 0j, exponent)))
+
+
 OPERATORS: dict[str, Callable[..., Any]] = {
     "+": np.add,
     "-": np.subtract,
     "*": np.multiply,
     "/": np.divide,
-    "**": np.power,
+    "**": _power,
     "negative": np.negative,
 }
 FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "sqrt": np.sqrt,
+    "sqrt": _square_root,
     "exp": np.exp,
     "log": np.log,
     "sin": np.sin,
@@ -76,29 +121,9 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "cosh": np.cosh,
     "tanh": np.tanh,
     "atan": np.arctan,
-    "abs": np.abs,
-    "sinc": np.sinc,  # sin(πx)/(πx), as MATLAB and the paper have it
+    "abs": _absolute,
+    "sinc": _sinc,  # as MATLAB and the paper have it
 }
-
-
-def _slope_of_sinc(u: ArrayLike) -> Any:
-    """-π j1(πu), with the spherical Bessel function (cos z - sin(z)/z)/z = -j1(z), exact at 0."""
-    from scipy.special import spherical_jn  # few need it, and it takes long to import
-
-    return -np.pi * spherical_jn(1, np.pi * np.asarray(u))
-
-
-_IN_SLOPES: dict[str, Callable[..., Any]] = {
-    "slope of sinc": _slope_of_sinc,
-    # Of 0**v with v > 0, which is 0 for every such v.
-    "power times log": lambda power, u: np.where((u == 0) & (power == 0), 0.0, power * np.log(u)),
-    "where": lambda condition, value: np.where(condition, value, 0.0),
-    "is not zero": lambda u: np.not_equal(u, 0.0),
-    "is not positive": lambda u: np.less_equal(u, 0.0),
-    "and": np.logical_and,
-    "or": np.logical_or,
-}
-"""What occurs in derivatives beside a formula's own operators and functions."""
 _BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
 _HINTS: dict[type, str] = {
     ast.BitXor: "a power is written **",
@@ -111,23 +136,44 @@ class Expression:
     """A formula that was read: its text and its parts."""
 
     text: str
-    root: Node
+    root: Node = field(compare=False)
+
+    @cached_property
+    def parts(self) -> list[Node]:
+        """All parts, each after those it is made of; one that occurs twice is here once."""
+        return walk(self.root)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The named quantities that occur, in the order in which they do."""
-        return tuple(dict.fromkeys(part.name for part in walk(self.root) if isinstance(part, Name)))
+        return tuple(part.name for part in self.parts if isinstance(part, Name))
 
     @cached_property
-    def program(self) -> Program:
-        return Program([self.root])
+    def _steps(self) -> list[Number | Name | tuple[Callable[..., Any], list[int]]]:
+        """The parts, operations as a function and the places of its arguments among the parts."""
+        places = {id(part): place for place, part in enumerate(self.parts)}
+        return [
+            (_function(part.operator), [places[id(each)] for each in part.arguments])
+            if isinstance(part, Operation)
+            else part
+            for part in self.parts
+        ]
 
     def evaluate(self, **values: ArrayLike) -> Array:
         """The formula's value for named numbers or arrays, which are broadcast together.
 
         Where it is undefined or overflows the result is NaN or infinite, without a warning.
         """
-        return np.asarray(self.program.run(values)[0], dtype=float)
+        known: list[Any] = []
+        with np.errstate(all="ignore"):
+            for step in self._steps:
+                if isinstance(step, tuple):
+                    known.append(step[0](*[known[place] for place in step[1]]))
+                else:
+                    known.append(
+                        step.value if isinstance(step, Number) else np.asarray(values[step.name])
+                    )
+        return np.asarray(known[-1]) + 0.0  # whole numbers as floating-point ones
 
 
 def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Expression:
@@ -136,7 +182,7 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
     ``place`` says where it was written, for messages; ``known`` tells the names there, if not one
     by one.
     Raises InputError for anything but arithmetic on these names, with the place and the part that
-    is refused; for a formula that is too long, too deep or has too large an exponent.
+    is not allowed; for a formula that is too long, too deep or has too large an exponent.
     """
     if not isinstance(text, str):
         raise InputError(f"{place}: a formula is text, not {text!r}")
@@ -161,93 +207,90 @@ def parse(text: str, *, names: Iterable[str], place: str, known: str = "") -> Ex
         raise InputError(f"{place}: {_shown(text)}: the formula cannot be read") from None
     names = tuple(names)
     known = known or ", ".join((*names, *CONSTANTS))
-    reader = _Reader(text=text, names=names, place=place, known=known)
-    return Expression(text=text, root=reader.read(tree.body, depth=1))
+    return Expression(text, _Reader(text, names, place, known).read(tree.body))
 
 
+@dataclass
 class _Reader:
-    """From Python's tree to a formula's parts, refusing all else."""
+    """From Python's tree to a formula's parts; anything else is an error."""
 
-    def __init__(self, *, text: str, names: tuple[str, ...], place: str, known: str) -> None:
-        self.text, self.names, self.place, self.known = text, names, place, known
-        self.parts = 0
+    text: str
+    names: tuple[str, ...]
+    place: str
+    known: str
+    count: int = 0
+    shared: dict[tuple[Any, ...], Node] = field(default_factory=dict)
+    """Parts by what they are: equal ones are one."""
 
-    def read(self, node: ast.expr, *, depth: int) -> Node:
-        self.parts += 1
-        if self.parts > MOST_PARTS:
-            raise self._refusal(node, f"the formula has more than {MOST_PARTS} parts")
+    def read(self, node: ast.expr, *, depth: int = 1) -> Node:
+        self.count += 1
+        if self.count > MOST_PARTS:
+            raise self._error(node, f"the formula has more than {MOST_PARTS} parts")
         if depth > DEEPEST:
-            raise self._refusal(node, f"the formula is nested more than {DEEPEST} deep")
-        if isinstance(node, ast.Constant):
-            return self._number(node, node.value)
-        if isinstance(node, ast.Name):
-            return self._name(node)
-        if isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
-            operator = _BINARY[type(node.op)]
-            arguments = [self.read(each, depth=depth + 1) for each in (node.left, node.right)]
-            return self._operation(node, operator, arguments)
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd):
-            return self.read(node.operand, depth=depth + 1)
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-            return self._operation(node, "negative", [self.read(node.operand, depth=depth + 1)])
-        if isinstance(node, ast.Call):
-            return self._call(node, depth=depth)
-        hint = _HINTS.get(type(getattr(node, "op", None)), "")
-        allowed = hint or f"allowed are + - * / **, numbers and {', '.join(FUNCTIONS)}"
-        raise self._refusal(node, f"this is no arithmetic; {allowed}")
+            raise self._error(node, f"the formula is nested more than {DEEPEST} deep")
+        match node:
+            case ast.Constant(value):
+                return self._number(node, value)
+            case ast.Name(name):
+                return self._name(node, name)
+            case ast.UnaryOp(ast.UAdd(), operand):
+                return self.read(operand, depth=depth + 1)
+            case ast.UnaryOp(ast.USub(), operand):
+                operator, operands = "negative", [operand]
+            case ast.BinOp(left, op, right) if type(op) in _BINARY:
+                operator, operands = _BINARY[type(op)], [left, right]
+            case ast.Call(ast.Name(operator), operands, keywords) if operator in FUNCTIONS:
+                if keywords or len(operands) != 1:
+                    raise self._error(node, f"{operator} takes one argument")
+            case ast.Call(function):
+                allowed = ", ".join(FUNCTIONS)
+                raise self._error(function, f"this is no known function; known are {allowed}")
+            case _:
+                hint = _HINTS.get(type(getattr(node, "op", None)), "")
+                allowed = hint or f"allowed are + - * / **, numbers and {', '.join(FUNCTIONS)}"
+                raise self._error(node, f"this is no arithmetic; {allowed}")
+        return self._operation(node, operator, [self.read(e, depth=depth + 1) for e in operands])
 
-    def _number(self, node: ast.expr, value: object) -> Number:
+    def _number(self, node: ast.expr, value: object) -> Node:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._refusal(node, "this is not a number")
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not abs(number) <= LARGEST_NUMBER:
-            raise self._refusal(node, f"the number must lie within ±{LARGEST_NUMBER:g}")
-        return Number(number)
+            raise self._error(node, "this is not a number")
+        if not abs(value) <= LARGEST_NUMBER:
+            raise self._error(node, f"the number must lie within ±{LARGEST_NUMBER:g}")
+        return self._once(Number(float(value)), float(value))
 
-    def _name(self, node: ast.Name) -> Number | Name:
-        if node.id in self.names:
-            return Name(node.id)
-        if node.id in CONSTANTS:
-            return Number(CONSTANTS[node.id])
-        if node.id in FUNCTIONS:
-            raise self._refusal(node, f"a function needs its argument: {node.id}(…)")
-        raise self._refusal(node, f"this name is unknown; known are {self.known}")
+    def _name(self, node: ast.expr, name: str) -> Node:
+        if name in self.names:
+            return self._once(Name(name), name)
+        if name in CONSTANTS:
+            return self._once(Number(CONSTANTS[name]), CONSTANTS[name])
+        if name in FUNCTIONS:
+            raise self._error(node, f"a function needs its argument: {name}(…)")
+        raise self._error(node, f"this name is unknown; known are {self.known}")
 
-    def _call(self, node: ast.Call, *, depth: int) -> Number | Operation:
-        if not (isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS):
-            raise self._refusal(
-                node.func, f"this is no known function; known are {', '.join(FUNCTIONS)}"
-            )
-        if node.keywords or len(node.args) != 1:
-            raise self._refusal(node, f"{node.func.id} takes one argument")
-        argument = self.read(node.args[0], depth=depth + 1)
-        return self._operation(node, node.func.id, [argument])
-
-    def _operation(
-        self, node: ast.expr, operator: str, arguments: Sequence[Node]
-    ) -> Number | Operation:
-        if all(isinstance(argument, Number) for argument in arguments):
-            values = [np.float64(each.value) for each in arguments if isinstance(each, Number)]
+    def _operation(self, node: ast.expr, operator: str, arguments: list[Node]) -> Node:
+        numbers = [np.float64(each.value) for each in arguments if isinstance(each, Number)]
+        if len(numbers) == len(arguments):
             with np.errstate(all="ignore"):
-                value = float(_function(operator)(*values))
+                value = float(_function(operator)(*numbers))
             if not abs(value) <= LARGEST_NUMBER:
-                raise self._refusal(node, f"this is undefined or exceeds {LARGEST_NUMBER:g}")
-            return Number(value)
+                raise self._error(node, f"this is undefined or exceeds {LARGEST_NUMBER:g}")
+            return self._once(Number(value), value)
         if operator == "**" and isinstance(arguments[1], Number):
             exponent = arguments[1].value
             if abs(exponent) > LARGEST_EXPONENT:
-                raise self._refusal(
+                raise self._error(
                     node, f"the exponent must lie within ±{LARGEST_EXPONENT:g}, not {exponent:g}"
                 )
-        return Operation(operator, tuple(arguments), place=self._source(node))
+        part = Operation(operator, tuple(arguments), place=self._source(node))
+        return self._once(part, operator, *map(id, arguments))
+
+    def _once(self, part: Node, *key: Any) -> Node:
+        return self.shared.setdefault(key, part)
 
     def _source(self, node: ast.expr) -> str:
         return ast.get_source_segment(self.text, node) or self.text
 
-    def _refusal(self, node: ast.expr, what: str) -> InputError:
+    def _error(self, node: ast.expr, what: str) -> InputError:
         before = self.text.encode()[: node.col_offset]  # Python counts bytes
         column = len(before.decode()) + 1
         return InputError(f"{self.place}: column {column}, {_shown(self._source(node))}: {what}")
@@ -259,67 +302,18 @@ def _shown(text: str) -> str:
 
 
 def walk(root: Node) -> list[Node]:
-    """All parts, each before those it is made of; a part that is shared comes once."""
+    """All parts, each after those it is made of; a part that is shared comes once."""
     seen: dict[int, Node] = {}
-    waiting = [root]
-    while waiting:
-        part = waiting.pop()
+
+    def visit(part: Node) -> None:
         if id(part) not in seen:
+            for argument in part.arguments if isinstance(part, Operation) else ():
+                visit(argument)
             seen[id(part)] = part
-            if isinstance(part, Operation):
-                waiting.extend(reversed(part.arguments))
+
+    visit(root)
     return list(seen.values())
 
 
 def _function(operator: str) -> Callable[..., Any]:
-    return OPERATORS.get(operator) or FUNCTIONS.get(operator) or _IN_SLOPES[operator]
-
-
-class Program:
-    """Formulas as steps one after the other; equal parts are computed once."""
-
-    def __init__(self, roots: Sequence[Node]) -> None:
-        self.inputs: dict[str, int] = {}
-        self.constants: dict[int, float] = {}
-        self.steps: list[tuple[Callable[..., Any], tuple[int, ...], int]] = []
-        self._known: dict[tuple[Any, ...], int] = {}
-        self._of: dict[int, int] = {}
-        self.outputs = [self._add(root) for root in roots]
-        self.slots = len(self._known)
-        self._of.clear()
-
-    def _add(self, part: Node) -> int:
-        if id(part) in self._of:
-            return self._of[id(part)]
-        if isinstance(part, Number):
-            slot = self._slot(("number", part.value))
-            self.constants[slot] = part.value
-        elif isinstance(part, Name):
-            slot = self._slot(("name", part.name))
-            self.inputs[part.name] = slot
-        else:
-            arguments = tuple(self._add(argument) for argument in part.arguments)
-            function = _function(part.operator)
-            if part.operator == "**" and part.arguments[1] == Number(2.0):
-                function, arguments = np.square, arguments[:1]
-            before = len(self._known)
-            slot = self._slot((function, arguments))
-            if slot == before:
-                self.steps.append((function, arguments, slot))
-        self._of[id(part)] = slot
-        return slot
-
-    def _slot(self, key: tuple[Any, ...]) -> int:
-        return self._known.setdefault(key, len(self._known))
-
-    def run(self, values: Mapping[str, ArrayLike]) -> list[Any]:
-        """The formulas' values; NaN or infinite where undefined."""
-        slots: list[Any] = [None] * self.slots
-        for slot, constant in self.constants.items():
-            slots[slot] = constant
-        for name, slot in self.inputs.items():
-            slots[slot] = np.asarray(values[name], dtype=float)
-        with np.errstate(all="ignore"):
-            for function, arguments, slot in self.steps:
-                slots[slot] = function(*[slots[argument] for argument in arguments])
-        return [slots[slot] for slot in self.outputs]
+    return OPERATORS.get(operator) or FUNCTIONS[operator]

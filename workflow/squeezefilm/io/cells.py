@@ -41,11 +41,15 @@ def finite_number(
 
     Raises InputError naming file, line and column, for anything else or one above the largest.
     """
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    # Python would read 1_000.
-    if "_" in text or not math.isfinite(value) or abs(value) > largest:
+    value = as_number(text)
+    if not math.isfinite(value) or abs(value) > largest:
         raise InputError(f"{path}: line {line}: {name} is {text!r}, not a finite number")
     return value
+
+
+def as_number(cell: str | float) -> float:
+    """The number in a cell; NaN where there is none, as in 1_000, which Python would read."""
+    try:
+        return math.nan if isinstance(cell, str) and "_" in cell else float(cell)
+    except ValueError:
+        return math.nan

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.io.atomic import read_text, whole_file, write_text
-from squeezefilm.io.cells import finite_number, read_cells
+from squeezefilm.io.cells import as_number, read_cells
 from squeezefilm.io.errors import InputError, needing
 from squeezefilm.io.positions import CARTESIAN, POLAR, as_in, cartesian
 from squeezefilm.io.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
@@ -161,50 +161,68 @@ def _read(
 ) -> pd.DataFrame:
     """The columns of a table, which may have ``more`` that are left out, unless it is ``whole``."""
     path = Path(path)
-    if path.suffix == PARQUET:
-        return _read_parquet(
-            path, columns=columns, numbers=numbers, more=more, whole=whole, rows=rows
-        )
-    header, found = read_cells(path, what="table", needs=", ".join(columns))
-    columns, numbers = as_in(columns, header), as_in(numbers, header)
-    _check_header(header, columns=columns, more=more, path=path)
-    columns = [*columns, *(name for name in header if whole and name in more)]
-    if not found:
+
+    def wanted(header: Sequence[str]) -> list[str]:
+        """The columns of a table with this header that are read."""
+        named = as_in(columns, header)
+        _check_header(header, columns=named, more=more, path=path)
+        return [*named, *(name for name in header if whole and name in more)]
+
+    table, lines = (
+        _parquet_rows(path, wanted=wanted, rows=rows)
+        if path.suffix == PARQUET
+        else _csv_rows(path, wanted=wanted, needs=", ".join(columns))
+    )
+    if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
-    lines = [line for line, _ in found]
-    table = pd.DataFrame([cells for _, cells in found], columns=header, dtype="str")
-    for name in numbers:
-        table[name] = _finite(table[name], lines=lines, path=path)
-    _check_ids(table["point_id"], lines=lines, path=path)
-    return table[list(columns)].iloc[rows(len(table))]
+    word = "row" if path.suffix == PARQUET else "line"
+    for name in as_in(numbers, table):
+        values = table[name].map(as_number).to_numpy(dtype=float)
+        if len(bad := np.flatnonzero(~np.isfinite(values))):
+            cell = table[name].iloc[bad[0]]
+            cell = repr(cell) if isinstance(cell, str) else cell
+            place = f"{path}: {word} {lines[bad[0]]}"
+            raise InputError(f"{place}: {name} is {cell}, not a finite number")
+        table[name] = values
+    ids = table["point_id"]
+    if len(bad := np.flatnonzero(ids.isna() | (ids == ""))):
+        raise InputError(f"{path}: {word} {lines[bad[0]]}: point_id is empty")
+    if len(bad := np.flatnonzero(ids.duplicated())):
+        point_id = ids.iloc[bad[0]]
+        first = lines[np.flatnonzero(ids == point_id)[0]]
+        place = f"{path}: {word} {lines[bad[0]]}"
+        raise InputError(f"{place}: point_id {point_id!r} stands in {word} {first} already")
+    return table if path.suffix == PARQUET else table.iloc[rows(len(table))]
 
 
-def _read_parquet(
-    path: Path,
-    *,
-    columns: Sequence[str],
-    numbers: Sequence[str],
-    more: Sequence[str],
-    whole: bool,
-    rows: Rows,
-) -> pd.DataFrame:
+def _csv_rows(
+    path: Path, *, wanted: Callable[[Sequence[str]], list[str]], needs: str
+) -> tuple[pd.DataFrame, list[int]]:
+    """All rows of a CSV file as text, and the line of each."""
+    header, rows = read_cells(path, what="table", needs=needs)
+    columns = wanted(header)
+    table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
+    return table[columns], [line for line, _ in rows]
+
+
+def _parquet_rows(
+    path: Path, *, wanted: Callable[[Sequence[str]], list[str]], rows: Rows
+) -> tuple[pd.DataFrame, list[int]]:
+    """Some rows of a Parquet file; no other row groups are held."""
     with needing("workflow", what="a table in Parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
 
     try:
         with pq.ParquetFile(path) as file:
-            names = file.schema_arrow.names
-            columns, numbers = as_in(columns, names), as_in(numbers, names)
-            _check_header(names, columns=columns, more=more, path=path)
-            columns = [*columns, *(name for name in names if whole and name in more)]
+            columns = wanted(file.schema_arrow.names)
             metadata = file.metadata
             sizes = [metadata.row_group(group).num_rows for group in range(metadata.num_row_groups)]
             start, stop, _ = rows(metadata.num_rows).indices(metadata.num_rows)
             ends = np.cumsum(sizes, dtype=int)
             groups = np.flatnonzero((ends > start) & (ends - sizes < stop))
             first = int(ends[groups[0]] - sizes[groups[0]]) if len(groups) else 0
-            found = file.read_row_groups(groups.tolist(), columns=list(columns))
+            found = file.read_row_groups(groups.tolist(), columns=columns)
             found = found.slice(start - first, stop - start)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such table") from None
@@ -215,25 +233,11 @@ def _read_parquet(
         text = pa.types.is_string(column.type) or pa.types.is_large_string(column.type)
         number = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
         if not (text if column.name in TEXT_COLUMNS else number):
-            wanted = "text" if column.name in TEXT_COLUMNS else "numbers"
-            raise InputError(f"{path}: column {column.name!r} holds {column.type}, not {wanted}")
-    if not found.num_rows:
-        raise InputError(f"{path}: the table has no rows")
-    table = found.to_pandas()
-    for name in numbers:
-        table[name] = table[name].astype(float)
-        bad = np.flatnonzero(~np.isfinite(table[name]))
-        if len(bad):
-            value = table[name].iloc[bad[0]]
-            raise InputError(f"{path}: row {bad[0] + 1}: {name} is {value}, not a finite number")
-    ids = table["point_id"]
-    empty = np.flatnonzero(ids.isna() | (ids == ""))
-    if len(empty):
-        raise InputError(f"{path}: row {empty[0] + 1}: point_id is empty")
-    twice = ids[ids.duplicated()]
-    if len(twice):
-        raise InputError(f"{path}: point_id {twice.iloc[0]!r} stands twice")
-    return table[list(columns)]
+            wanted_type = "text" if column.name in TEXT_COLUMNS else "numbers"
+            raise InputError(
+                f"{path}: column {column.name!r} holds {column.type}, not {wanted_type}"
+            )
+    return found.to_pandas()[columns], [*range(start + 1, start + len(found) + 1)]
 
 
 def _check_header(
@@ -255,26 +259,6 @@ def _check_header(
         raise InputError(
             f"{path}: unknown column {unknown[0]!r}; the columns are {', '.join(columns)}"
         )
-
-
-def _check_ids(ids: pd.Series, *, lines: Sequence[int], path: Path) -> None:
-    first_line: dict[str, int] = {}
-    for point_id, line in zip(ids, lines, strict=True):
-        if not point_id:
-            raise InputError(f"{path}: line {line}: point_id is empty")
-        if point_id in first_line:
-            raise InputError(
-                f"{path}: line {line}: point_id {point_id!r} stands in line "
-                f"{first_line[point_id]} already"
-            )
-        first_line[point_id] = line
-
-
-def _finite(column: pd.Series, *, lines: Sequence[int], path: Path) -> list[float]:
-    return [
-        finite_number(text, path=path, line=line, name=str(column.name))
-        for text, line in zip(column, lines, strict=True)
-    ]
 
 
 def write_table(table: pd.DataFrame, path: Path | str) -> None:

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.film.directions import Symmetry, symmetry_from_dict
 from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Gas, Scene
+from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
 from squeezefilm.film.validity import validity
-from squeezefilm.film.vibration.shapes import Piston
-from squeezefilm.film.vibration.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import POLAR
 from squeezefilm.io.tables import read_json

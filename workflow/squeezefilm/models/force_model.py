@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,7 @@ import numpy as np
 import yaml
 from numpy.typing import ArrayLike, NDArray
 
-from squeezefilm.formulas.derivatives import derivative
-from squeezefilm.formulas.expressions import Expression, Name, Program, parse, walk
+from squeezefilm.formulas.expressions import Expression, Name, Node, Number, parse
 from squeezefilm.formulas.units import parameter_units
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN, POLAR
@@ -42,6 +42,8 @@ COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
 POSITION = (*POLAR, *CARTESIAN)
 MOST_PARAMETERS = 30
+STEP = 1e-30
+"""Of the complex step of derivatives, over the parameter's magnitude."""
 
 
 @dataclass(frozen=True)
@@ -200,21 +202,7 @@ class ExpressionModel:
     @property
     def is_linear(self) -> bool:
         """Whether the force is a linear function of the parameters, so that no search is needed."""
-        slopes = (derivative(self.parsed.root, name) for name in self.parameter_names)
-        return not any(
-            isinstance(part, Name) and part.name in self.parameter_names
-            for slope in slopes
-            for part in walk(slope)
-        )
-
-    @cached_property
-    def _value(self) -> Program:
-        return Program([self.parsed.root])
-
-    @cached_property
-    def _slopes(self) -> Program:
-        root = self.parsed.root
-        return Program([root, *(derivative(root, name) for name in self.parameter_names)])
+        return _degree(self.parsed.root, self.parameter_names) <= 1
 
     def factors(self, points: ArrayLike) -> Factors:
         """Factors from the rows of a design, shape (n, number of factors), in SI units."""
@@ -233,9 +221,8 @@ class ExpressionModel:
         (m, n). Where the expression is undefined the result is NaN.
         """
         theta = self._checked(theta)
-        (value,) = self._value.run(self._inputs(theta, factors))
         force_n = np.empty((*theta.shape[:-1], len(factors)))
-        force_n[...] = value
+        force_n[...] = self.parsed.evaluate(**self._inputs(theta, factors))
         force_n[~np.isfinite(force_n)] = np.nan
         return force_n
 
@@ -248,20 +235,21 @@ class ExpressionModel:
         theta = self._checked(theta)
         if theta.ndim != 1:
             raise InputError(f"gradient takes one theta, not a population of {len(theta)}")
-        values = self._slopes.run(self._inputs(theta, factors))
-        rows = np.array([np.broadcast_to(value, len(factors)) for value in values]).T
-        known = np.isfinite(rows)
-        if known.all():
-            return rows[:, 1:]
-        defined = known[:, 0]
-        wrong = np.argwhere(defined[:, None] & ~known[:, 1:])
+        value = self.evaluate(theta, factors)
+        step = STEP * np.where(theta == 0, 1.0, np.abs(theta))
+        turned = self.parsed.evaluate(**self._inputs(theta + 1j * np.diag(step), factors))
+        slopes = np.broadcast_to(turned.imag / step[:, None], (len(theta), len(factors))).T
+        defined, known = np.isfinite(value), np.isfinite(slopes)
+        if known.all() and defined.all():
+            return slopes
+        wrong = np.argwhere(defined[:, None] & ~known)
         if len(wrong):
             row, column = wrong[0]
             raise InputError(
                 f"{self.place}: {self.expression!r} has no finite derivative with respect to "
                 f"{self.parameter_names[column]} {self.described(theta, factors, row)}"
             )
-        return np.where(defined[:, None], rows[:, 1:], np.nan)
+        return np.where(defined[:, None], slopes, np.nan)
 
     def described(self, theta: ArrayLike, factors: Factors, row: int) -> str:
         """A point and the parameters there in words, for messages."""
@@ -290,6 +278,19 @@ class ExpressionModel:
             if name in self.parsed.names
         }
         return parameters | used
+
+
+def _degree(part: Node, parameters: tuple[str, ...]) -> float:
+    """Degree of a formula as a polynomial of the parameters; infinite where it is none."""
+    if isinstance(part, Number | Name):
+        return float(isinstance(part, Name) and part.name in parameters)
+    degrees = [_degree(each, parameters) for each in part.arguments]
+    if part.operator in ("+", "-", "negative"):
+        return max(degrees)
+    if part.operator == "*":
+        return sum(degrees)
+    constant = not any(degrees[1:] if part.operator == "/" else degrees)
+    return degrees[0] if constant else inf
 
 
 def make_model(name: str, settings: Mapping[str, Any], *, place: str) -> ExpressionModel:

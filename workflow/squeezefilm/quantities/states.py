@@ -11,11 +11,14 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Solution
 from squeezefilm.quantities.adjoint import Fields
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import UNKNOWN_FALL, left_after
+from squeezefilm.reynolds.error_estimate import (
+    UNKNOWN_FALL,
+    least_fall_of,
+    left_after,
+    margin_of,
+)
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.changes import least_fall_of, margin_of
-from squeezefilm.reynolds.periodic.gap_numbers import least_fall
-from squeezefilm.reynolds.periodic.resolution import profile_fall
+from squeezefilm.reynolds.periodic.resolution import least_fall, profile_fall
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import stiffness_of, terms_of

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
 
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.terms import Terms
 
 # In a thin layer at the rim all moments change like the force, which may be by little. So much of
 # the mean size of the change counts too: of 120 films (ε 0.02–0.9, σ 0.3–1e5) one, a piston at ε
-# 0.87, had 1.5 times its estimate without. Where the finer of two grids is not there to make up for
-# it, more: of 60 films one (ε 0.6, σ 8e4) had 4 times what its estimate in space was without.
-SIZE_SHARE = 5e-4
-# Narrow spots asked for still more: of 129 films one (ε 0.2, σ 4e3) had 2.2 times its estimate with
-# a share of 5e-3.
-JUDGED_SIZE_SHARE = 2e-2
+# 0.87, had 1.5 times its estimate without. On the coarser grids of a loose tolerance narrow spots
+# ask for more: of 129 films one (ε 0.2, σ 4e3) had 2.2 times its estimate with a share of 5e-3.
+# At 1e-6 that much would cost the paper's scenes a tenth of their iterations more.
+SIZE_SHARE, LOOSE_SIZE_SHARE, LOOSE_FROM = 5e-4, 2e-2, 2e-5
 # Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
 # by unequal steps: FALL_FACTOR times that is taken, enough for first order. No more than MOST_ORDER
 # is believed, nor less than MOST_FALL; without two changes UNKNOWN_FALL makes it twice the change.
@@ -109,7 +109,7 @@ def estimate(
     Args:
         change: change of the mean pressure from the resolution before (``Change.telling``); None
             if there is none, which leaves the error unknown.
-        left: pressure error that the iteration left, and any other that the change does not show.
+        left: pressure error that the iteration left.
         largest: largest |p|, which round-off goes by.
         narrowest: least gap over h0.
         mean: the mean overpressure, of which the tolerance is a share.
@@ -147,6 +147,61 @@ def fall_of(before: Change, after: Change, *, step: np.ndarray | float) -> np.nd
         for new, old in ((after.largest, before.largest), (after.size, before.size))
     )
     return np.asarray(np.maximum(np.maximum(moments, sizes), step**MOST_ORDER))
+
+
+def change_of(
+    said: np.ndarray,
+    *,
+    known: Sequence[Change | None],
+    steps: np.ndarray,
+    sizes: np.ndarray,
+    per_residual: np.ndarray,
+    terms: Terms,
+    tolerance: float,
+) -> tuple[Change, np.ndarray]:
+    """Change of films' mean pressures to the last of their grids, factor by which changes fall.
+
+    Args:
+        said: what is said of the films on the last grid (``states.SAID``); the first guess there
+            is the state on the one before.
+        known: each film's change to the grid before, if there is one.
+        steps: from each film's grid before the last one to that (``step_between``).
+        sizes: shares of the changes' sizes that count of each at least.
+        per_residual: by how much their pressure may be off for the residual that is left.
+        terms: those of the films.
+    """
+    loose = margin_of(terms) == 1 and tolerance >= LOOSE_FROM
+    shares = np.maximum(LOOSE_SIZE_SHARE if loose else SIZE_SHARE, sizes)
+    change = Change(np.maximum(said["moment"], shares * said["size"]), said["size"])
+    fall = np.full(len(known), UNKNOWN_FALL)
+    which = [at for at, before in enumerate(known) if before]
+    if which and margin_of(terms) == 1:
+        before = _stacked([each for each in known if each])
+        # Changes that fall suddenly are not believed.
+        seen = fall_of(before, change[which], step=steps[which])
+        fall[which] = np.maximum(seen, UNKNOWN_FALL)
+        change.largest[which] = change[which].steady(before).largest
+    # A grid that took a state over as it is shows no change: what the residual would have made.
+    unseen = np.where(said["newton_steps"] == 0, said["residual"], 0.0)
+    return change + per_residual * unseen, fall
+
+
+def _stacked(changes: Sequence[Change]) -> Change:
+    """Those of several films as one."""
+    return Change(
+        np.array([change.largest for change in changes]),
+        np.array([change.size for change in changes]),
+    )
+
+
+def margin_of(terms: Terms) -> float:
+    """By which the estimates of films with some terms are increased."""
+    return max(term.ESTIMATE_MARGIN for term in terms) if terms else 1.0
+
+
+def least_fall_of(terms: Terms) -> float:
+    """The factor below which no changes of films with some terms are believed to fall."""
+    return max((term.LEAST_FALL for term in terms), default=0.0)
 
 
 def error_text(error: float, *, allowed: float, force: float) -> str:

@@ -9,7 +9,7 @@ from math import log10, nan
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
-from squeezefilm.reynolds.periodic.first_grids import first_grids
+from squeezefilm.reynolds.periodic.resolution import first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.solver import LimitResult, Way, each_on_its_own, unexpected, ways_of
 from squeezefilm.reynolds.terms import Terms

@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
 from squeezefilm.reynolds.layout import Joined, joined
 from squeezefilm.reynolds.outlines.around import Around, around
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
@@ -31,7 +31,7 @@ class Grid:
 
     ``nx`` and ``ny`` count unknowns: a folded axis has half as many as it has nodes. Under an
     outline that is no rectangle x and y are its coordinates μ, in units of the strip's width, and
-    ν (film/outlines.py); the film is even about the pad's middle along x, y where ``fold_x``,
+    ν (film/outline.py); the film is even about the pad's middle along x, y where ``fold_x``,
     ``fold_y`` say so.
     """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
 from squeezefilm.reynolds.under_finger import UnderFinger, under_finger

@@ -141,7 +141,7 @@ def _with_rest(scene: Scene, grid: Grid, moving: np.ndarray) -> np.ndarray:
     """The parts of a scene's gap, shape (parts, nodes along x, nodes along y)."""
     if scene.plain:
         return moving
-    second = moving[1] if scene.two_phases else np.zeros_like(moving[0])
+    second = moving[1] if scene.actuator.profile.is_complex else np.zeros_like(moving[0])
     rise_m = scene.finger.gap.rise_m(*grid.positions).reshape(_whole(grid))
     return np.stack([moving[0], second, rise_m])
 

@@ -11,9 +11,9 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Gas, Scene
-from squeezefilm.film.vibration.shapes import Sinc, StandingWave, TwoPhases
-from squeezefilm.film.vibration.surfaces import Disc
+from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device, choose_device
@@ -72,7 +72,7 @@ def films() -> dict[str, tuple[Scene, Grid]]:
 def _of_any_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     """Tilted and bulging, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
-    modes = TwoPhases(SINC, crests, shares=(0.8, 0.6))
+    modes = Quadrature(SINC, crests, shares=(0.8, 0.6))
     gap = GapShape(tilt_x_m=tilt_x_m, bulge_m=5e-7)
     return replace(
         scene,

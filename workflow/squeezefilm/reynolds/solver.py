@@ -329,7 +329,7 @@ def _evaluate(
         groups[
             max(limit_points(tolerance=tolerance, sigma=layers), 2 * seen_x + 1),
             max(limit_points(tolerance=tolerance, sigma=layers * scene.aspect**2), 2 * seen_y + 1),
-            scene.two_phases,
+            scene.actuator.profile.is_complex,
             scene.finger.gap.flat,
         ].append(index)
     results = {}
@@ -349,7 +349,7 @@ def _limit(name: str, scenes: Sequence[Scene], *, nx: int, ny: int) -> LimitForc
     if name == "closed-form":
         return limits.closed_form(epsilon=epsilon, sigma=sigma, aspect=aspect)
     x, y = np.meshgrid(limit_axis(nx).all_nodes, limit_axis(ny).all_nodes, indexing="ij")
-    places = {scene.place: scene.phasor(x, y) for scene in scenes}
+    places = {scene.place: scene.amplitude(x, y) for scene in scenes}
     function = {
         "fast-limit": limits.fast_limit,
         "boundary-layer": limits.boundary_layer_limit,

@@ -12,9 +12,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
+from squeezefilm.film.profiles import landmarks_of
 from squeezefilm.film.scene import AtPlace, Scene
-from squeezefilm.film.vibration.landmarks import landmarks_of
 from squeezefilm.reynolds.grid import MOST_SPACE
 from squeezefilm.reynolds.outlines.around import Around, around
 from squeezefilm.reynolds.spectral import Axis, axis, period
@@ -77,7 +77,7 @@ class UnderFinger:
             self.even_x = self.even_x and self._mirrored(along_x=True) <= same
             self.even_y = self.even_y and self._mirrored(along_x=False) <= same
         still = max(np.abs(parts - 1).max(), np.abs(between - 1).max()) < SYMMETRIC
-        self.uniform = bool(still) and not scene.two_phases
+        self.uniform = bool(still) and not scene.actuator.profile.is_complex
 
     def probe(self, share: float) -> Probe:
         """The first that misses no more than a share, else the finest that there is."""

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.designs.box import Box
-from squeezefilm.film.directions import Symmetry
+from squeezefilm.film.symmetry import Symmetry
 from squeezefilm.io.positions import POLAR, as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.studies.config import ENDS, Config

@@ -8,21 +8,19 @@ from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from squeezefilm.film.contour import read_contour
-from squeezefilm.film.directions import Directions, Symmetry
 from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.outline import read_contour
+from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
 from squeezefilm.film.scene import Actuator, Gas, Scene
-from squeezefilm.film.vibration.choice import make_profile
-from squeezefilm.film.vibration.shapes import Sinc, StandingWave, Vibration
-from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
+from squeezefilm.film.surfaces import Disc, Rectangle, Surface
+from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
-from squeezefilm.studies.symmetry import no_symmetry, symmetry
 
 if TYPE_CHECKING:
-    from squeezefilm.film.vibration.scans import SmoothedScan
+    from squeezefilm.film.measured.smooth import SmoothedScan
 
 SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
 """Of the environment: where a run keeps the smooth profile of its study's scan."""
@@ -36,14 +34,14 @@ def surface_of(config: Config) -> Surface:
     return Rectangle(actuator["surface"]["length_x_m"], actuator["surface"]["length_y_m"])
 
 
-def profile_of(config: Config) -> Vibration:
+def profile_of(config: Config) -> Profile:
     """The actuator's vibration shape.
 
     Raises InputError naming what is wrong with a formula or a measured profile.
     """
     smoothed = smoothed_scan_of(config)
     if smoothed is not None:
-        return smoothed.vibration
+        return smoothed.profile
     return make_profile(surface=surface_of(config), **config["actuator"]["profile"])
 
 
@@ -77,7 +75,7 @@ def smoothing_settings(config: Config) -> dict[str, Any]:
 
 def smoothed_anew(config: Config) -> SmoothedScan:
     """The smooth profile of a study's scan."""
-    from squeezefilm.film.vibration.scans import smoothed_scan
+    from squeezefilm.film.measured.smooth import smoothed_scan
 
     path = scan_path(config)
     assert path is not None
@@ -95,12 +93,12 @@ def smoothed_scan_of(config: Config) -> SmoothedScan | None:
     kept = Path(os.environ.get(SMOOTHED_VARIABLE, ""))
     if not kept.is_file():
         return smoothed_anew(config)
-    from squeezefilm.film.vibration.smoothed_file import read_smoothed
+    from squeezefilm.film.measured.smooth import read_smoothed
 
     return read_smoothed(kept, path, settings=smoothing_settings(config))
 
 
-def planned_profile_of(config: Config) -> Vibration:
+def planned_profile_of(config: Config) -> Profile:
     """The vibration shape as far as plans need it: of a scan a usual one, for it is not smoothed.
 
     By it the work is divided into jobs, whose number may not depend on whether the scan has been
@@ -159,7 +157,7 @@ def symmetry_of(config: Config) -> Symmetry:
 
 
 def scene_of(
-    point: ScenePoint, config: Config, *, check: bool = True, profile: Vibration | None = None
+    point: ScenePoint, config: Config, *, check: bool = True, profile: Profile | None = None
 ) -> Scene:
     """The scene of one point of a plan on the study's film, checked unless only its terms matter.
 
@@ -205,8 +203,8 @@ def check_study(config: Config) -> Config:
 
 def _check_scan(config: Config) -> None:
     """Refuse a scan that cannot be read, or has points off the surface."""
-    from squeezefilm.film.vibration.scans import places_on
-    from squeezefilm.film.vibration.vibrometer import read_scan
+    from squeezefilm.film.measured.read import read_scan
+    from squeezefilm.film.measured.smooth import places_on
 
     path, actuator = scan_path(config), config["actuator"]
     if path is not None:

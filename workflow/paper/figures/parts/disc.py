@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 
-from squeezefilm.film.vibration.shapes import shown_of
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import finger_of, profile_of
 
@@ -16,6 +15,8 @@ def profile_table(config: Config, *, radii: int, angles: int) -> pd.DataFrame:
     angle_deg = np.linspace(0, 360, angles)
     radius_m, angle_deg = (v.ravel() for v in np.meshgrid(radius_m, angle_deg, indexing="ij"))
     x_m, y_m = radius_m * np.cos(np.radians(angle_deg)), radius_m * np.sin(np.radians(angle_deg))
+    s = profile_of(config).amplitude(x_m=x_m, y_m=y_m)
+    shown = np.abs(s) if np.iscomplexobj(s) else s
     return pd.DataFrame(
         {
             "layer": "surface",
@@ -23,7 +24,7 @@ def profile_table(config: Config, *, radii: int, angles: int) -> pd.DataFrame:
             "angle_deg": angle_deg,
             "x_mm": np.round(x_m * 1e3, 9),
             "y_mm": np.round(y_m * 1e3, 9),
-            "amplitude_ratio": np.round(shown_of(profile_of(config), x_m=x_m, y_m=y_m), 12),
+            "amplitude_ratio": np.round(shown, 12),
         }
     )
 

@@ -1,6 +1,6 @@
 """Smooth a measured vibration profile, and say what its noise does to profile and forces.
 
-    squeezefilm profile --config config/mine.yaml --points points.csv --summary summary.json \\
+    squeezefilm profile --config config/mine.yaml --summary summary.json \\
         --forces forces.csv --figure profile.csv
 
 The profile is the one that every simulation of the study uses. Its noise is drawn anew, from the
@@ -12,8 +12,7 @@ both (`scan_error_n`), which the solver's own error adds to.
 
 import argparse
 
-from squeezefilm.film.vibration import residuals as figure
-from squeezefilm.film.vibration.scan_tables import points_table, summary_of
+from squeezefilm.film.measured.tables import described, profile_table, summary_of
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.studies.config import load_config
@@ -23,7 +22,6 @@ from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml")
-    parser.add_argument("--points", required=True, metavar="POINTS.csv")
     parser.add_argument("--summary", required=True, metavar="SUMMARY.json")
     parser.add_argument("--forces", required=True, metavar="FORCES.csv")
     parser.add_argument("--figure", required=True, metavar="FIGURE.csv")
@@ -39,16 +37,17 @@ def run(options: argparse.Namespace) -> None:
     if smoothed is None:
         kind = config["actuator"]["profile"]["kind"]
         raise InputError(f"{options.config}: actuator.profile: {kind} is not measured")
-    points = points_table(smoothed)
     forces = errors_in_study(config, smoothed, draws=options.draws, seed=options.seed)
     summary = summary_of(
         smoothed,
         noise=float(forces["noise_share"].max()),
         error=float(forces["scan_error_share"].max()),
     )
-    write_table(points, options.points)
     write_table(forces, options.forces)
-    write_table(figure.build(smoothed, summary), options.figure)
+    text = described(summary)
+    table = profile_table(smoothed).assign(
+        note="; ".join(" ".join(line.split()) for line in text.splitlines())
+    )
+    write_table(table, options.figure)
     write_json(summary, options.summary)
-    modes = smoothed.profile.surface.modes
-    print(figure.note(summary, name=smoothed.scan.path.name, modes=modes))
+    print(text)

@@ -13,8 +13,8 @@ import io
 
 import numpy as np
 
-from squeezefilm.film.vibration.shapes import Formula, Profile, Sinc
-from squeezefilm.film.vibration.surfaces import Disc, Rectangle, Surface
+from squeezefilm.film.profiles import Formula, Profile, Sinc
+from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 

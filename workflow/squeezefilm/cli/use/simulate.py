@@ -37,9 +37,9 @@ from squeezefilm.api.forces import WITH_STATES, force_of, forces_of, forces_tabl
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
+from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
-from squeezefilm.film.vibration.scans import SmoothedScan
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.progress import progress_bar

@@ -24,7 +24,7 @@ def unknown_to(name: str, scene: Scene, needs: Needs) -> str:
     if shaped and others:
         labels = " and ".join(term.label for term in others)
         return f"{name} was not derived for {labels} under a gap that is shaped at rest"
-    if scene.two_phases and scene.gas.inertia == "included":
+    if scene.actuator.profile.is_complex and scene.gas.inertia == "included":
         return f"{name} with inertia was derived for a vibration in one phase"
     if unknown := [term.label for term in needs.terms if not term.knows_limit(name)]:
         return f"{name} does not know {' and '.join(unknown)}"

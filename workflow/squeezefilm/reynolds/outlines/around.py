@@ -1,4 +1,4 @@
-"""Equidistant collocation around a pad: the coordinate ν of its outline (film/outlines.py)."""
+"""Equidistant collocation around a pad: the coordinate ν of its outline (film/outline.py)."""
 
 from __future__ import annotations
 

@@ -4,36 +4,29 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Solution
-from squeezefilm.reynolds.error_estimate import Change, error_text, estimate, step_between
-from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic.changes import (
-    changes_of,
-    how_many_tell,
-    judged_from_coarser,
+from squeezefilm.reynolds.error_estimate import (
+    Change,
+    change_of,
+    error_text,
+    estimate,
     least_fall_of,
     margin_of,
+    step_between,
 )
-from squeezefilm.reynolds.periodic.gap_numbers import least_fall
-from squeezefilm.reynolds.periodic.resolution import (
-    finer_grid,
-    nodes_for_profile,
-    profile_fall,
-    up_to,
-)
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.periodic.resolution import finer_grid, least_fall, profile_fall
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, States
 from squeezefilm.reynolds.terms import size_share_of, state_refused, stiffness_of
 
-# Share of the allowed error up to which that in time is left as it is.
-TIME_SHARE = 0.3
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
 MOST_FAILURES = 3
 
@@ -43,10 +36,9 @@ class Progress:
     """A scene on its way through the grids.
 
     Attributes:
-        grids: those of the next launch; the last ones tell the error.
+        grids: those of the next launch; the change to the last tells its error.
         state: the unknowns on the first of them, if they are known already.
         change: the last change of the mean pressure, if there is one.
-        in_time: error in time, where the last change does not show it.
         failures: times that Newton's method failed on the last grid.
     """
 
@@ -56,7 +48,6 @@ class Progress:
     grids: tuple[Grid, ...]
     state: np.ndarray | None = None
     change: Change | None = None
-    in_time: float = 0.0
     failures: int = 0
     newton_steps: int = 0
     krylov_iterations: int = 0
@@ -82,10 +73,10 @@ class Landed(NamedTuple):
 def judged_alike(
     groups: Sequence[Sequence[Progress]], states: Sequence[Sequence[States]]
 ) -> Iterable[list[Landed]]:
-    """The groups of a launch, those together whose errors as many grids tell."""
-    alike: dict[tuple[int, int], list[Landed]] = defaultdict(list)
+    """The groups of a launch, those together that were on as many grids."""
+    alike: dict[int, list[Landed]] = defaultdict(list)
     for landed in map(Landed, groups, states):
-        alike[len(landed.grids), how_many_tell(landed.grids)].append(landed)
+        alike[len(landed.grids)].append(landed)
     return alike.values()
 
 
@@ -97,39 +88,36 @@ def judge(
     counts = [len(group) for group, _ in groups]
     stages = [_said(same) for same in zip(*(stages for _, stages in groups), strict=True)]
     said, terms = stages[-1], each_scene[0].needs.terms
-    telling = how_many_tell(groups[0].grids)
     narrowest = np.array([progress.scene.narrowest for progress in each_scene])
     # A mass error w moves the pressure by about n w/H.
     stiffness = [stiffness_of(each.scene, terms) for each in each_scene] if terms else [1.0]
     per_residual = stiffness / narrowest
     least_falls, of_profile = _slow_falls(groups, tolerance=tolerance)
-    change, fall, in_time = changes_of(
-        stages,
-        telling=telling,
-        steps=np.repeat([step_between(*landed.last_two) for landed in groups], counts),
+    change, fall = change_of(
+        said,
         known=[progress.change for progress in each_scene],
-        in_time=np.array([progress.in_time for progress in each_scene]),
+        steps=np.repeat([step_between(*landed.last_two) for landed in groups], counts),
         sizes=np.array([size_share_of(each.scene, terms) if terms else 0.0 for each in each_scene]),
-        least_falls=least_falls,
         per_residual=per_residual,
         terms=terms,
         tolerance=tolerance,
     )
+    alone = len(stages) == 1  # a single grid tells no error
+    fall = np.maximum.reduce([fall, least_falls, of_profile])
     found = estimate(
-        change=change.telling(of_profile) if change else None,
-        left=per_residual * said["residual"] + in_time,
+        change=None if alone else change.telling(of_profile),
+        left=per_residual * said["residual"],
         largest=said["largest"],
         narrowest=narrowest,
         mean=said["mean"],
         tolerance=tolerance,
-        fall=np.maximum(np.maximum(fall, of_profile), least_fall_of(terms)),
+        fall=np.maximum(fall, least_fall_of(terms)),
         margin=margin_of(terms),
     )
     for at in np.flatnonzero(~found.holds).tolist():
-        progress = each_scene[at]
-        progress.change, progress.in_time = change and change[at], float(in_time[at])
+        each_scene[at].change = None if alone else change[at]
     _add_work(groups, stages)
-    failed = np.array([each["status"] != 0 for each in stages[-telling:]]).T
+    failed = np.array([each["status"] != 0 for each in stages[-2:]]).T
     of_states = (said[name] for name in ("mean", "lowest", "thinnest", "residual"))
     # As plain numbers: entries of arrays are slow to take one by one.
     outcomes = (each.tolist() for each in (failed, found.error, found.allowed, *of_states))
@@ -181,7 +169,7 @@ class _Outcome(NamedTuple):
     """What is known of a scene after a launch; all but ``failed`` on the last grid.
 
     Attributes:
-        failed: whether there is no state, on each of the grids that tell the error.
+        failed: whether there is no state, on each of the last two grids.
         error, allowed: of the mean overpressure.
         mean, lowest, thinnest, residual: as in ``States``.
     """
@@ -227,7 +215,7 @@ def _judge_scene(
             work=progress.work,
         )
 
-    if failed[-1] and finer and _begun_again(progress, finer, tolerance=tolerance, room=room):
+    if failed[-1] and finer and _begun_again(progress, finer, room=room):
         return None
     if failed[-1] or (any(failed) and finer is None):
         at = -1 - failed[::-1].index(True)
@@ -253,24 +241,16 @@ def _judge_scene(
         return finished(
             status=f"tolerance not reached with bearable work ({_size(grid)}): {reason}"
         )
-    if TIME_SHARE * allowed > progress.in_time > 0:
-        finer = replace(finer, nt=grid.nt)
-    elif progress.change:
-        progress.change, progress.in_time = progress.change + progress.in_time, 0.0
     progress.grids, progress.state = (grid, finer), stages[-1].unknowns[position].copy()
     return None
 
 
-def _begun_again(progress: Progress, finer: Grid, *, tolerance: float, room: float) -> bool:
+def _begun_again(progress: Progress, finer: Grid, *, room: float) -> bool:
     """Whether a scene that has no state on a grid is to be tried on finer ones, from rest."""
     again = finer_grid(finer, room=room)
     if margin_of(progress.needs.terms) > 1 or again is None or progress.failures == MOST_FAILURES:
         return False
-    judged = judged_from_coarser(progress.needs.terms, tolerance=tolerance)
-    seen = nodes_for_profile(progress.needs, tolerance=tolerance)
-    grids = up_to(again, seen) if judged else ()
-    progress.grids = grids or (finer, again)
-    progress.state, progress.change, progress.in_time = None, None, 0.0
+    progress.grids, progress.state, progress.change = (finer, again), None, None
     progress.failures += 1
     return True
 

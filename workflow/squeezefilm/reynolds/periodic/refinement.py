@@ -11,13 +11,11 @@ import numpy as np
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import ITERATION_SHARE
+from squeezefilm.reynolds.error_estimate import ITERATION_SHARE, margin_of
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic.changes import how_many_tell, margin_of
-from squeezefilm.reynolds.periodic.first_grids import first_grids
 from squeezefilm.reynolds.periodic.judging import Landed, Progress, judge, judged_alike
 from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
-from squeezefilm.reynolds.periodic.resolution import MOST_UNKNOWNS
+from squeezefilm.reynolds.periodic.resolution import MOST_UNKNOWNS, first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import State
 from squeezefilm.reynolds.problems import problems_on
@@ -26,9 +24,9 @@ from squeezefilm.reynolds.terms import Terms
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-2
 # Share of the allowed error that the iteration may leave where the estimate counts it once; and of
-# that on grids that differ in time alone, or that go on from a known state.
+# that on grids that go on from a known state.
 LEFT_SHARE = 0.5
-TIMELY = 0.04
+GOING_ON = 0.04
 # And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
 # error alone.
 KEPT = 0.04
@@ -71,7 +69,7 @@ def solve_periodic(
         while len(flying) < IN_FLIGHT and (start := next(starts, None)) is not None:
             stop = min(start + IN_FLIGHT * size, len(scenes))
             fly(
-                _begun(i, scenes[i], needs[i], tolerance=tolerance, room=room, refined=keep_states)
+                _begun(i, scenes[i], needs[i], tolerance=tolerance, room=room, kept=keep_states)
                 for i in range(start, stop)
             )
         if not flying:
@@ -105,9 +103,9 @@ def _kept(batch: Landed, position: int) -> tuple[State, ...]:
 
 
 def _begun(
-    index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float, refined: bool
+    index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float, kept: bool
 ) -> Progress:
-    grids = first_grids(scene, needs, tolerance=tolerance, room=room, refined=refined)
+    grids = first_grids(scene, needs, tolerance=tolerance, room=room, kept=kept)
     return Progress(index=index, scene=scene, needs=needs, grids=grids)
 
 
@@ -156,13 +154,10 @@ def _batch_of(group: Sequence[Progress], *, tolerance: float, keep_states: bool)
     grids = group[0].grids
     share = LEFT_SHARE if margin_of(group[0].needs.terms) == 1 else ITERATION_SHARE
     left = (KEPT if keep_states else 1.0) * share * tolerance
-    telling = how_many_tell(grids)
-    shares = [max(left, START_TOLERANCE)] * (len(grids) - telling) + [left] * telling
-    if telling > 2:  # so that it does not hide the error in time
-        shares[-telling] = shares[-telling + 1] = TIMELY * left
+    shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
     known = [progress.state for progress in group if progress.state is not None]
     if known:  # so that the finer grid does not take the state over as it is
-        shares = [TIMELY * left] * len(grids)
+        shares = [GOING_ON * left] * len(grids)
     tolerances = dict(zip(grids, shares, strict=True))
     problems = problems_on(scenes, tolerances, terms=group[0].needs.terms)
     guess = np.stack(known) if known else None

@@ -8,10 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import asinh, ceil, inf, log, log10, pi, sqrt
+from typing import TypedDict
 
-from squeezefilm.film.outlines import Outline
+from squeezefilm.film.outline import Outline
+from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
+from squeezefilm.reynolds.terms import layer_stiffness_of, numbers_of, unknown_fields
 from squeezefilm.reynolds.under_finger import Probe, UnderFinger
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
@@ -28,14 +32,8 @@ TIME_SHARE = 0.15
 # What the instants may leave of a force that is of second order in the amplitude, over its square:
 # a change of 1.3 ρ^nt/ε² was seen from 8 instants to 12 (ε 0.2–0.25, σ 700–2300).
 TIME_FORCE = 0.3
-# The same for the last of three grids, of whose error the other two tell more.
-JUDGED_SHARE = 1.0
 # Of which unknowns along an axis are multiples: kernels are fastest at four, two are the least.
 FOURS, TWOS = 4, 2
-# Unknowns of a grid before which a start pays where coarse grids come first anyway.
-LEAST_STARTED = 20_000
-# Grids that differ in space alone, of which the last is judged.
-LEVELS = 3
 # Share of the tolerance that a grid may miss of the profile without a look at how fast that falls.
 NEXT_TO_NOTHING = 0.1
 # A sliding surface makes a layer at the trailing rim, as thin as that of a squeeze number of so
@@ -48,6 +46,65 @@ INCOMPRESSIBLE = 10.0
 # A profile is seen by a grid that misses no more of it than this or the root of the tolerance: a
 # force is a mean, good to about the square of what the interpolant misses.
 LARGEST_MISSED = 1e-2
+# Tolerance below which a plain film's first grid is to leave less: there too many wanted a third.
+TIGHT_BELOW, TIGHT_SHARE = 4e-7, 0.2
+# Chebyshev nodes see the layer at a sliding surface's trailing rim, Λ/(1 − ε) times thinner than
+# the finger, if there are this many times the root of that. Else errors fall as slowly as first
+# order: of 40 films with more than 100 one (Λ 98, ε 0.87, at a tolerance of 0.1) was off by 1.8
+# times its estimate, another by 0.98; with this least fall it is 7 times the change, as for 28
+# nodes and 32.
+NODES_PER_SLIDING = 2.0
+SLIDING_FALL = 0.7
+# Above this errors may go up and down from grid to grid; below 1e4 none of 996 films was beyond its
+# estimate, but one at 9963 came to 0.9 of it.
+UNEVEN_SIGMA = 5e3
+# Above this at the narrowest place of a gap that is shaped at rest the first grid is for a layer as
+# thin again: 60 such films of a draw (1e-4) took half of the time, for fewer went on to more grids.
+THIN_SIGMA = 1e4
+
+
+def first_grids(
+    scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS, kept: bool = False
+) -> tuple[Grid, ...]:
+    """Those of the first launch: a start, if it pays, and those that it takes to know the error.
+
+    Args:
+        room: most unknowns of a grid that the device has memory for.
+        kept: whether states are, of which quantities ask for more than the force does.
+    """
+    plain = not kept and needs.outline is None and margin_of(needs.terms) == 1
+    # Twice the change to the second grid must be below the tolerance, or a third is needed; but
+    # plain films want fewer nodes than the guess.
+    plain_share = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE
+    share, step = (plain_share, TWOS) if plain else (FIRST_SHARE, FOURS)
+    first = grid_for(scene, needs, tolerance=tolerance, share=share, room=room, step=step)
+    return with_finer(first, needs, tolerance, room, step)
+
+
+def grid_for(
+    scene: Scene,
+    needs: Needs,
+    *,
+    tolerance: float,
+    share: float = FIRST_SHARE,
+    room: float = MOST_UNKNOWNS,
+    step: int = FOURS,
+) -> Grid:
+    """A grid that is to leave a share of the tolerance."""
+    numbers, terms = gap_numbers(scene), needs.terms
+    return first_grid(
+        **numbers,
+        bearing=abs(scene.bearing_number),
+        aspect=scene.aspect,
+        needs=needs,
+        tolerance=tolerance,
+        share=share,
+        # Only what has unknowns of its own lags; without terms no layer but the squeezing's counts.
+        slow=float(numbers_of(scene, terms)["slow"]) if unknown_fields(terms) > 1 else 1.0,  # type: ignore[arg-type]
+        stiffness=layer_stiffness_of(scene, terms, sigma=numbers["sigma"]) if terms else 1.0,
+        room=room,
+        step=step,
+    )
 
 
 def probe_for(needs: Needs, *, tolerance: float) -> Probe:
@@ -75,7 +132,7 @@ def unseen_profile(needs: Needs, *, tolerance: float) -> str | None:
     probe, share = probe_for(needs, tolerance=tolerance), _share(tolerance)
     if not probe.missed < inf:
         return "the profile has no finite value at some place under the finger"
-    most = MOST_JUDGED_FOLDED * 2 if needs.fold_x and needs.fold_y else MOST_JUDGED
+    most = MOST_FIRST_FOLDED * 2 if needs.fold_x and needs.fold_y else MOST_FIRST
     if probe.missed <= share and max(probe.nodes(share)) <= most:
         return None
     finger = needs.profile.finger
@@ -142,7 +199,7 @@ def first_grid(
         seen,
         _unknowns(nodes_x, seen.share_x, step),
         _unknowns(nodes_y, seen.share_y, step),
-        min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_JUDGED_TIME),
+        min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_FIRST_TIME),
         room,
         step,
     )
@@ -218,7 +275,7 @@ def _nodes_around(digits: float, epsilon: float, curvature: float, outline: Outl
 
 def _unknowns(nodes: float, share: int, step: int) -> int:
     """Unknowns along an axis, one for so many nodes: a multiple of a step."""
-    most = MOST_JUDGED_FOLDED if share > 1 else MOST_JUDGED
+    most = MOST_FIRST_FOLDED if share > 1 else MOST_FIRST
     return min(step * ceil(nodes / share / step), most)
 
 
@@ -242,30 +299,6 @@ def _fewer(points: int, step: int, *, fold: bool) -> int:
 
 
 @lru_cache(maxsize=4096)
-def judged_grids(grid: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
-    """Coarser grids and ``grid``, whose error they tell without a finer one; none if they cannot.
-
-    The first has more instants than the others, so its difference to the second shows the error in
-    time. From the second on they grow in space alone: two changes say how fast they fall, one is
-    known where no coarser grid has ``seen`` nodes across the finger.
-    """
-    in_space = [grid]
-    while len(in_space) < LEVELS:
-        last = in_space[0]
-        coarser = replace(
-            grid,
-            nx=last.nx - _part(last.nx, 6, FOURS, fold=grid.fold_x),
-            ny=last.ny - _part(last.ny, 6, FOURS, fold=grid.fold_y),
-        )
-        if min(coarser.nx, coarser.ny) < 4 or not coarser.sees(*seen):
-            break
-        in_space.insert(0, coarser)
-    if len(in_space) == 1:
-        return ()
-    return replace(in_space[0], nt=_more_instants(grid.nt)), *in_space
-
-
-@lru_cache(maxsize=4096)
 def with_finer(
     first: Grid, needs: Needs, tolerance: float, room: float, step: int
 ) -> tuple[Grid, ...]:
@@ -275,26 +308,10 @@ def with_finer(
     return tuple(grid for grid in wanted if grid is not None)
 
 
-@lru_cache(maxsize=4096)
-def up_to(last: Grid, seen: tuple[int, int]) -> tuple[Grid, ...]:
-    """The coarser grids that tell the error of the last one; none if none do."""
-    grids = judged_grids(last, seen)
-    pays = bool(grids) and grids[0].count >= LEAST_STARTED
-    start = _start(grids[0], seen, FOURS) if pays else None
-    return (start, *grids) if start else grids
-
-
 def _start(grid: Grid, seen: tuple[int, int], step: int) -> Grid | None:
     start = start_grid(grid, step)
     # What does not see the profile is no guess.
     return start if start and start.sees(*seen) else None
-
-
-@lru_cache(maxsize=4096)
-def at_least_judged(grid: Grid) -> Grid:
-    """The grid, or the least one that has two coarser ones."""
-    least_x, least_y = (12 if fold else 16 for fold in (grid.fold_x, grid.fold_y))
-    return replace(grid, nx=max(grid.nx, least_x), ny=max(grid.ny, least_y))
 
 
 @lru_cache(maxsize=4096)
@@ -353,11 +370,52 @@ def _more_instants(points: int) -> int:
     return points + _part(points, 5, FOURS, fold=False)
 
 
-def _most_judged(most: int) -> int:
+def _most_first(most: int) -> int:
     """The most points from which the next finer grid, which tells the error, has room."""
     some = range(4, most + 1, 4)
     return max(points for points in some if points + _part(points, 5, FOURS, fold=False) <= most)
 
 
-MOST_JUDGED, MOST_JUDGED_FOLDED = _most_judged(MOST_SPACE), _most_judged(MOST_SPACE // 2)
-MOST_JUDGED_TIME = _most_judged(MOST_TIME)
+MOST_FIRST, MOST_FIRST_FOLDED = _most_first(MOST_SPACE), _most_first(MOST_SPACE // 2)
+MOST_FIRST_TIME = _most_first(MOST_TIME)
+
+
+class GapNumbers(TypedDict):
+    """A scene's gap as a first grid goes by it, arguments of ``first_grid``."""
+
+    epsilon: float
+    sigma: float
+    bend: float
+
+
+def gap_numbers(scene: Scene) -> GapNumbers:
+    """A gap that is shaped at rest is as hard as its narrowest place, and as closed, everywhere."""
+    if scene.finger.gap.flat:
+        return {"epsilon": scene.epsilon, "sigma": scene.sigma, "bend": 0.0}
+    bulge = 8 * abs(scene.finger.gap.bulge_m) / scene.h0_m
+    return {
+        "epsilon": scene.closure(),
+        "sigma": _hardest_sigma(scene),
+        "bend": bulge / scene.epsilon if scene.epsilon else 0.0,
+    }
+
+
+def _hardest_sigma(scene: Scene) -> float:
+    least = min(1.0, scene.rest_range[0])
+    sigma = scene.sigma / least**2
+    return sigma if sigma < THIN_SIGMA else sigma / least**2
+
+
+def least_fall(scene: Scene, nodes_x: int) -> float:
+    """Factor by which changes from grid to grid are believed to fall at most.
+
+    Args:
+        nodes_x: across the finger along x, of the coarser grid.
+    """
+    if scene.bearing_number:
+        layers = abs(scene.bearing_number) / (1 - gap_numbers(scene)["epsilon"])
+        if nodes_x < NODES_PER_SLIDING * sqrt(layers):
+            return SLIDING_FALL
+    sigma = scene.sigma if scene.finger.gap.flat else _hardest_sigma(scene)
+    sigma *= max(1.0, scene.aspect) ** 2
+    return THIN_LAYER_FALL if sigma > UNEVEN_SIGMA else 0.0

@@ -52,7 +52,9 @@ class AnyGap(Term):
             return None
         shaped = not scene.finger.gap.flat
         both = ", ".join(
-            label for label, has in ((SHAPED, shaped), (TWO_PHASES, scene.two_phases)) if has
+            label
+            for label, has in ((SHAPED, shaped), (TWO_PHASES, scene.actuator.profile.is_complex))
+            if has
         )
         if not shaped:
             return cls(both)

@@ -1,6 +1,6 @@
 """A smooth outline that is no rectangle: the area behind each point weighs what changes in time.
 
-In the conformal coordinates of the outline (film/outlines.py) the equation times that area has the
+In the conformal coordinates of the outline (film/outline.py) the equation times that area has the
 rectangle's form but for this weight J/J̄ of σ d(Hρ)/dT; the term adds what is more than 1 of it.
 """
 

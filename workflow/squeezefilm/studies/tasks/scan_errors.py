@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
-from squeezefilm.film.directions import Directions
+from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.vibration.scans import SmoothedScan
+from squeezefilm.film.symmetry import Directions
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import scene_points
 from squeezefilm.quantities.model_error import resolve_auto_terms
@@ -29,33 +29,6 @@ COVERAGE = 0.95
 LIMIT_POINTS, LARGE_SIGMA = 15, 1e6
 
 
-@dataclass(frozen=True)
-class ScanErrors:
-    """Errors of the forces of B scenes, in newtons, shape (B,).
-
-    Attributes:
-        force_n: with the profile, to TOLERANCE.
-        spread_n: standard deviation over profiles with other noise.
-        noise_n: half of the interval that holds the noise's part with COVERAGE: the spread's, and
-            all that was taken off the profile's maximum as the noise's, or lost by averaging.
-        out_of_phase_n: by what the force is low without motion out of phase that was left out.
-        lowest_n, highest_n: over the profiles with other noise.
-    """
-
-    force_n: np.ndarray
-    spread_n: np.ndarray
-    noise_n: np.ndarray
-    out_of_phase_n: np.ndarray
-    lowest_n: np.ndarray
-    highest_n: np.ndarray
-
-    @property
-    def total_n(self) -> np.ndarray:
-        """All that the scan leaves open."""
-        total: np.ndarray = self.noise_n + self.out_of_phase_n
-        return total
-
-
 def scan_errors(
     scenes: Sequence[Scene],
     smoothed: SmoothedScan,
@@ -63,15 +36,24 @@ def scan_errors(
     device: Device,
     draws: int = DRAWS,
     seed: int = SEED,
-) -> ScanErrors:
+) -> pd.DataFrame:
     """Solve the scenes again with profiles of other noise, and estimate what was left out.
 
-    Raises RunError naming a scene that has no force.
+    Returns:
+        In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
+        ``lowest_n``, ``highest_n``, standard deviation and range over profiles with other noise;
+        ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
+        and all that was taken off the profile's maximum as the noise's, or lost by averaging;
+        ``out_of_phase_n``, by what the force is low without motion out of phase that was left out;
+        ``scan_error_n``, the sum of both.
+
+    Raises:
+        RunError: naming a scene that has no force.
     """
     from scipy.special import stdtrit
 
     scenes = resolve_auto_terms(scenes, device=device)
-    profiles = [smoothed.vibration, *smoothed.residual_bootstrap(count=draws, seed=seed)]
+    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=seed)]
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
         for profile in profiles
@@ -82,22 +64,26 @@ def scan_errors(
         if solution.status != "ok":
             raise RunError(f"point {scene.point_id}: {solution.status}")
     forces = np.array([solution.force_n for solution in solutions]).reshape(len(profiles), -1)
-    force_n = np.abs(forces[0])
-    spread = forces[1:].std(axis=0, ddof=1)
+    spread_n = forces[1:].std(axis=0, ddof=1)
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     share = smoothed.profile.largest - 1 + smoothed.averaging_loss
     bias = np.array([2 * share / (1 - scene.epsilon) for scene in scenes])
     effect = np.zeros(len(scenes))
-    if not smoothed.two_phases:  # what is left out
+    if not smoothed.profile.is_complex:
         effect[:] = [out_of_phase_effect(scene, smoothed) for scene in scenes]
-    return ScanErrors(
-        force_n=forces[0],
-        spread_n=spread,
-        noise_n=quantile * spread + bias * force_n,
-        out_of_phase_n=effect * force_n,
-        lowest_n=forces[1:].min(axis=0),
-        highest_n=forces[1:].max(axis=0),
+    force_n = np.abs(forces[0])
+    noise_n, out_of_phase_n = quantile * spread_n + bias * force_n, effect * force_n
+    return pd.DataFrame(
+        {
+            "force_n": forces[0],
+            "spread_n": spread_n,
+            "noise_n": noise_n,
+            "out_of_phase_n": out_of_phase_n,
+            "lowest_n": forces[1:].min(axis=0),
+            "highest_n": forces[1:].max(axis=0),
+            "scan_error_n": noise_n + out_of_phase_n,
+        }
     )
 
 
@@ -112,10 +98,8 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     nodes = limit_axis(LIMIT_POINTS).all_nodes
     within = scene.finger.rectangle_within
     x, y = np.meshgrid(*2 * [0.5 + within * (nodes - 0.5)], indexing="ij")
-    first = scene.amplitude(x, y)
-    second = replace(
-        scene, actuator=replace(scene.actuator, profile=smoothed.out_of_phase)
-    ).amplitude(x, y)
+    other = replace(scene, actuator=replace(scene.actuator, profile=smoothed.out_of_phase))
+    first, second = (each.amplitude(x, y) for each in (scene, other))
     both = np.hypot(first, second)
     # Just below contact, where the sum of both would be beyond it.
     epsilon = min(scene.epsilon, 0.999 / float(both.max())) if both.any() else 0.0
@@ -138,12 +122,13 @@ def errors_in_study(
     points = _points(config)
     scenes = [scene_of(point, config) for point in scene_points(points)]
     errors = scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
-    force_n = np.abs(errors.force_n)
-    return points.assign(
-        **asdict(errors),
-        noise_share=errors.noise_n / force_n,
-        scan_error_n=errors.total_n,
-        scan_error_share=errors.total_n / force_n,
+    force_n = errors["force_n"].abs()
+    return points.join(
+        errors.drop(columns="scan_error_n").assign(
+            noise_share=errors["noise_n"] / force_n,
+            scan_error_n=errors["scan_error_n"],
+            scan_error_share=errors["scan_error_n"] / force_n,
+        )
     )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.film.vibration.surfaces import Surface
+from squeezefilm.film.surfaces import Surface
 from squeezefilm.io.errors import InputError
 
 LARGEST_DEGREE = 24

@@ -1,17 +1,18 @@
-"""The surface that vibrates, a disc or a rectangle: its edge, its symmetry's form, smooth modes.
+"""The surface that vibrates, a disc or a rectangle: its edge, nets of points, smooth modes.
 
 All that differs between the two is here. Coordinates are from the surface's centre; scaled ones
 are 1 at its edge: on a disc over its radius, on a rectangle each over half its side.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, pi, radians, sin, sqrt
-from typing import Protocol
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
-from squeezefilm.film.vibration import legendre, zernike
 from squeezefilm.io.positions import CARTESIAN, POLAR
 
 RADII, ANGLES = 41, 72
@@ -23,63 +24,8 @@ PLASTIC = 1.32471795724474602596
 
 Place = tuple[np.ndarray, np.ndarray]
 Coordinate = float | np.ndarray
-
-
-class Surface(Protocol):
-    """A disc or a rectangle; hashable."""
-
-    position: tuple[str, str]
-    """Columns of a finger's position on it."""
-    key: str
-    """The study's key of its size."""
-    modes: str
-    """Whose polynomials its smooth modes are."""
-
-    @property
-    def half_m(self) -> tuple[float, float]:
-        """Half of what it is across along x and along y."""
-        ...
-
-    @property
-    def text(self) -> str:
-        """What it is, with its size."""
-        ...
-
-    def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        """How far out points lie: 0 at the centre, 1 on the edge."""
-        ...
-
-    def reach_along(self, direction_deg: float) -> float:
-        """Farthest distance from the centre along a direction, in metres."""
-        ...
-
-    def where(self, x_m: float, y_m: float) -> str:
-        """A place in words."""
-        ...
-
-    def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """x_m, y_m of a net of points, edge included, and weights in proportion to their areas."""
-        ...
-
-    def probes(self, count: int) -> Place:
-        """Points x_m, y_m all over it of which no two are related by symmetry."""
-        ...
-
-    def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
-        """A fine net by two numbers each, their place in metres, and first steps to improve one."""
-        ...
-
-    def orders_up_to(self, degree: int, *, axisymmetric: bool) -> tuple[tuple[int, int], ...]:
-        """Smooth modes up to a degree."""
-        ...
-
-    def modes_at(
-        self, orders: tuple[tuple[int, int], ...], *, x: np.ndarray, y: np.ndarray
-    ) -> np.ndarray:
-        """Values of smooth modes at scaled points, shape (*x.shape, modes)."""
-        ...
-
-    def __hash__(self) -> int: ...
+Orders = tuple[tuple[int, int], ...]
+"""Two numbers of each smooth mode, by rising degree."""
 
 
 @dataclass(frozen=True)
@@ -93,23 +39,29 @@ class Disc:
 
     @property
     def half_m(self) -> tuple[float, float]:
+        """Half of what it is across along x and along y."""
         return self.radius_m, self.radius_m
 
     @property
     def text(self) -> str:
+        """What it is, with its size."""
         return f"{self.radius_m * 1e3:.2f} mm disc"
 
     def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """How far out points lie: 0 at the centre, 1 on the edge."""
         reach: np.ndarray = np.hypot(x_m, y_m) / self.radius_m
         return reach
 
     def reach_along(self, direction_deg: float) -> float:
+        """Farthest distance from the centre along a direction, in metres."""
         return self.radius_m
 
     def where(self, x_m: float, y_m: float) -> str:
+        """A place in words."""
         return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
 
     def net(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """x_m, y_m of points all over, edge included, and weights in proportion to areas."""
         r_m, phi = np.meshgrid(
             np.linspace(0, self.radius_m, RADII),
             np.linspace(0, 2 * pi, ANGLES, endpoint=False),
@@ -118,11 +70,14 @@ class Disc:
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
 
     def probes(self, count: int) -> Place:
+        """Points x_m, y_m all over it of which no two are related by symmetry."""
         number = np.arange(count) + 0.5
         radius, angle = self.radius_m * np.sqrt(number / count), GOLDEN_ANGLE * number
         return radius * np.cos(angle), radius * np.sin(angle)
 
     def search(self) -> tuple[Place, Callable[[Coordinate, Coordinate], Place], np.ndarray]:
+        """A fine net by two numbers each, their place in metres, first steps to improve one."""
+
         def place(radius: Coordinate, angle: Coordinate) -> Place:
             r_m = np.minimum(np.abs(radius), 1.0) * self.radius_m
             return r_m * np.cos(angle), r_m * np.sin(angle)
@@ -132,13 +87,35 @@ class Disc:
         )
         return (radius, angle), place, np.array([[0, 0], [-0.005, 0], [0, 0.03]])
 
-    def orders_up_to(self, degree: int, *, axisymmetric: bool) -> tuple[tuple[int, int], ...]:
-        return zernike.orders_up_to(degree, axisymmetric=axisymmetric)
+    def orders_up_to(self, degree: int, *, axisymmetric: bool) -> Orders:
+        """Zernike's modes (n, m) of degree n ≤ ``degree``; with m = 0 alone if ``axisymmetric``.
 
-    def modes_at(
-        self, orders: tuple[tuple[int, int], ...], *, x: np.ndarray, y: np.ndarray
-    ) -> np.ndarray:
-        return zernike.modes_at(orders, x=x, y=y)
+        n ≥ |m| and n − |m| is even. They span all polynomials in x, y of the degree.
+        """
+        return tuple(
+            (n, m)
+            for n in range(degree + 1)
+            for m in range(-n, n + 1, 2)
+            if m == 0 or not axisymmetric
+        )
+
+    def modes_at(self, orders: Orders, *, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Values of Zernike's modes at scaled points, shape (*x.shape, modes).
+
+        R_n^|m|(ρ) cos mφ for m ≥ 0 and R_n^|m|(ρ) sin |m|φ for m < 0 (Born and Wolf, 9.2), with
+        R_n^m(ρ) = (−1)^k ρ^m P_k^(m,0)(1 − 2ρ²), k = (n − m)/2 and Jacobi's P.
+        """
+        from scipy.special import eval_jacobi
+
+        square = x**2 + y**2
+        turned = x + 1j * y
+        powers = {m: turned**m for m in {abs(m) for _, m in orders}}  # ρ^m (cos mφ + i sin mφ)
+        values = np.empty((*np.shape(x), len(orders)))
+        for index, (n, m) in enumerate(orders):
+            k = (n - abs(m)) // 2
+            angular = powers[abs(m)].imag if m < 0 else powers[abs(m)].real
+            values[..., index] = (-1) ** k * eval_jacobi(k, abs(m), 0, 1 - 2 * square) * angular
+        return values
 
 
 @dataclass(frozen=True)
@@ -190,10 +167,18 @@ class Rectangle:
         x, y = np.meshgrid(side, side, indexing="ij")
         return (x, y), place, np.array([[0, 0], [-0.01, 0.003], [0.003, 0.01]])
 
-    def orders_up_to(self, degree: int, *, axisymmetric: bool) -> tuple[tuple[int, int], ...]:
-        return legendre.orders_up_to(degree)
+    def orders_up_to(self, degree: int, *, axisymmetric: bool = False) -> Orders:
+        """Legendre's modes (i, j) of degree i + j ≤ ``degree``; they span all such polynomials."""
+        return tuple((n - j, j) for n in range(degree + 1) for j in range(n + 1))
 
-    def modes_at(
-        self, orders: tuple[tuple[int, int], ...], *, x: np.ndarray, y: np.ndarray
-    ) -> np.ndarray:
-        return legendre.modes_at(orders, x=x, y=y)
+    def modes_at(self, orders: Orders, *, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Values of P_i(x) P_j(y) at scaled points, shape (*x.shape, modes)."""
+        along_x, along_y = np.array(orders).T
+        values: np.ndarray = (
+            legvander(np.ravel(x), int(along_x.max()))[:, along_x]
+            * legvander(np.ravel(y), int(along_y.max()))[:, along_y]
+        )
+        return values.reshape(*np.shape(x), len(orders))
+
+
+Surface = Disc | Rectangle

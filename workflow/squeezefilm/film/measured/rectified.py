@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.film.vibration.least_squares import POINTS_PER_MODE, best_fit
-from squeezefilm.film.vibration.surfaces import Surface
+from squeezefilm.film.measured.least_squares import POINTS_PER_MODE, best_fit
+from squeezefilm.film.surfaces import Surface
 
 FOLDED = (
     "the scan has no phase or sign and looks folded up at a node line: the force is that of "

@@ -1,0 +1,73 @@
+"""A script's output goes to the log of its rule; its errors are told on the terminal too."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from squeezefilm.provenance import WORKFLOW
+
+from .conftest import snakemake
+
+RULE = """
+rule job:
+    output: "result.csv"
+    log: "logs/job.log"
+    threads: 1
+    script: "job's script.py"
+"""
+SCRIPT = """
+import os
+import subprocess
+from scripts.job import begin
+from squeezefilm.io.errors import InputError
+
+snakemake = begin()
+print("printed", os.environ["POCL_MAX_PTHREAD_COUNT"])
+subprocess.run(["echo", "by another program"])
+with open(snakemake.output[0], "w") as file:
+    file.write("half")
+    file.flush()
+    {end}
+"""
+
+
+@pytest.fixture
+def run(tmp_path):
+    folder = tmp_path / "Ordner mit Umläuten"
+    folder.mkdir()
+
+    def run(end: str) -> tuple[int, str, str, Path]:
+        (folder / "Snakefile").write_text(RULE, encoding="utf-8")
+        (folder / "job's script.py").write_text(SCRIPT.format(end=end), encoding="utf-8")
+        path = os.pathsep.join([str(WORKFLOW), os.environ.get("PYTHONPATH", "")])
+        done = snakemake(folder, "--cores", "1", environment={"PYTHONPATH": path})
+        log = (folder / "logs/job.log").read_text(encoding="utf-8")
+        return done.returncode, done.stdout, log, folder / "result.csv"
+
+    return run
+
+
+def test_all_that_a_script_prints_goes_to_its_log(run):
+    status, terminal, log, result = run("pass")
+    assert status == 0
+    assert log == "printed 1\nby another program\n"
+    assert "printed" not in terminal
+    assert result.read_text() == "half"
+
+
+@pytest.mark.parametrize(
+    ("end", "last", "traceback"),
+    [
+        ("raise InputError('film.yaml: gap: too thin')", "squeezefilm: error: film.yaml: gap", 0),
+        ("1 / 0", "ZeroDivisionError: division by zero", 1),
+    ],
+)
+def test_an_error_is_told_in_a_line_and_leaves_no_output(end, last, traceback, run):
+    status, terminal, log, result = run(end)
+    assert status != 0
+    assert terminal.count(last) == 1
+    assert log.count(last) == 1
+    assert log.count("Traceback") == traceback
+    assert "Traceback" not in terminal
+    assert not result.exists()

@@ -1,0 +1,37 @@
+"""The start of a script that Snakemake runs: where its output goes and how its errors are told."""
+
+import os
+import sys
+import traceback
+from types import TracebackType
+from typing import Any
+
+from squeezefilm.io.errors import InputError, RunError
+
+
+def begin() -> Any:
+    """Send all output of a script to the log of its rule and return the job, ``snakemake``.
+
+    Snakemake puts ``snakemake`` before a script's first line and fills no log by itself. A script
+    that fails writes its error to the log and the last line of it to the terminal too; Snakemake
+    then removes the outputs of the job.
+    """
+    job = sys.modules["__main__"].snakemake
+    # PoCL ignores the processors to which a process is confined; it reads this when it starts.
+    os.environ["POCL_MAX_PTHREAD_COUNT"] = str(job.threads)
+    terminal = os.fdopen(os.dup(2), "w", encoding="utf-8")
+    with open(job.log[0], "w", encoding="utf-8") as log:
+        os.dup2(log.fileno(), 1)
+        os.dup2(log.fileno(), 2)
+
+    def tell(kind: type[BaseException], error: BaseException, place: TracebackType | None) -> None:
+        if issubclass(kind, (InputError, RunError)):
+            last = f"squeezefilm: error: {error}"
+            print(last, file=sys.stderr)
+        else:
+            *before, last = traceback.format_exception(kind, error, place)
+            print(*before, last, sep="", file=sys.stderr)
+        print(last.rstrip(), file=terminal, flush=True)
+
+    sys.excepthook = tell
+    return job

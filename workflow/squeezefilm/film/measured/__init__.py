@@ -1,0 +1,1 @@
+"""Profiles measured by a scanning vibrometer, made smooth with known errors."""

@@ -1,0 +1,494 @@
+"""A scanning vibrometer's file as it was exported, read as points and complex amplitudes.
+
+A table of text is in UTF-8, UTF-16 or Latin-1, its cells separated by commas, semicolons, tabs or
+blanks, with a decimal point, or a comma where it does not separate cells. A row stands for a point;
+lines before the one that names columns, and lines that begin with #, are ignored. The header names
+quantities, each with its unit (``x_mm``, ``X [mm]``, ``X/mm``, ``x position mm``):
+
+    x_mm, y_mm          or  r_mm  or  r_mm, phi_deg     place, from the actuator's centre
+    amplitude_um        or  real_um, imaginary_um       peak amplitude, or with a sign of its own
+    phase_deg           or  sign                        optional
+
+Velocities (mm/s) are divided by the angular frequency. A row whose amplitude is empty or ``nan`` is
+a point that was not measured: it is excluded from profile and noise, and a note names its line.
+
+Universal files (.uff, .unv) are read by pyuff: a function (data set 58) for each point, of which
+the line at the actuator's frequency is taken; points are those of data set 15 or 2411, in the units
+of data set 164.
+"""
+
+import csv
+import io
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from squeezefilm.io.cells import finite_number
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.typed_units import sizes
+
+LENGTHS_M = sizes("m")
+SPEEDS_M_PER_S = {f"{name}/s": size for name, size in LENGTHS_M.items()}
+ANGLES_RAD = {name: math.radians(degrees) for name, degrees in sizes("deg").items()}
+QUANTITIES: Mapping[str, tuple[Mapping[str, float], tuple[str, ...]]] = {
+    "x": (LENGTHS_M, ("x",)),
+    "y": (LENGTHS_M, ("y",)),
+    "r": (LENGTHS_M, ("r", "radius")),
+    "phi": (ANGLES_RAD, ("phi", "theta", "angle")),
+    "amplitude": (
+        {**LENGTHS_M, **SPEEDS_M_PER_S},
+        ("amplitude", "magnitude", "amp", "mag", "displacement", "velocity"),
+    ),
+    "real": ({**LENGTHS_M, **SPEEDS_M_PER_S}, ("real", "re")),
+    "imaginary": ({**LENGTHS_M, **SPEEDS_M_PER_S}, ("imaginary", "imag", "im")),
+    "phase": (ANGLES_RAD, ("phase", "phase angle")),
+    "sign": ({"": 1.0}, ("sign",)),
+}
+"""Each with its units and their sizes, and its names."""
+NAMES = {name: quantity for quantity, (_, names) in QUANTITIES.items() for name in names}
+ALL_UNITS = {unit.lower() for units, _ in QUANTITIES.values() for unit in units if unit}
+# Words beside the one that names the quantity.
+BESIDE = {"position", "pos", "coordinate", "coord", "displacement", "velocity", "part", "value"}
+IN_BRACKETS = re.compile(r"(?P<words>.*?)[\s_]*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]")
+DECIBELS = re.compile(r"db\b.*|dB.*", re.IGNORECASE)
+FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
+
+SEPARATORS = ("\t", ";", ",", None)
+"""None: blanks, as many as there are."""
+FIRST_LINES, FEWEST_NAMED = 100, 2
+"""Among which the one that names columns is sought, and by how many quantities it is known."""
+MISSING = ("", "nan", "na", "n/a", "-")
+LARGEST = 1e9
+"""In the file's unit. Writers of universal files, pyuff too, put 1.8e308 for infinity."""
+FEWEST_POINTS, MOST_POINTS = 8, 3_000_000
+MOST_MISSING = 0.5
+"""Share of a scan's points that may lack an amplitude."""
+PLACES_NAMED = 6
+
+UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
+# Data sets; types of abscissa and ordinate; types of functions; the direction z.
+NODES, UNITS, FUNCTION = (15, 2411), 164, 58
+FREQUENCY, DISPLACEMENT, VELOCITY = 18, 8, 11
+TIME_RESPONSE, POWER_SPECTRA = 1, (2, 3, 9)
+NORMAL = 3
+FARTHEST_LINE, FARTHEST_SHARE = 0.6, 0.01
+"""From the frequency, in distances between lines; of a file with one line as a share of it."""
+
+
+@dataclass(frozen=True)
+class Scan:
+    """Measured points in metres and the complex amplitude there, each of shape (points,).
+
+    Without angles ``y_m`` is None and ``x_m`` the distance from the centre. ``lines`` are the
+    rows' places in the file and ``missing`` counts points without an amplitude. ``signed`` tells
+    whether phase, sign or an amplitude below zero says on which side of a node a point is.
+    ``notes`` say how the file was read; ``cell_m`` is the width of the cells over which points were
+    averaged (smooth.py), 0 where they were not.
+    """
+
+    path: Path
+    x_m: np.ndarray
+    y_m: np.ndarray | None
+    amplitude_m: np.ndarray
+    lines: np.ndarray
+    missing: int
+    signed: bool
+    notes: tuple[str, ...] = ()
+    cell_m: float = 0.0
+
+
+def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
+    """Read a vibrometer's file.
+
+    Args:
+        path: a table of text, or a universal file by its ending.
+        frequency_hz: of the vibration, for velocities and spectra; without it they are refused.
+
+    Raises:
+        InputError: naming the file and the row or column that is wrong, and what is allowed.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"{path}: there is no such scan")
+    scan = (_universal if path.suffix.lower() in UNIVERSAL else _table)(path, frequency_hz)
+    points = len(scan.x_m)
+    if points > MOST_POINTS:
+        raise InputError(f"{path}: {points} points; at most {MOST_POINTS} are taken")
+    if points < FEWEST_POINTS:
+        raise InputError(
+            f"{path}: {points} measured points ({scan.missing} missing); a profile needs at least "
+            f"{FEWEST_POINTS}"
+        )
+    if not np.any(scan.amplitude_m):
+        raise InputError(f"{path}: every amplitude is zero: there is no profile")
+    if scan.missing > MOST_MISSING * (points + scan.missing):
+        raise InputError(
+            f"{path}: {scan.missing} of {points + scan.missing} points have no amplitude; at most "
+            f"{MOST_MISSING:.0%} of them may lack it"
+        )
+    return scan
+
+
+def _excluded(places: np.ndarray, *, what: str) -> list[str]:
+    """Return a note that names points without an amplitude, if there are any."""
+    if not len(places):
+        return []
+    named = ", ".join(map(str, places[:PLACES_NAMED])) + ", …" * (len(places) > PLACES_NAMED)
+    many = "s" * (len(places) > 1)
+    return [
+        f"{len(places)} point{many} without an amplitude, excluded from profile and noise "
+        f"({what}{many} {named})"
+    ]
+
+
+def _angular_frequency(frequency_hz: float | None, *, path: Path) -> float:
+    if frequency_hz is None:
+        raise InputError(f"{path}: velocities and spectra need the actuator's frequency")
+    return 2 * math.pi * frequency_hz
+
+
+class Column(NamedTuple):
+    """A quantity, the unit it is in ("" if none is named), its place in a row, and its name."""
+
+    quantity: str
+    unit: str
+    place: int
+    name: str
+
+    @property
+    def units(self) -> Mapping[str, float]:
+        """The quantity's units with their sizes, in SI units and radians."""
+        return QUANTITIES[self.quantity][0]
+
+    @property
+    def size(self) -> float:
+        """The size of its unit."""
+        return self.units[self.unit]
+
+    @property
+    def is_velocity(self) -> bool:
+        return self.unit in SPEEDS_M_PER_S
+
+
+def column_of(name: str, place: int = 0) -> Column | None:
+    """The column that a cell of a header names; None for one that a scan does not have."""
+    name = name.strip().strip("\"'").strip()
+    breaks = [match.start() for match in re.finditer(r"[\s_/,]", name)]
+    pairs = [(name[:at], name[at + 1 :].strip()) for at in breaks]
+    if bracketed := IN_BRACKETS.fullmatch(name):
+        pairs = [(bracketed["words"], bracketed["unit"])]
+    else:  # the likeliest first
+        pairs = [
+            *(pair for pair in pairs if pair[1].lower() in ALL_UNITS or DECIBELS.match(pair[1])),
+            (name, ""),
+            *(pairs if len(pairs) == 1 else []),
+        ]
+    for words, unit in pairs:
+        parts = [part for part in re.split(r"[\s_\-.:]+", words.lower()) if part]
+        core = [part for part in parts if part not in BESIDE] or parts[:1]
+        if quantity := NAMES.get(" ".join(core)):
+            units = QUANTITIES[quantity][0]
+            alike = (each for each in units if each.lower() == unit.lower())
+            return Column(quantity, unit if unit in units else next(alike, unit), place, name)
+    return None
+
+
+def _columns(header: Sequence[str], *, where: str) -> tuple[dict[str, Column], list[str]]:
+    """The columns that make a scan, by their quantities, and a note on those ignored."""
+    known = [column for at, name in enumerate(header) if (column := column_of(name, at))]
+    linear = [column for column in known if not DECIBELS.fullmatch(column.unit)]
+    quantities = {column.quantity for column in linear}
+    dropped: set[str] = set()
+    if "amplitude" in quantities and "phase" not in quantities and "imaginary" in quantities:
+        dropped = {"amplitude"}
+    elif "amplitude" in quantities:
+        dropped = {"real", "imaginary"}
+    columns: dict[str, Column] = {}
+    for column in linear:
+        if column.quantity in dropped:
+            continue
+        if column.unit not in column.units:
+            units = ", ".join(f"{column.quantity}_{unit}" for unit in column.units)
+            raise InputError(f"{where}: column {column.name!r} needs a unit, one of {units}")
+        if column.quantity in columns:
+            raise InputError(
+                f"{where}: the column {column.quantity!r} stands twice: "
+                f"{columns[column.quantity].name!r} and {column.name!r}; leave one of them out"
+            )
+        columns[column.quantity] = column
+    if set(columns) & {"x", "y", "r", "phi"} not in ({"x", "y"}, {"r", "phi"}, {"r"}):
+        raise InputError(
+            f"{where}: the place of a point is x and y, or r, or r and phi; "
+            f"the columns are {', '.join(header)}"
+        )
+    motion = set(columns) & {"amplitude", "real", "imaginary"}
+    taken = {column.place for column in columns.values()}
+    named = {column.place for column in known}
+    unknown = [name.strip() for at, name in enumerate(header) if at not in named]
+    if not motion and len(linear) < len(known):
+        raise InputError(
+            f"{where}: amplitudes in decibels are not taken, for the file does not say what 0 dB "
+            "is nor how far down noise reaches; export them on a linear scale (m, µm, mm/s)"
+        )
+    if not motion:
+        other = f"; unknown columns: {', '.join(map(repr, unknown))}" if unknown else ""
+        raise InputError(f"{where}: column 'amplitude_um' is missing; a scan has {FORM}{other}")
+    if motion in ({"real"}, {"imaginary"}):
+        raise InputError(f"{where}: real and imaginary part go together; one of them is missing")
+    if "real" in motion and columns["real"].is_velocity != columns["imaginary"].is_velocity:
+        raise InputError(f"{where}: real and imaginary part must both be displacements or speeds")
+    if {"sign", "phase"} <= set(columns):
+        raise InputError(f"{where}: give sign or phase, not both")
+    ignored = [each.name for each in known if each.place not in taken] + unknown
+    notes = [f"columns left out: {', '.join(map(repr, ignored))}"] if ignored else []
+    return columns, notes
+
+
+def _table(path: Path, frequency_hz: float | None) -> Scan:
+    """The scan in a table of text."""
+    header, header_line, cells, lines, notes = _cells(path)
+    columns, ignored = _columns(header, where=f"{path}: line {header_line}")
+    notes += ignored
+    motion = [columns[name].place for name in ("amplitude", "real", "imaginary") if name in columns]
+    measured = np.array(
+        [not any(row[place].lower() in MISSING for place in motion) for row in cells], dtype=bool
+    )
+    rows = [row for row, is_measured in zip(cells, measured, strict=True) if is_measured]
+    lines, lacking = lines[measured], lines[~measured]
+    table = {}
+    for quantity, column in columns.items():
+        texts = [row[column.place] for row in rows]
+        values = _numbers(texts, path=path, lines=lines, name=quantity)
+        table[quantity] = values * column.size
+        if column.is_velocity:
+            table[quantity] = table[quantity] / _angular_frequency(frequency_hz, path=path)
+            notes.append(f"{column.name!r} divided by the angular frequency")
+    directed = "amplitude" in table and ("phase" in table or "sign" in table)
+    for quantity, wrong, problem in (
+        ("r", lambda r: r < 0, "r must not be negative"),
+        ("sign", lambda sign: np.abs(sign) != 1, "sign must be 1 or -1"),
+        (
+            "amplitude",
+            lambda amplitude: directed & (amplitude < 0),
+            "amplitude must not be negative where phase or sign tells its direction",
+        ),
+    ):
+        if quantity in table and np.any(at := wrong(table[quantity])):
+            raise InputError(f"{path}: line {lines[int(np.argmax(at))]}: {problem}")
+    if "real" in table:
+        amplitude = table["real"] + 1j * table["imaginary"]
+    else:
+        amplitude = table["amplitude"] * np.exp(1j * table.get("phase", np.zeros(len(rows))))
+    amplitude = amplitude * table.get("sign", 1.0)
+    x_m, y_m = table.get("x", table.get("r")), table.get("y")
+    assert x_m is not None
+    if "phi" in table:
+        x_m, y_m = x_m * np.cos(table["phi"]), x_m * np.sin(table["phi"])
+    signed = {"phase", "sign", "imaginary"} & set(table) or np.any(amplitude.real < 0)
+    return Scan(
+        path=path,
+        x_m=x_m,
+        y_m=y_m,
+        amplitude_m=amplitude,
+        lines=lines,
+        missing=len(lacking),
+        signed=bool(signed),
+        notes=(*notes, *_excluded(lacking, what="line")),
+    )
+
+
+def _cells(path: Path) -> tuple[list[str], int, list[list[str]], np.ndarray, list[str]]:
+    """The header's cells and line, those of each row with their lines, and notes on the reading."""
+    try:
+        text, encoding = _decoded(path.read_bytes())
+        lines = io.StringIO(text, newline=None).read().split("\n")
+        index, separator = _header(lines, path=path)
+        lines[index] = re.sub(r"^\s*#[#\s]*", "", lines[index])
+        numbered: list[tuple[int, list[str]]]
+        if separator is None:
+            numbered = [(at, line.split()) for at, line in enumerate(lines[index:], index + 1)]
+        else:
+            reader = csv.reader(
+                (f"{line}\n" for line in lines[index:]), delimiter=separator, strict=True
+            )
+            numbered = [(index + reader.line_num, cells) for cells in reader]
+    except (OSError, csv.Error) as error:
+        raise InputError(f"{path}: the scan cannot be read: {error}") from None
+    rows = [(line, [cell.strip() for cell in cells]) for line, cells in numbered]
+    (_, header), *rows = [(n, cells) for n, cells in rows if any(cells) and cells[0][:1] != "#"]
+    for line, cells in rows:
+        if len(cells) != len(header):
+            hint = ""
+            if separator == "," and len(cells) > len(header):
+                hint = "; decimal commas need another separator, such as semicolons"
+            raise InputError(
+                f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}{hint}"
+            )
+    notes = [] if encoding == "utf-8" else [f"read as {encoding}"]
+    before = sum(bool(line.strip()) and not line.lstrip().startswith("#") for line in lines[:index])
+    if before:
+        notes.append(f"{before} lines before the header left out")
+    numbers = np.array([line for line, _ in rows], dtype=int)
+    return header, index + 1, [cells for _, cells in rows], numbers, notes
+
+
+def _decoded(content: bytes) -> tuple[str, str]:
+    """A text and its encoding: by the byte order mark, by zeros between letters, or as it fits."""
+    start, half = content[:1000], min(len(content), 1000) / 4
+    little = start.startswith(b"\xff\xfe") or start[1::2].count(0) > half
+    if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
+        encoding = "utf-16-le" if little else "utf-16-be"
+        return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
+    try:
+        return content.decode("utf-8-sig"), "utf-8"
+    except UnicodeDecodeError:
+        return content.decode("latin-1"), "latin-1"
+
+
+def _header(lines: Sequence[str], *, path: Path) -> tuple[int, str | None]:
+    """The place of the line that names columns, which may be a comment, and its separator."""
+    filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
+    plain = [index for index in filled if not lines[index].lstrip().startswith("#")]
+    if not plain:
+        raise InputError(f"{path}: the scan is empty; it needs {FORM}")
+    comments = [index for index in filled if index < plain[0]]
+    for index in (*plain[:FIRST_LINES], *comments[:FIRST_LINES]):
+        line = re.sub(r"^\s*#[#\s]*", "", lines[index])
+        named = {
+            separator: len({column.quantity for cell in cells if (column := column_of(cell))})
+            for separator, cells in ((each, line.split(each)) for each in SEPARATORS)
+        }
+        separator = max(SEPARATORS, key=lambda each: named[each])
+        if named[separator] >= FEWEST_NAMED:
+            return index, separator
+    first, line_number = lines[plain[0]], plain[0] + 1
+    if re.fullmatch(r"[-+\d.,;eE\s]+", first):
+        raise InputError(f"{path}: line {line_number}: no header names the columns; give {FORM}")
+    # Words in the names of columns do not make blanks the separator where there is another one.
+    cells = first.split(next((each for each in SEPARATORS if each and each in first), None))
+    names = ", ".join(repr(cell.strip()) for cell in cells if not column_of(cell))
+    other = f"unknown column {names}" if names else f"{first.strip()!r} is no table"
+    raise InputError(f"{path}: line {line_number}: {other}; a scan has {FORM}")
+
+
+def _numbers(
+    cells: Sequence[str], *, path: Path, lines: Sequence[int] | np.ndarray, name: str
+) -> np.ndarray:
+    """The finite numbers in a column's cells; raises InputError naming the line of another one."""
+    if any("," in cell for cell in cells):
+        mixed = next((at for at, cell in enumerate(cells) if "." in cell), None)
+        if mixed is not None:
+            raise InputError(
+                f"{path}: line {lines[mixed]}: {name} has a point in {cells[mixed]!r}, and a comma "
+                "in other rows; one of them must be the decimal sign, and nothing stands between "
+                "thousands"
+            )
+        cells = [cell.replace(",", ".") for cell in cells]
+    try:
+        values = np.array(cells, dtype=str).astype(float)
+        if np.all(np.abs(values) <= LARGEST) and not any("_" in cell for cell in cells):
+            return values
+    except ValueError:
+        pass
+    return np.array(
+        [
+            finite_number(cell, path=path, line=int(line), name=name, largest=LARGEST)
+            for line, cell in zip(lines, cells, strict=True)
+        ]
+    )
+
+
+def _universal(path: Path, frequency_hz: float | None) -> Scan:
+    """The scan in a universal file; a point's line is its function's number."""
+    try:
+        import pyuff
+    except ImportError:
+        raise InputError(
+            "universal files are read by pyuff, which is not installed here: `pip install pyuff`, "
+            "or export the scan as text"
+        ) from None
+    omega = _angular_frequency(frequency_hz, path=path)
+    try:
+        sets = pyuff.UFF(str(path)).read_sets()
+    except Exception as error:  # whatever a damaged file makes of it
+        raise InputError(f"{path}: not a universal file that pyuff reads: {error}") from None
+    sets = sets if isinstance(sets, list) else [sets]
+    length = next((float(each["length"]) for each in sets if each.get("type") == UNITS), 1.0)
+    places = {
+        int(node): (float(x) / length, float(y) / length)
+        for each in sets
+        if each.get("type") in NODES
+        for node, x, y in zip(each["node_nums"], each["x"], each["y"], strict=True)
+    }
+    if not places:
+        raise InputError(f"{path}: no places of points (data set 15 or 2411) are in the file")
+    functions = [each for each in sets if each.get("type") == FUNCTION]
+    if not functions:
+        raise InputError(f"{path}: no functions (data set 58) are in the file")
+    if len({abs(int(each["rsp_dir"])) for each in functions}) > 1:
+        functions = [each for each in functions if abs(int(each["rsp_dir"])) == NORMAL]
+    if not functions:
+        raise InputError(f"{path}: the functions have several directions, and none is along z")
+    rows = [_line_at(each, frequency_hz=omega / (2 * math.pi), path=path) for each in functions]
+    nodes = [int(each["rsp_node"]) for each in functions]
+    for node in nodes:
+        if node not in places:
+            raise InputError(f"{path}: the node {node} of a function has no place (data set 15)")
+    if len(set(nodes)) < len(nodes):
+        twice = next(node for node in nodes if nodes.count(node) > 1)
+        raise InputError(f"{path}: node {twice} has several functions; export one for each point")
+    kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
+    if kinds not in ({DISPLACEMENT}, {VELOCITY}):
+        raise InputError(
+            f"{path}: the functions are neither displacements (type 8) nor velocities (11) but of "
+            f"type {', '.join(map(str, sorted(kinds)))}"
+        )
+    x_m, y_m = np.array([places[node] for node in nodes]).T
+    measured = np.array([value for value, _ in rows])
+    amplitude = measured.astype(complex) / (omega if kinds == {VELOCITY} else 1.0)
+    seen, numbers = np.isfinite(amplitude), 1 + np.arange(len(nodes))
+    return Scan(
+        path=path,
+        x_m=x_m[seen],
+        y_m=y_m[seen],
+        amplitude_m=amplitude[seen],
+        lines=numbers[seen],
+        missing=int(np.sum(~seen)),
+        signed=np.iscomplexobj(measured) or bool(np.any(amplitude[seen].real < 0)),
+        notes=(
+            f"read at {min(line for _, line in rows):.7g} Hz",
+            *_excluded(numbers[~seen], what="function"),
+        ),
+    )
+
+
+def _line_at(
+    function: dict[str, Any], *, frequency_hz: float, path: Path
+) -> tuple[complex | float, float]:
+    """The amplitude at the line nearest to the frequency, and that line.
+
+    It is NaN where the function is not finite there, or zero at all lines: nothing was measured.
+    """
+    where, kind = f"{path}: node {int(function['rsp_node'])}", int(function.get("func_type", 0))
+    if kind == TIME_RESPONSE or int(function.get("abscissa_spec_data_type", 0)) != FREQUENCY:
+        raise InputError(f"{where}: a function of time; export spectra or frequency responses")
+    if kind in POWER_SPECTRA:
+        raise InputError(f"{where}: a power spectrum; export amplitudes or frequency responses")
+    lines, data = np.asarray(function["x"], dtype=float), np.asarray(function["data"])
+    nearest = int(np.argmin(np.abs(lines - frequency_hz)))
+    apart = float(np.diff(lines).max()) if len(lines) > 1 else 0.0
+    farthest = FARTHEST_LINE * apart if apart else FARTHEST_SHARE * frequency_hz
+    if abs(lines[nearest] - frequency_hz) > farthest:
+        raise InputError(
+            f"{where}: its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the "
+            f"actuator vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)"
+        )
+    if not (np.any(data) and np.abs(data[nearest]) <= LARGEST):
+        return np.nan * data[nearest], float(lines[nearest])
+    sign = -1 if int(function["rsp_dir"]) < 0 else 1
+    return sign * data[nearest], float(lines[nearest])

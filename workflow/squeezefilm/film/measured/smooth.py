@@ -1,0 +1,523 @@
+"""Amplitudes measured by a scanning vibrometer, made into a smooth profile with known errors.
+
+The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
+which degree they describe the points best; two degrees more are taken, so that what is left out of
+the profile is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
+Statistics, 2006, 5.7). Points far from the rest are left out and the rest is fitted anew. The film
+equation needs the profile's curvature, so that a smooth global basis serves it better than splines
+with their knots. Least squares also say how sure the profile is at every place: the standard error
+that noise leaves, from the residuals.
+
+Where the scan has phases, what moves a quarter of a period from the rest is fitted likewise, and is
+the profile's imaginary part if forces depend on it.
+
+The largest of a noisy profile is too large on average, by what profiles with more noise of the same
+size tell; that much is taken off the maximum to which the profile is scaled.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from squeezefilm.film.measured.least_squares import Fit, best_fit, wants_angles
+from squeezefilm.film.measured.read import Scan, read_scan
+from squeezefilm.film.measured.rectified import FOLDED, looks_folded
+from squeezefilm.film.profiles import Modes, largest_magnitude
+from squeezefilm.film.surfaces import Orders, Surface
+from squeezefilm.io.atomic import digest, whole_file
+from squeezefilm.io.errors import InputError
+
+# A profile that is less sure than this share of its maximum somewhere is not known there.
+LARGEST_ERROR = 0.25
+# Nor is one that has no measured point within this share of a disc's radius, or of half a
+# rectangle's shorter side.
+LARGEST_HOLE = 0.35
+# What the smooth motion out of phase may do to forces, as a share, and be left out.
+LARGEST_OUT_OF_PHASE = 1e-3
+# A point is far from the rest beyond this many standard deviations of the noise, and never if it is
+# nearer than this share of the largest amplitude: that may be the profile's own fine structure.
+OUTLIER, LEAST_OUTLIER = 4.5, 0.005
+# More such points, as a share, are no outliers.
+MOST_OUTLIERS = 0.05
+REFITS = 20
+# Draws of noise by which the bias of the maximum is estimated.
+PEAK_DRAWS, PEAK_SEED = 200, 1
+# Points beyond this number are averaged over cells.
+MOST_POINTS = 20_000
+WIDER = 1.05
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothedScan:
+    """A scan and the profile through it.
+
+    Attributes:
+        profile: the smooth motion in units of its maximum, along the phase of most of it; complex
+            where the motion a quarter of a period apart counts.
+        out_of_phase: that motion alone, in the same units.
+        peak_m: amplitude at the maximum, and ``peak_bias_m`` what was taken off it as the noise's.
+        noise_m: standard deviation of the noise, from the residuals.
+        quadrature: rms share of the motion that is out of phase, its noise included.
+        degree: of the polynomial; ``cross_validation_m`` is its rms error of cross-validation.
+        x_m, y_m: the points.
+        measured_m: their complex amplitudes, turned to the profile's phase.
+        residual_m: what the profile leaves of the real parts of these.
+        outliers: which of them lie further from the rest than noise does; they are not fitted.
+        root: (modes, modes) factor by which noise enters the coefficients' real parts.
+        folded: all amplitudes were taken to one side although they look folded at a node line.
+    """
+
+    scan: Scan
+    profile: Modes
+    out_of_phase: Modes
+    peak_m: float
+    peak_bias_m: float
+    noise_m: float
+    quadrature: float
+    degree: int
+    cross_validation_m: float
+    x_m: np.ndarray
+    y_m: np.ndarray
+    measured_m: np.ndarray
+    residual_m: np.ndarray
+    outliers: np.ndarray
+    root: np.ndarray
+    folded: bool
+
+    def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """Standard error of the profile's real part by noise, in units of its maximum."""
+        modes = _modes_at(self.profile.orders[: len(self.root)], self.profile.surface, x_m, y_m)
+        return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.root, axis=-1)
+
+    @property
+    def out_of_phase_effect(self) -> float:
+        """By which share forces are low without the motion out of phase, on average."""
+        surface, coefficients = self.profile.surface, np.real(self.profile.coefficients)
+        whole = coefficients[: len(self.root)], self.profile.orders[: len(self.root)]
+        part = np.array(self.out_of_phase.coefficients), self.out_of_phase.orders
+        return _share_of_squares(part, whole, surface)
+
+    @property
+    def averaging_loss(self) -> float:
+        """By how much means over cells are off the profile at most, in units of its maximum.
+
+        Over a square of the width w the mean is off the value at its centre by
+        w²/24 (s_xx + s_yy), to leading order; the derivatives by differences over w.
+        """
+        width = self.scan.cell_m
+        if not width:
+            return 0.0
+        x_m, y_m, _ = self.profile.surface.net()
+        around = [(0.0, 0.0), (width, 0.0), (-width, 0.0), (0.0, width), (0.0, -width)]
+        s = [self.profile.amplitude(x_m=x_m + dx, y_m=y_m + dy) for dx, dy in around]
+        return float(np.abs(sum(s[1:]) - 4 * s[0]).max() / 24)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is to be said beside its numbers, a line each."""
+        folded = [f"warning: {FOLDED}"] * self.folded
+        return (*folded, *(f"note: {note}" for note in self.scan.notes))
+
+    def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
+        """Profiles that scans with other noise would have given: residuals drawn anew.
+
+        The residuals are widened by √(points/(points − modes)) to the noise's size, which their
+        fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2). Those of real and
+        imaginary part are drawn apart.
+        """
+        surface, orders, fitted = self.profile.surface, self.profile.orders, ~self.outliers
+        basis = _modes_at(orders, surface, self.x_m[fitted], self.y_m[fitted])
+        measured = self.measured_m[fitted]
+        parts: list[tuple[complex, np.ndarray, int]] = [(1.0, measured.real, len(self.root))]
+        if self.profile.is_complex:
+            parts.append((1j, measured.imag, len(self.out_of_phase.orders)))
+        random = np.random.default_rng(seed)
+        raw_m = self.peak_m * np.array(self.profile.coefficients)
+        drawn_m = np.tile(raw_m, (count, 1))
+        for unit, values, modes in parts:
+            orthogonal, triangle = np.linalg.qr(basis[:, :modes])
+            residual = values - orthogonal @ (values @ orthogonal)
+            widened = math.sqrt(len(values) / (len(values) - modes))
+            noise = random.choice((residual - residual.mean()) * widened, size=(count, len(values)))
+            drawn_m[:, :modes] += unit * (noise @ orthogonal @ np.linalg.inv(triangle).T)
+        # The finer search for the maximum moves it by as little for each.
+        finer = (self.peak_m + self.peak_bias_m) / _largest_on_net(raw_m, orders, surface)
+        peaks = _largest_on_net(drawn_m, orders, surface) * finer - self.peak_bias_m
+        return [
+            replace(self.profile, coefficients=tuple((drawn / peak).tolist()))
+            for drawn, peak in zip(drawn_m, peaks, strict=True)
+        ]
+
+
+@lru_cache(maxsize=16)
+def smoothed_scan(
+    path: Path,
+    *,
+    surface: Surface,
+    axisymmetric: bool,
+    sign: str = "measured",
+    frequency_hz: float | None = None,
+) -> SmoothedScan:
+    """The smooth profile of a scan's file on a surface; read and fitted once a process.
+
+    Raises InputError naming the file, and what is wrong where or what its points leave open.
+    """
+    return smoothed(
+        read_scan(path, frequency_hz=frequency_hz),
+        surface=surface,
+        axisymmetric=axisymmetric,
+        sign=sign,
+    )
+
+
+def smoothed(
+    scan: Scan, *, surface: Surface, axisymmetric: bool, sign: str = "measured"
+) -> SmoothedScan:
+    """The smooth profile of a scan on a surface.
+
+    Args:
+        sign: ``unknown`` takes amplitudes without phase or sign as they are although they look
+            folded up at a node line; ``measured`` refuses them.
+
+    Raises InputError naming the file, and what its points do not determine.
+    """
+    places_on(scan, surface, axisymmetric=axisymmetric)  # names a line of the file
+    scan = binned(scan)
+    x_m, y_m = places_on(scan, surface, axisymmetric=axisymmetric)
+    half_x_m, half_y_m = surface.half_m
+    x, y = x_m / half_x_m, y_m / half_y_m
+    # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
+    # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
+    measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
+    quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
+    folded = not scan.signed and looks_folded(
+        scan.path, surface, x=x, y=y, amplitude=np.abs(measured.real), axisymmetric=axisymmetric
+    )
+    if folded and sign != "unknown":
+        raise InputError(
+            f"{scan.path}: the amplitudes have no phase and no sign, and look like those of a mode "
+            "with a node line, folded up at it: forces would be those of another surface. Give a "
+            "column phase_deg or sign, or say actuator.profile.sign: unknown to take them as they "
+            "are"
+        )
+    fit, kept = _without_outliers(scan, surface, x, y, measured.real, axisymmetric)
+    other = best_fit(scan.path, surface, x[kept], y[kept], measured.imag[kept], axisymmetric)
+    if _counts(other, fit, surface):
+        kept &= _without_outliers(scan, surface, x, y, measured.imag, axisymmetric)[1]
+        fit, other = (
+            best_fit(scan.path, surface, x[kept], y[kept], part[kept], axisymmetric)
+            for part in (measured.real, measured.imag)
+        )
+    fitted = surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients
+    # Half a period later every amplitude has the other sign: positive at its largest by choice.
+    turn = 1.0 if fitted[np.argmax(np.abs(fitted))] > 0 else -1.0
+    measured, residual = turn * measured, turn * (measured.real - fitted)
+    noise_m = float(np.linalg.norm(residual[kept]) / math.sqrt(kept.sum() - len(fit.orders)))
+    fits = [fit, other] if _counts(other, fit, surface) else [fit]
+    orders, coefficients = _complex_sum([turn * each.coefficients for each in fits], fits)
+    raw = Modes(orders, tuple(coefficients.tolist()), surface)
+    largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
+    bias_m = min(_bias_of_largest(fits, noise_m, surface), LARGEST_ERROR * largest_m)
+    peak_m = largest_m - bias_m
+    round_by_choice = axisymmetric and scan.y_m is not None
+    if round_by_choice and (
+        note := wants_angles(scan.path, surface, x, y, turn * measured.real, fit)
+    ):
+        scan = replace(scan, notes=(*scan.notes, note))
+    result = SmoothedScan(
+        scan=scan,
+        profile=Modes(orders, tuple((coefficients / peak_m).tolist()), surface, largest_m / peak_m),
+        out_of_phase=Modes(
+            other.orders, tuple((turn / peak_m * other.coefficients).tolist()), surface
+        ),
+        peak_m=peak_m,
+        peak_bias_m=bias_m,
+        noise_m=noise_m,
+        quadrature=quadrature,
+        degree=fit.degree,
+        cross_validation_m=fit.scores[fit.degree],
+        x_m=x_m,
+        y_m=y_m,
+        measured_m=measured,
+        residual_m=residual,
+        outliers=~kept,
+        root=fit.root,
+        folded=folded,
+    )
+    _refuse_unknown(result, axisymmetric=axisymmetric)
+    return result
+
+
+def places_on(scan: Scan, surface: Surface, *, axisymmetric: bool) -> tuple[np.ndarray, np.ndarray]:
+    """The points' x_m and y_m, all of them on the surface.
+
+    Raises InputError naming the line of one that is not.
+    """
+    if scan.y_m is None and not axisymmetric:
+        raise InputError(
+            f"{scan.path}: points along a radius, without angles, can only give an axisymmetric "
+            "profile; say so by actuator.profile.axisymmetric: true"
+        )
+    x_m, y_m = scan.x_m, np.zeros_like(scan.x_m) if scan.y_m is None else scan.y_m
+    off = np.flatnonzero(surface.reach(x_m, y_m) > 1 + 1e-6)
+    if len(off):
+        raise InputError(
+            f"{scan.path}: line {scan.lines[off[0]]}: the point lies "
+            f"{surface.where(x_m[off[0]], y_m[off[0]])}, off the actuator's {surface.text} "
+            f"({surface.key})"
+        )
+    return x_m, y_m
+
+
+def binned(scan: Scan) -> Scan:
+    """A scan of at most MOST_POINTS: itself, or the means over cells of its points."""
+    if len(scan.x_m) <= MOST_POINTS:
+        return scan
+    places = [scan.x_m] if scan.y_m is None else [scan.x_m, scan.y_m]
+    extents = [float(np.ptp(each)) or 1e-12 for each in places]
+    width = float(np.prod(extents) / MOST_POINTS) ** (1 / len(places))
+    while True:
+        cells = [((each - each.min()) / width).astype(np.int64) for each in places]
+        numbers = np.ravel_multi_index(cells, [int(cell.max()) + 1 for cell in cells])
+        _, first, inverse, counts = np.unique(
+            numbers, return_index=True, return_inverse=True, return_counts=True
+        )
+        if len(first) <= MOST_POINTS:
+            break
+        width *= WIDER
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        means: np.ndarray = np.bincount(inverse, weights=values) / counts
+        return means
+
+    note = (
+        f"{len(scan.x_m)} points averaged over {len(first)} cells {width * 1e3:.3g} mm wide, each "
+        "named by the line of its first point"
+    )
+    return replace(
+        scan,
+        x_m=mean(scan.x_m),
+        y_m=None if scan.y_m is None else mean(scan.y_m),
+        amplitude_m=mean(scan.amplitude_m.real) + 1j * mean(scan.amplitude_m.imag),
+        lines=scan.lines[first],
+        cell_m=width,
+        notes=(*scan.notes, note),
+    )
+
+
+def _without_outliers(
+    scan: Scan,
+    surface: Surface,
+    x: np.ndarray,
+    y: np.ndarray,
+    measured: np.ndarray,
+    axisymmetric: bool,
+) -> tuple[Fit, np.ndarray]:
+    """Least squares on the points that are not far from the rest, and which those are.
+
+    Points are left out and taken back in until they stay the same (iterated trimming; Rousseeuw
+    and Leroy, Robust Regression and Outlier Detection, 1987).
+    """
+    kept = np.ones(len(measured), dtype=bool)
+    floor = LEAST_OUTLIER * float(np.median(np.sort(np.abs(measured))[-max(5, len(x) // 20) :]))
+    for _ in range(REFITS):
+        fit = best_fit(scan.path, surface, x[kept], y[kept], measured[kept], axisymmetric)
+        residual = np.abs(measured - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients)
+        near = residual <= max(OUTLIER * 1.4826 * float(np.median(residual)), floor)
+        if np.array_equal(near, kept):
+            break
+        kept = near
+    outliers = np.flatnonzero(~kept)
+    if len(outliers) > max(1, MOST_OUTLIERS * len(kept)):
+        lines = ", ".join(str(line) for line in scan.lines[outliers[:6]])
+        raise InputError(
+            f"{scan.path}: {len(outliers)} of {len(kept)} points (lines {lines}, …) lie far from "
+            "every smooth profile through the rest: more than stray points; look at them"
+        )
+    fit = best_fit(scan.path, surface, x[kept], y[kept], measured[kept], axisymmetric)
+    return fit, kept
+
+
+def _modes_at(orders: Orders, surface: Surface, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    half_x_m, half_y_m = surface.half_m
+    return surface.modes_at(orders, x=x_m / half_x_m, y=y_m / half_y_m)
+
+
+@lru_cache(maxsize=32)
+def _modes_on_net(orders: Orders, surface: Surface) -> np.ndarray:
+    """The modes on the surface's net, shape (modes, points)."""
+    x_m, y_m, _ = surface.net()
+    return _modes_at(orders, surface, x_m.ravel(), y_m.ravel()).T
+
+
+def _share_of_squares(
+    part: tuple[np.ndarray, Orders], whole: tuple[np.ndarray, Orders], surface: Surface
+) -> float:
+    """∫ s₂² / ∫ s₁²: small forces go as the square of the amplitude, and both motions add.
+
+    studies/tasks/scan_errors.py has the effect on one scene.
+    """
+    weights = surface.net()[2].ravel()
+    second, first = (
+        weights @ (coefficients @ _modes_on_net(orders, surface)) ** 2
+        for coefficients, orders in (part, whole)
+    )
+    return float(second / first)
+
+
+def _counts(other: Fit, fit: Fit, surface: Surface) -> bool:
+    """Whether forces depend on the motion out of phase."""
+    part, whole = ((each.coefficients, each.orders) for each in (other, fit))
+    return _share_of_squares(part, whole, surface) > LARGEST_OUT_OF_PHASE
+
+
+def _complex_sum(
+    coefficients: Sequence[np.ndarray], fits: Sequence[Fit]
+) -> tuple[Orders, np.ndarray]:
+    """Orders and coefficients, shape (…, modes), of one part or of real and imaginary part.
+
+    The modes of a lower degree come first in those of a higher one.
+    """
+    if len(fits) == 1:
+        return fits[0].orders, coefficients[0]
+    longer = max((fit.orders for fit in fits), key=len)
+    total = np.zeros((*coefficients[0].shape[:-1], len(longer)), dtype=complex)
+    for unit, each in zip((1, 1j), coefficients, strict=True):
+        total[..., : each.shape[-1]] += unit * each
+    return longer, total
+
+
+def _largest_on_net(coefficients: np.ndarray, orders: Orders, surface: Surface) -> np.ndarray:
+    """Largest magnitude of sums of modes on the net; coefficients of shape (…, modes)."""
+    return np.asarray(np.abs(coefficients @ _modes_on_net(orders, surface)).max(axis=-1))
+
+
+def _bias_of_largest(fits: Sequence[Fit], noise_m: float, surface: Surface) -> float:
+    """By how much noise raises the largest magnitude, by what more of it would do."""
+    random = np.random.default_rng(PEAK_SEED)
+    drawn = []
+    for fit in fits:
+        change = noise_m * random.standard_normal((PEAK_DRAWS, len(fit.orders))) @ fit.root.T
+        # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
+        drawn.append(fit.coefficients + np.concatenate([change, -change]))
+    orders, found = _complex_sum([fit.coefficients for fit in fits], fits)
+    with_noise = _largest_on_net(_complex_sum(drawn, fits)[1], orders, surface)
+    return max(float(with_noise.mean() - _largest_on_net(found, orders, surface)), 0.0)
+
+
+def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
+    """Refuse a profile that the scan leaves open somewhere on the surface."""
+    from scipy.spatial import cKDTree
+
+    path, surface = smoothed.scan.path, smoothed.profile.surface
+    x_m, y_m, _ = surface.net()
+    seen = ~smoothed.outliers
+    if axisymmetric:  # a point stands for the circle through it
+        measured = np.hypot(smoothed.x_m, smoothed.y_m)[seen, None]
+        places = np.hypot(x_m, y_m)[..., None]
+    else:
+        measured = np.column_stack([smoothed.x_m, smoothed.y_m])[seen]
+        places = np.stack([x_m, y_m], axis=-1)
+    distance, _ = cKDTree(measured).query(places)
+    error = smoothed.standard_error(x_m=x_m, y_m=y_m)
+    hole = np.unravel_index(np.argmax(distance), distance.shape)
+    worst = np.unravel_index(np.argmax(error), error.shape)
+    if distance[hole] > LARGEST_HOLE * min(surface.half_m):
+        where = f"r = {places[hole][0] * 1e3:.2f} mm"
+        if not axisymmetric:
+            where = f"x = {x_m[hole] * 1e3:.2f} mm, y = {y_m[hole] * 1e3:.2f} mm"
+        raise InputError(
+            f"{path}: no point was measured within {distance[hole] * 1e3:.1f} mm of {where}; the "
+            f"scan needs points there, or {surface.key} is too large"
+        )
+    if error[worst] > LARGEST_ERROR:
+        raise InputError(
+            f"{path}: the profile is known to ±{error[worst]:.0%} of its maximum only at "
+            f"x = {x_m[worst] * 1e3:.2f} mm, y = {y_m[worst] * 1e3:.2f} mm; the scan needs more "
+            "points there, or less noise"
+        )
+    if smoothed.peak_bias_m >= LARGEST_ERROR * smoothed.peak_m:
+        raise InputError(
+            f"{path}: the profile's maximum cannot be told from the noise; the scan needs more "
+            "points, or less noise"
+        )
+
+
+PARTS: dict[str, type] = {"scan": Scan, "profile": Modes, "out_of_phase": Modes}
+NOT_KEPT = {"path", "surface", *PARTS}
+
+
+def write_smoothed(smoothed: SmoothedScan, path: Path, *, settings: Mapping[str, Any]) -> None:
+    """Write all of a smoothed scan, whole or not at all; equal ones make equal files.
+
+    Smoothing takes up to a minute, reading what came of it no time.
+
+    Args:
+        settings: with which it was smoothed (``smoothed_scan``).
+
+    Raises InputError where the file cannot be written.
+    """
+    things = {"": smoothed} | {f"{name}.": getattr(smoothed, name) for name in PARTS}
+    arrays: dict[str, Any] = {
+        f"{prefix}{field.name}": np.asarray(value)
+        for prefix, thing in things.items()
+        for field in fields(thing)
+        if field.name not in NOT_KEPT and (value := getattr(thing, field.name)) is not None
+    }
+    made_from = np.array(_made_from(smoothed.scan.path, settings))
+    with whole_file(path) as part, part.open("wb") as handle:
+        np.savez(handle, made_from=made_from, **arrays)
+
+
+@lru_cache(maxsize=4)
+def _read(path: Path, changed_ns: int) -> dict[str, np.ndarray]:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {"made_from": file["made_from"], **file}
+    except (OSError, ValueError, KeyError, BadZipFile, EOFError) as error:
+        raise InputError(f"{path}: not a smoothed scan: {error}") from None
+
+
+def read_smoothed(path: Path, scan: Path, *, settings: Mapping[str, Any]) -> SmoothedScan:
+    """What write_smoothed wrote, for a scan's file.
+
+    Raises InputError for a file that is none, or was made from another scan or other settings.
+    """
+    arrays = _read(path, path.stat().st_mtime_ns)
+    if str(arrays["made_from"]) != _made_from(scan, settings):
+        raise InputError(
+            f"{path}: was smoothed from another {scan.name}, or with other settings of "
+            "actuator.profile; `snakemake profile` makes it anew"
+        )
+
+    def values(kind: type, prefix: str) -> dict[str, Any]:
+        names = [field.name for field in fields(kind) if field.name not in NOT_KEPT]
+        return {name: _plain(arrays.get(f"{prefix}{name}"), name) for name in names}
+
+    surface = settings["surface"]
+    return SmoothedScan(
+        scan=Scan(path=scan, **values(Scan, "scan.")),
+        profile=Modes(surface=surface, **values(Modes, "profile.")),
+        out_of_phase=Modes(surface=surface, **values(Modes, "out_of_phase.")),
+        **values(SmoothedScan, ""),
+    )
+
+
+def _plain(array: np.ndarray | None, name: str) -> Any:
+    """A number from an array without dimensions, and a tuple where a field has one."""
+    if name in ("orders", "coefficients", "notes") and array is not None:
+        return tuple(tuple(row) if name == "orders" else row for row in array.tolist())
+    return array if array is None or array.ndim else array.item()
+
+
+def _made_from(scan: Path, settings: Mapping[str, Any]) -> str:
+    text = json.dumps(dict(settings), sort_keys=True, default=repr)
+    return hashlib.sha256(f"{digest(scan)} {text}".encode()).hexdigest()

@@ -1,0 +1,129 @@
+"""A smoothed scan as a table of points and profile, as a summary in numbers, and in words."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from squeezefilm.film.measured.rectified import FOLDED
+from squeezefilm.film.measured.smooth import SmoothedScan
+from squeezefilm.film.surfaces import Disc
+
+RADII, ANGLES = 81, 72
+SIDE = 61
+"""Points of the profile's map along each side of a rectangle."""
+
+
+def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
+    """The points and what the profile leaves of them, and the profile with its standard error.
+
+    Layers ``points`` and ``outliers``; of a disc ``profile``, the least and largest value over all
+    angles and the largest error at each distance from the centre; of a rectangle ``map``.
+    """
+    surface, micrometres = smoothed.profile.surface, smoothed.peak_m * 1e6
+    half_x_m, half_y_m = surface.half_m
+    points = pd.DataFrame(
+        {
+            "layer": np.where(smoothed.outliers, "outliers", "points"),
+            "line": smoothed.scan.lines,
+            "x_mm": smoothed.x_m * 1e3,
+            "y_mm": smoothed.y_m * 1e3,
+            "r_mm": np.hypot(smoothed.x_m, smoothed.y_m) * 1e3,
+            "amplitude_um": smoothed.measured_m.real * 1e6,
+            "residual_um": smoothed.residual_m * 1e6,
+        }
+    )
+    if isinstance(surface, Disc):
+        r_m, phi = np.meshgrid(
+            np.linspace(0, half_x_m, RADII),
+            np.linspace(0, 2 * np.pi, ANGLES, endpoint=False),
+            indexing="ij",
+        )
+        x_m, y_m = r_m * np.cos(phi), r_m * np.sin(phi)
+    else:
+        side = np.linspace(-1, 1, SIDE)
+        x_m, y_m = (each.ravel() for each in np.meshgrid(half_x_m * side, half_y_m * side))
+    profile = smoothed.profile.amplitude(x_m=x_m, y_m=y_m).real * micrometres
+    error = smoothed.standard_error(x_m=x_m, y_m=y_m) * micrometres
+    if isinstance(surface, Disc):
+        drawn = {
+            "layer": "profile",
+            "r_mm": r_m[:, 0] * 1e3,
+            "lowest_um": profile.min(axis=1),
+            "highest_um": profile.max(axis=1),
+            "error_um": error.max(axis=1),
+        }
+    else:
+        drawn = {
+            "layer": "map",
+            "x_mm": x_m * 1e3,
+            "y_mm": y_m * 1e3,
+            "profile_um": profile,
+            "error_um": error,
+        }
+    table = pd.concat([points, pd.DataFrame(drawn)], ignore_index=True).round(9)
+    return table.astype({"line": "Int64"}).assign(noise_um=round(smoothed.noise_m * 1e6, 9))
+
+
+def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[str, Any]:
+    """The scan in numbers; shares are of the profile's maximum, or of a force.
+
+    Args:
+        noise: largest share of a force that the noise leaves open, at 95 %.
+        error: the same with what motion out of phase would do.
+    """
+    x_m, y_m, weights = smoothed.profile.surface.net()
+    standard = smoothed.standard_error(x_m=x_m, y_m=y_m)
+    return {
+        "points": len(smoothed.measured_m),
+        "missing": smoothed.scan.missing,
+        "outlier_lines": [int(line) for line in smoothed.scan.lines[smoothed.outliers]],
+        "degree": smoothed.degree,
+        "modes": len(smoothed.root),
+        "peak_um": smoothed.peak_m * 1e6,
+        "noise_um": smoothed.noise_m * 1e6,
+        "noise_share": smoothed.noise_m / smoothed.peak_m,
+        "cross_validation_share": smoothed.cross_validation_m / smoothed.peak_m,
+        "quadrature_share": smoothed.quadrature,
+        "largest_standard_error_share": float(standard.max()),
+        "mean_standard_error_share": float(np.average(standard, weights=weights)),
+        "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
+        "out_of_phase_effect": smoothed.out_of_phase_effect,
+        "two_phases": smoothed.profile.is_complex,
+        "averaging_loss_share": smoothed.averaging_loss,
+        "notes": list(smoothed.scan.notes),
+        "signed": smoothed.scan.signed,
+        "folded": smoothed.folded,
+        "largest_force_noise_share": noise,
+        "largest_force_error_share": error,
+    }
+
+
+def described(summary: dict[str, Any]) -> str:
+    """A summary in words, a line each."""
+    outliers = summary["outlier_lines"]
+    lines = ", ".join(map(str, outliers[:6])) + (", …" if len(outliers) > 6 else "")
+    across = f"{summary['quadrature_share']:.1%} in rms with its noise"
+    if summary["two_phases"]:
+        across += ", the profile's imaginary part"
+    else:
+        across += f", neglected: forces are about {summary['out_of_phase_effect']:.2%} low"
+    texts = [
+        f"points                {summary['points']}",
+        f"outliers, not fitted  {len(outliers)} (lines {lines})" if outliers else "",
+        f"degree of the modes   {summary['degree']}, by cross-validation",
+        f"largest amplitude     {summary['peak_um']:.3g} µm, less "
+        f"{summary['peak_bias_share']:.1%} as the noise's",
+        f"noise                 {summary['noise_share']:.1%} of the maximum",
+        f"standard error        {summary['mean_standard_error_share']:.1%} on average, at most "
+        f"{summary['largest_standard_error_share']:.1%} of the maximum",
+        f"error of a force      at most {summary['largest_force_noise_share']:.1%} by the noise, "
+        "at 95 %",
+        f"motion out of phase   {across}",
+        "" if summary["signed"] else "no phase or sign: all amplitudes are taken to one side",
+        f"warning: {FOLDED}" if summary["folded"] else "",
+        *(f"note: {note}" for note in summary["notes"]),
+    ]
+    if loss := summary["averaging_loss_share"]:
+        texts.append(f"note: averaging takes off at most {loss:.1g} of the maximum")
+    return "\n".join(text for text in texts if text)

@@ -1,0 +1,366 @@
+"""Profile profiles of an actuator's surface: s(x, y), by formula or as measured.
+
+A point of the surface moves by hv · Im(s e^(iωt)), and the largest |s| on the surface is 1. Where
+all of it moves in one phase s is real; of two quadrature components, such as those of a travelling
+wave, it is complex.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import cos, inf, isfinite, pi, radians, sin
+from typing import Any, Protocol
+
+import numpy as np
+
+from squeezefilm.film.surfaces import Disc, Orders, Surface
+from squeezefilm.formulas.expressions import Expression, parse
+from squeezefilm.io.errors import InputError
+
+UNBOUNDED = Disc(inf)
+MOST_KEPT = 1_000_000
+"""Values of modes, points times modes, that are kept to be used again: 8 MB."""
+
+
+class Profile(Protocol):
+    """A vibration over the actuator's surface; hashable."""
+
+    @property
+    def is_complex(self) -> bool:
+        """Whether amplitudes are complex."""
+        ...
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """Amplitude s at positions from the actuator's centre, any common shape."""
+        ...
+
+    def __hash__(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class Sinc:
+    """s = sin(πkr)/(πkr), the paper's eq. (2) with k = 109.8 per metre (MATLAB's sinc)."""
+
+    wave_number_per_m: float
+    is_complex = False
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        return np.sinc(self.wave_number_per_m * np.hypot(x_m, y_m))
+
+
+@dataclass(frozen=True)
+class Piston:
+    """s = 1: a flat surface that moves as a whole, the case of the paper's eq. (6)."""
+
+    is_complex = False
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        return np.ones(np.broadcast(x_m, y_m).shape)
+
+
+@dataclass(frozen=True)
+class StandingWave:
+    """s ~ cos(2π u/λ), u the distance along ``direction_deg`` from a crest at ``crest_m``.
+
+    Over its largest magnitude on the surface, which is below the crest's where no crest or trough
+    lies on it; on one without bounds, if it is left out.
+    """
+
+    wavelength_m: float
+    direction_deg: float
+    crest_m: float
+    surface: Surface = UNBOUNDED
+    is_complex = False
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
+        wave: np.ndarray = np.cos(2 * pi * (along - self.crest_m) / self.wavelength_m)
+        return wave / self.crest_share
+
+    @property
+    def crest_share(self) -> float:
+        """Largest magnitude over a crest's: 1 if the phase passes a multiple of π there."""
+        middle = -2 * pi * self.crest_m / self.wavelength_m
+        reach = 2 * pi * self.surface.reach_along(self.direction_deg) / self.wavelength_m
+        if abs(middle - pi * round(middle / pi)) <= reach:
+            return 1.0
+        return max(abs(cos(middle - reach)), abs(cos(middle + reach)))
+
+
+@dataclass(frozen=True)
+class BesselMode:
+    """A disc's bending mode, s ~ [J_n(kr) + c I_n(kr)] cos n(φ − φ0), over its largest magnitude.
+
+    n is the number of nodal diameters, k the bending wave number and c, zero for a membrane, the
+    share of the edge's near field (Leissa, Profile of Plates, 1969, eq. 2.1).
+    """
+
+    nodal_diameters: int
+    wave_number_rad_per_m: float
+    edge_share: float
+    direction_deg: float
+    surface: Surface
+    is_complex = False
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        angle = np.arctan2(y_m, x_m) - radians(self.direction_deg)
+        around = np.cos(self.nodal_diameters * angle)
+        return self.unscaled(x_m, y_m) * around / largest_unscaled(self)
+
+    def unscaled(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """The mode along the direction of an antinode, before it is scaled."""
+        from scipy.special import iv, jv
+
+        phase = self.wave_number_rad_per_m * np.hypot(x_m, y_m)
+        mode: np.ndarray = jv(self.nodal_diameters, phase)
+        return mode + self.edge_share * iv(self.nodal_diameters, phase) if self.edge_share else mode
+
+
+@dataclass(frozen=True)
+class Formula:
+    """An expression in x, y, r (metres) and phi (radians), over its largest magnitude."""
+
+    expression: str
+    surface: Surface
+    is_complex = False
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        return self.unscaled(x_m, y_m) / largest_unscaled(self)
+
+    def unscaled(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        """The expression's value."""
+        x, y = np.broadcast_arrays(x_m, y_m)
+        parsed = _parsed(self.expression)
+        return np.broadcast_to(
+            parsed.evaluate(x=x, y=y, r=np.hypot(x, y), phi=np.arctan2(y, x)), x.shape
+        )
+
+
+@dataclass(frozen=True)
+class Modes:
+    """A sum of smooth modes on the surface: a measured profile, smoothed (measured/smooth.py).
+
+    ``orders`` are the modes' two numbers (surfaces.py). ``largest`` is the largest magnitude on
+    the surface: above 1 by what noise has put on the maximum.
+    """
+
+    orders: Orders
+    coefficients: tuple[complex, ...]
+    surface: Surface
+    largest: float = 1.0
+
+    @property
+    def is_complex(self) -> bool:
+        return any(isinstance(each, complex) for each in self.coefficients)
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        x, y = np.broadcast_arrays(x_m, y_m)
+        half_x_m, half_y_m = self.surface.half_m
+        x, y = x / half_x_m, y / half_y_m
+        if x.size * len(self.orders) > MOST_KEPT:
+            modes = self.surface.modes_at(self.orders, x=x, y=y)
+        else:
+            modes = _modes_again(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
+        return modes @ np.array(self.coefficients)
+
+
+@lru_cache(maxsize=16)
+def _modes_again(
+    surface: Surface, orders: Orders, shape: tuple[int, ...], x: bytes, y: bytes
+) -> np.ndarray:
+    """The modes at points given as bytes: profiles with other noise are asked at the same ones."""
+    x_, y_ = (np.frombuffer(each).reshape(shape) for each in (x, y))
+    return surface.modes_at(orders, x=x_, y=y_)
+
+
+@dataclass(frozen=True)
+class Quadrature:
+    """s = a s₁ + i b s₂: two components a quarter of a period apart, the second one ahead.
+
+    ``shares`` are a and b, such that the largest |s| on the surface is 1.
+    """
+
+    first: Profile
+    second: Profile
+    shares: tuple[float, float] = (1.0, 1.0)
+    is_complex = True
+
+    def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        first, second = (each.amplitude(x_m=x_m, y_m=y_m) for each in (self.first, self.second))
+        return self.shares[0] * first + 1j * (self.shares[1] * second)
+
+
+KINDS: dict[str, type] = {
+    "sinc": Sinc,
+    "piston": Piston,
+    "standing-wave": StandingWave,
+    "bessel": BesselMode,
+    "formula": Formula,
+}
+
+
+def make_profile(*, kind: str, surface: Surface, **settings: Any) -> Profile:
+    """The profile of a config's ``actuator.profile`` section, whose keys the schema has checked.
+
+    Args:
+        kind: any but a measured one (measured/smooth.py).
+        surface: the actuator's, over which a profile has its maximum.
+
+    Raises:
+        InputError: for a formula that is no profile, naming the place.
+    """
+    if kind == "travelling-wave":
+        # sin T cos ku − cos T sin ku = sin(T − ku): it travels towards larger u.
+        wave = StandingWave(**settings, crest_m=0.0)
+        return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
+    quadrature = settings.pop("quadrature", None)
+    if kind in ("standing-wave", "bessel", "formula"):
+        settings["surface"] = surface
+    profile: Profile = KINDS[kind](**settings)
+    if quadrature is not None:
+        assert isinstance(profile, Formula)
+        return _with_quadrature(profile, Formula(quadrature, surface))
+    if isinstance(profile, BesselMode | Formula) and not largest_unscaled(profile):
+        raise _without_maximum(profile)
+    return profile
+
+
+def _without_maximum(profile: BesselMode | Formula) -> InputError:
+    kind = "formula" if isinstance(profile, Formula) else "bessel"
+    return InputError(
+        f"actuator.profile: the {kind} has no finite value everywhere on the "
+        f"{profile.surface.text}, or is zero on all of it"
+    )
+
+
+def _with_quadrature(first: Formula, second: Formula) -> Profile:
+    """Both formulas over the largest √(first² + second²) on the surface; one if the other is 0."""
+    sizes = largest_unscaled(first), largest_unscaled(second)
+    if not any(sizes):
+        raise _without_maximum(first)
+    if not all(sizes):  # a quarter of a period later it is the same vibration
+        return first if sizes[0] else second
+    both = largest_magnitude(
+        lambda x_m, y_m: np.hypot(first.unscaled(x_m, y_m), second.unscaled(x_m, y_m)),
+        surface=first.surface,
+    )
+    return Quadrature(first, second, shares=(sizes[0] / both, sizes[1] / both))
+
+
+def largest_magnitude(
+    shape: Callable[[np.ndarray, np.ndarray], np.ndarray], *, surface: Surface
+) -> float:
+    """Largest |shape(x_m, y_m)| on the surface: the best of a net, then improved.
+
+    NaN when the shape is not finite everywhere on the net.
+    """
+    from scipy.optimize import minimize
+
+    net, place, steps = surface.search()
+    with np.errstate(all="ignore"):
+        sizes = np.abs(shape(*place(net[0], net[1])))
+    if not np.all(np.isfinite(sizes)):
+        return np.nan
+    best = np.unravel_index(np.argmax(sizes), sizes.shape)
+    start = np.array([each[best] for each in net])
+
+    def negative(at: np.ndarray) -> float:
+        x_m, y_m = place(at[0], at[1])
+        return -float(np.abs(shape(np.array(x_m), np.array(y_m))))
+
+    simplex = start + steps
+    found = minimize(negative, start, method="Nelder-Mead", options={"initial_simplex": simplex})
+    return max(float(sizes.max()), -float(found.fun))
+
+
+@lru_cache(maxsize=16)
+def _parsed(expression: str) -> Expression:
+    return parse(expression, names=("x", "y", "r", "phi"), place="actuator.profile.expression")
+
+
+@lru_cache(maxsize=16)
+def largest_unscaled(profile: BesselMode | Formula) -> float:
+    """Largest magnitude on the surface before the profile is scaled to 1.
+
+    Raises InputError where it is not finite.
+    """
+    size = largest_magnitude(profile.unscaled, surface=profile.surface)
+    if not isfinite(size):
+        raise _without_maximum(profile)
+    return size
+
+
+# A formula may hide a spot too narrow for evenly spread samples to be sure to meet it; the other
+# profiles are as fine at one place as at any other. It is scanned once, on lines of a net of the
+# whole surface: a spot wider than about a thousandth of the surface is met.
+LINES = 1000
+# The net is searched in TILES × TILES parts, and the most remarkable of them are followed up.
+TILES = 20
+FOLLOWED = 16
+MOST_STEPS = 60
+
+
+def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
+    """Points x_m, y_m that a sampling of the profile should not leave out; none but for formulas.
+
+    They are where it differs most from its neighbourhood. A spot narrower than a five-hundredth of
+    half the surface, with no trace beyond, can be missed.
+    """
+    if isinstance(profile, Quadrature):
+        of_both = zip(landmarks_of(profile.first), landmarks_of(profile.second), strict=True)
+        x_m, y_m = map(np.concatenate, of_both)
+        return x_m, y_m
+    return _landmarks(profile) if isinstance(profile, Formula) else (np.zeros(0), np.zeros(0))
+
+
+@lru_cache(maxsize=16)
+def _landmarks(formula: Formula) -> tuple[np.ndarray, np.ndarray]:
+    # Uneven lines, so that nothing with a period hides between them.
+    uneven = np.arange(LINES) * 0.6180339887498949 % 1
+    lines = 2 * (np.arange(LINES) + uneven) / LINES - 1
+    x_lines_m, y_lines_m = (half * lines for half in formula.surface.half_m)
+    with np.errstate(all="ignore"):
+        s = formula.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
+        bends = np.maximum(_bends(s, x_lines_m), _bends(s.T, y_lines_m).T)
+    bends[formula.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
+    side = LINES // TILES
+    tiles = bends.reshape(TILES, side, TILES, side).transpose(0, 2, 1, 3).reshape(TILES**2, -1)
+    first = np.argsort(-tiles.max(axis=1), kind="stable")[:FOLLOWED]
+    row, column = np.divmod(tiles[first].argmax(axis=1), side)
+    x_m = x_lines_m[first // TILES * side + row]
+    y_m = y_lines_m[first % TILES * side + column]
+    return _climbed(formula, x_m, y_m)
+
+
+def _bends(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
+    """How far each value is off the line through its neighbours along the first axis."""
+    share = ((lines_m[1:-1] - lines_m[:-2]) / (lines_m[2:] - lines_m[:-2]))[:, None]
+    bends = np.zeros(s.shape)
+    bends[1:-1] = np.abs(s[1:-1] - (1 - share) * s[:-2] - share * s[2:])
+    return np.nan_to_num(bends, nan=0.0, posinf=0.0)
+
+
+def _climbed(formula: Formula, x_m: np.ndarray, y_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points moved to where the profile stands out most from what is two lines away."""
+    line_x_m, line_y_m = (2 * half / LINES for half in formula.surface.half_m)
+
+    def contrast(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+        off_x_m = 2 * line_x_m * np.array([0, 1, -1, 0, 0])
+        off_y_m = 2 * line_y_m * np.array([0, 0, 0, 1, -1])
+        s = formula.amplitude(x_m=x_m[..., None] + off_x_m, y_m=y_m[..., None] + off_y_m)
+        return np.nan_to_num(np.abs(s[..., 0] - s[..., 1:].mean(axis=-1)), posinf=0.0)
+
+    angle = np.pi / 4 * np.arange(8)
+    around = np.append(0.0, np.cos(angle)), np.append(0.0, np.sin(angle))
+    step = np.ones(len(x_m))
+    each = np.arange(len(x_m))
+    with np.errstate(all="ignore"):
+        for _ in range(MOST_STEPS):
+            tried_x = x_m[:, None] + line_x_m * step[:, None] * around[0]
+            tried_y = y_m[:, None] + line_y_m * step[:, None] * around[1]
+            best = contrast(tried_x, tried_y).argmax(axis=1)
+            x_m, y_m = tried_x[each, best], tried_y[each, best]
+            step = np.where(best == 0, step / 2, step)
+    return x_m, y_m

@@ -1,1 +1,0 @@
-"""Amplitude profiles: how a surface vibrates, by formula or as measured."""

@@ -1,1 +1,0 @@
-"""Scans as vibrometers export them: tables of text, universal files."""
