@@ -36,8 +36,8 @@ from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
-# Times that a scene is solved to a tenth of the tolerance before, until its outputs hold it.
-MOST_REPEATED = 3
+# A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
+TIGHTER, MOST_REPEATED = 1 / 30, 3
 # Scenes whose states are held at a time.
 TOGETHER = 128
 # No output changes less than this share of the largest change among those alike, each over its
@@ -145,7 +145,7 @@ def _from_states(
     found: dict[int, Outputs] = {}
     waiting, solved = list(range(len(scenes))), list(solutions)
     for repeated in range(1 + MOST_REPEATED):
-        within = tolerance * 0.1**repeated
+        within = tolerance * TIGHTER**repeated
         films = [scenes[k] for k in waiting]
         solved = with_states(films, solved, tolerance=within, device=device)
         further = []
