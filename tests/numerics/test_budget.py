@@ -21,7 +21,7 @@ from squeezefilm.io.tables import write_table
 from squeezefilm.quantities import adjoint as sensitivity_module
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities import model_error as budget_module
-from squeezefilm.quantities.adjoint import Fields, answer, response, sensitivity
+from squeezefilm.quantities.adjoint import Fields, response, sensitivity
 from squeezefilm.quantities.model_error import (
     BASIS,
     NAMES,
@@ -59,21 +59,6 @@ def on_grid(scenes: list[Scene], grid: Grid) -> list[ErrorBudget]:
         budget_module._budget(scene, {name: 100 * share[k] for name, share in shares.items()})
         for k, scene in enumerate(scenes)
     ]
-
-
-@pytest.mark.parametrize(
-    ("h0_m", "inertia", "heat", "rim"),
-    [(5e-6, 2.15, -0.178, -0.322), (10e-6, 9.73, -0.874, -1.334)],
-)
-def test_effects_in_the_paper_s_scenes(
-    scene: Scene, h0_m: float, inertia: float, heat: float, rim: float
-) -> None:
-    """First orders by a program written apart; C = 1."""
-    (found,) = error_budgets([replace(scene, h0_m=h0_m, hv_m=2e-6)])
-    assert found.effects["inertia"].percent == pytest.approx(inertia, abs=0.02)
-    assert found.effects["heat"].percent == pytest.approx(heat, rel=0.01)
-    assert found.effects["rim"].percent == pytest.approx(rim, rel=0.01)
-    assert found.basis == ""
 
 
 @pytest.mark.parametrize(
@@ -197,7 +182,8 @@ def test_the_adjoint_answers_as_the_equation_itself(rarefaction: str, exponent: 
     source = np.random.default_rng(1).normal(size=(1, *grid.shape))
     change = response(films, source, tolerance=1e-12)
     rise = films.on_all_nodes(change) / (films.gap * films.density_slope)
-    by_adjoint = answer(films, sensitivity(films, tolerance=1e-12), source)
+    sensitive = sensitivity(films, tolerance=1e-12)
+    by_adjoint = films.mean(films.on_all_nodes(sensitive * source))
     assert by_adjoint == pytest.approx(films.mean(rise), rel=1e-8)
 
 
@@ -231,23 +217,6 @@ def test_what_first_order_slip_lacks_is_the_difference_to_the_flow_factor() -> N
     assert found.effects["kinetic"].percent == pytest.approx(
         0.1466 * found.effects["slip"].percent, rel=0.01
     )
-
-
-def test_no_inertia_no_effect_of_it() -> None:
-    """Inertia, heat and the rim's loss are proportional to Re, and at most that."""
-    scene = film(epsilon=0.4, sigma=583.0)
-    light = replace(scene, gas=replace(scene.gas, density_kg_per_m3=1.2e-6))
-    found, lighter = error_budgets([scene, light])
-    for name in ("inertia", "heat", "rim"):
-        full, little = found.effects[name].percent, lighter.effects[name].percent
-        assert little == pytest.approx(1e-6 * full, rel=1e-6)
-        assert abs(full) > 0.01
-
-
-def test_a_finger_at_rest_has_nothing_of_sliding() -> None:
-    (found,) = error_budgets([film(epsilon=0.4, sigma=583.0, x=0.2)])
-    assert found.effects["bearing"].percent == 0
-    assert found.effects["passing"].percent == 0
 
 
 def test_sliding_either_way_is_the_same_at_the_middle_and_opposite_beside() -> None:
@@ -423,13 +392,3 @@ def test_the_command_writes_a_row_for_each_scene(
     effects_of = table[[f"{name}_percent" for name in NAMES]]
     assert np.isfinite(effects_of.iloc[0]).all()
     assert effects_of.iloc[1].isna().all()
-    first = table.iloc[0]
-    effects = effects_of.iloc[0].to_dict()
-    off = {name: 0.02 * abs(effect) for name, effect in effects.items()}
-    for name in off:
-        off[name] += first.get(name.replace("_percent", "_missed_percent"), 0.0)
-    rim = effects.pop("rim_percent")
-    ends = sorted(sum(effects.values()) + c * rim for c in (1.0, 1.54))
-    all_off = sum(off.values()) + 0.54 * off["rim_percent"]
-    assert first["sum_least_percent"] == pytest.approx(ends[0] - all_off)
-    assert first["sum_most_percent"] == pytest.approx(ends[1] + all_off)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +12,8 @@ from derivative_errors import drawn, shares
 from films import PISTON, film
 
 from squeezefilm.cli.main import main
-from squeezefilm.film.scene import Gas, Scene
-from squeezefilm.io.solution import DERIVATIVES, Derivatives
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.solution import Derivatives
 from squeezefilm.io.tables import DERIVATIVE_COLUMNS, read_forces, write_table
 from squeezefilm.quantities import adjoint
 from squeezefilm.quantities import derivatives as module
@@ -103,11 +103,6 @@ def test_numbers_that_the_equation_does_not_have_change_nothing() -> None:
         assert (found.value[number], found.error[number]) == (0.0, 0.0)
     at_the_centre = [found.value[number] for number in ("x_m", "y_m")]
     assert at_the_centre == [0.0, 0.0]
-
-
-def test_every_number_of_the_gas_has_a_derivative() -> None:
-    numbers = [each.name for each in fields(Gas) if each.type is float]
-    assert list(DERIVATIVES) == ["h0_m", "hv_m", "x_m", "y_m", *numbers]
 
 
 def test_a_film_at_rest_has_no_derivatives_but_zeros() -> None:

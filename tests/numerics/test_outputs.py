@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import replace
 from math import pi
@@ -245,17 +244,6 @@ def test_extremes_lie_between_the_nodes_too() -> None:
         assert abs(value) >= PRESSURE_PA * abs(there) - doubt
 
 
-def test_extremes_in_the_middle_are_those_of_gas_that_cannot_escape() -> None:
-    """A piston at σ → ∞: P = √(1 + 3ε²/2)/(1 ± ε); a layer at the rim overshoots by its size."""
-    epsilon = 0.4
-    scene = film(epsilon=epsilon, sigma=1e4, profile=PISTON)
-    found = outputs(scene, "extremes", tolerance=1e-3).value
-    mass = np.sqrt(1 + 1.5 * epsilon**2)
-    highest, lowest = (PRESSURE_PA * (mass / (1 - sign * epsilon) - 1) for sign in (1, -1))
-    assert highest * 0.999 <= found["largest_overpressure"] <= 1.1 * highest
-    assert found["least_overpressure"] <= 0.999 * lowest
-
-
 @pytest.mark.parametrize("rarefaction", ["none", "slip"])
 def test_friction_of_a_surface_that_slides_is_couette_s(rarefaction: str) -> None:
     """A film that hardly vibrates: μ U A/(h0 + 2λ) towards where the surface moves."""
@@ -391,21 +379,6 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
     assert "'lift' is none of" in refused(*command, "--outputs", "lift", status=2)
 
 
-def test_explain_says_which_outputs_a_study_asks_for_in_vain(
-    tmp_path: Path, edited, capsys
-) -> None:
-    plan, output = tmp_path / "plan.csv", tmp_path / "explained.csv"
-    rows = {"h0_m": 5e-6, "hv_m": [2e-6], "phi_r_m": [0.0], "phi_deg": 0.0}
-    write_table(pd.DataFrame({"point_id": ["1"], **rows}), plan)
-    slides = edited(gas={"rarefaction": "fukui-kaneko"}, finger={"speed_x_m_per_s": 0.1})
-    study = json.loads(slides.read_text(encoding="utf-8")) | {"outputs": ["power", "thrust"]}
-    slides.write_text(json.dumps(study), encoding="utf-8")
-    assert main(["explain", str(plan), "--config", str(slides), "--output", str(output)]) == 0
-    reason = "thrust: the shear of a sliding wall is not derived with fukui-kaneko"
-    assert f"such as point 1, lack {reason}" in capsys.readouterr().out
-    assert list(pd.read_csv(output)["outputs_refused"]) == [reason]
-
-
 def test_the_page_shows_what_comes_out(repository: Path, capsys) -> None:
     page = (repository / "docs" / "outputs.md").read_text(encoding="utf-8")
     command = next(line for line in page.splitlines() if line.endswith(" --outputs all"))
@@ -421,16 +394,6 @@ def test_the_page_shows_what_comes_out(repository: Path, capsys) -> None:
         documented, *_, documented_unit = printed[name].split(maxsplit=3)
         assert abs(float(value) - float(documented)) <= float(error), name
         assert unit == documented_unit
-
-
-def test_the_page_s_pictures_are_made(repository: Path, tmp_path: Path, monkeypatch) -> None:
-    page = (repository / "docs" / "outputs.md").read_text(encoding="utf-8")
-    commands = re.findall(r"^    squeezefilm (.*)$", page.partition("## Pictures")[2], re.MULTILINE)
-    (tmp_path / "config").symlink_to(repository / "config")
-    monkeypatch.chdir(tmp_path)
-    for command in commands:
-        assert main(command.split()) == 0
-    assert {"field.nc", "sheet.png", "film.gif"} <= {path.name for path in tmp_path.iterdir()}
 
 
 def test_a_scene_that_ends_in_an_unexpected_error_leaves_the_others_theirs(monkeypatch) -> None:

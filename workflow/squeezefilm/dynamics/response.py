@@ -164,18 +164,10 @@ def steps_of(scene: Scene) -> Steps:
     Raises RunError saying why the scene is not supported.
     """
     film, _ = _slow(scene)
-    steps, scale = _steps(film), scene.force_scale_n
-    time_s = steps.time / scene.actuator.angular_frequency_rad_per_s
-    return Steps(time_s, steps.rising * scale, steps.falling * scale)
-
-
-@dataclass(frozen=True)
-class _Steps:
-    """Over the time T, in units of p0 and the finger's area."""
-
-    time: np.ndarray
-    rising: np.ndarray
-    falling: np.ndarray
+    time, rising, falling = _steps(film)
+    scale = scene.force_scale_n
+    time_s = time / scene.actuator.angular_frequency_rad_per_s
+    return Steps(time_s, rising * scale, falling * scale)
 
 
 def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
@@ -193,16 +185,16 @@ def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
 def _response(scene: Scene, film: AveragedFilm, error: float) -> Response:
     static, prompt = film.response(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s
-    steps = _steps(film)
+    time, rising, falling = _steps(film)
     settled = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
     return Response(
         static_gain=float(static),
         prompt_gain=float(prompt),
         corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
-        prompt_share=float(steps.rising[0] / settled),
-        rise_s=_crossing(steps.time, np.abs(steps.rising / settled - 1)) / rate,
-        lasting_share=float(steps.falling[0] / settled),
-        release_s=_crossing(steps.time, np.abs(steps.falling / settled)) / rate,
+        prompt_share=float(rising[0] / settled),
+        rise_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
+        lasting_share=float(falling[0] / settled),
+        release_s=_crossing(time, np.abs(falling / settled)) / rate,
         error=error,
     )
 
@@ -218,17 +210,17 @@ def _corner(film: AveragedFilm, static: float, prompt: float) -> float:
     return float(np.exp(brentq(above, guess - 6, guess + 6, rtol=1e-6)))
 
 
-def _steps(film: AveragedFilm) -> _Steps:
-    """From a thousandth of the slowest mode's decay time to twenty times that."""
+def _steps(film: AveragedFilm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times T and the mean overpressure in p0 after start and stop, each (n,).
+
+    From a thousandth of the slowest mode's decay time to twenty times that.
+    """
     narrow = 1 + film.films.aspect[0] ** -2
     slowest = film.sigma / (pi**2 * narrow)
     time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, INSTANTS))
     settled = film.density(film.settled(film.epsilon))
-    return _Steps(
-        time=time,
-        rising=film.after_step(film.at_rest(), film.epsilon, time),
-        falling=film.after_step(settled, 0.0, time),
-    )
+    rising = film.after_step(film.at_rest(), film.epsilon, time)
+    return time, rising, film.after_step(settled, 0.0, time)
 
 
 def _crossing(time: np.ndarray, left: np.ndarray) -> float:
@@ -244,18 +236,13 @@ def _crossing(time: np.ndarray, left: np.ndarray) -> float:
     return float(time[last] + share * (time[last + 1] - time[last]))
 
 
-@dataclass(frozen=True)
-class SlowGain:
-    """Relative change of the force per relative change of the amplitude, and its error; or NaN."""
+def slow_gains(
+    scenes: Sequence[Scene], *, tolerance: float, device: Device
+) -> list[tuple[float, float]]:
+    """Relative change of the force per relative change of the amplitude, and its error.
 
-    gain: float
-    error: float
-
-
-def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> list[SlowGain]:
-    """By difference quotients of forces; the scenes' terms must be decided.
-
-    NaN where an amplitude within 2 % has no force.
+    By difference quotients of forces; the scenes' terms must be decided. NaN where an amplitude
+    within 2 % has no force.
     """
     factors = 1 + STEP * np.array([0, *AROUND])
     forces = solve(
@@ -267,13 +254,13 @@ def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> 
     return [_gain(forces[k * count : (k + 1) * count], each.hv_m) for k, each in enumerate(scenes)]
 
 
-def _gain(solutions: Sequence[Solution], hv_m: float) -> SlowGain:
+def _gain(solutions: Sequence[Solution], hv_m: float) -> tuple[float, float]:
     if any(each.status != "ok" for each in solutions):
-        return SlowGain(nan, nan)
+        return nan, nan
     forces, errors = np.array([(each.force_n, each.force_error_n) for each in solutions]).T
     slope, error = quotient(forces[1:], errors[1:], hv_m)
     gain = -slope * hv_m / forces[0]
-    return SlowGain(gain, abs(gain) * errors[0] / abs(forces[0]) + error * hv_m / forces[0])
+    return gain, abs(gain) * errors[0] / abs(forces[0]) + error * hv_m / forces[0]
 
 
 def gain_changes(
@@ -292,10 +279,10 @@ def gain_changes(
     )
     changes = []
     for first in range(0, len(found), len(choices)):
-        base, *others = found[first : first + len(choices)]
+        (base, doubt), *others = found[first : first + len(choices)]
         row = {}
-        for name, other in zip(NEGLECTED, others, strict=True):
-            row[f"{name}_gain_percent"] = 100 * (other.gain / base.gain - 1)
-            row[f"{name}_gain_error_percent"] = 100 * (other.error + base.error) / base.gain
+        for name, (gain, error) in zip(NEGLECTED, others, strict=True):
+            row[f"{name}_gain_percent"] = 100 * (gain / base - 1)
+            row[f"{name}_gain_error_percent"] = 100 * (error + doubt) / base
         changes.append(row)
     return changes

@@ -217,7 +217,7 @@ def total(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
-    """λ at the unknowns, shape (scenes, nx, ny, nt): ``answer`` is the mean pressure's to a source.
+    """λ at the unknowns, shape (scenes, nx, ny, nt): the mean of λ S is what S does.
 
     Args:
         tolerance: preconditioned residual over its size at the start, one or one for each scene.
@@ -227,13 +227,6 @@ def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
     return gmres(
         lambda values: precondition(adjoint(values)), precondition(right), tolerance=tolerance
     )
-
-
-def answer(films: Fields, sensitive: np.ndarray, source: np.ndarray) -> np.ndarray:
-    """Change of the mean pressure by a source on all nodes or at the unknowns, shape (scenes,)."""
-    if source.shape != sensitive.shape:
-        source = source[films.inner]
-    return films.mean(films.on_all_nodes(sensitive * source))
 
 
 def response(films: Fields, source: np.ndarray, *, tolerance: float) -> np.ndarray:

@@ -49,8 +49,6 @@ EXTREMES = 4.0
 # Distance of the points whose gaps' difference is a slope, of the finger's length: waves as long as
 # a tenth of it are missed by 4e-9, and as little is rounded where the surface hardly moves.
 SLOPE_STEP = 3e-4
-# Points each way of a closer look at an extreme, how much closer each is, and how many there are.
-LOOK, CLOSER, LOOKS = 9, 3.0, 8
 # Of a field, what rounding leaves of an odd one that is made even.
 ODD_ROUNDED = 1e-9
 # Motion with cos ωt over ε that counts as none.
@@ -454,34 +452,23 @@ def sample_of(scene: Scene, state: State) -> Sample:
 
 
 def _extreme(
-    field: np.ndarray,
-    nodes: tuple[np.ndarray, ...],
-    at: Callable[..., np.ndarray],
-    *,
-    around: bool,
+    field: np.ndarray, nodes: tuple[np.ndarray, ...], at: Callable[..., np.ndarray], *, around: bool
 ) -> float:
     """The largest value near the largest at the nodes, of what interpolates them."""
+    from scipy.optimize import minimize
+
     best = np.unravel_index(int(np.argmax(field)), field.shape)
-    centre = [float(each[k]) for each, k in zip(nodes, best, strict=True)]
-    reach = [
-        float(np.diff(each)[max(k - 1, 0) : k + 1].max())
-        for each, k in zip(nodes, best, strict=True)
-    ]
-    found = float(field[best])
-    ends, turns = (0.0, 1.0), (-np.inf, np.inf)
-    bounds = [ends, turns if around else ends, turns]
-    for _ in range(LOOKS):
-        look = [
-            np.clip(np.linspace(c - r, c + r, LOOK), *bound)
-            for c, r, bound in zip(centre, reach, bounds, strict=True)
-        ]
-        values = at(*look)
-        nearest = np.unravel_index(int(np.argmax(values)), values.shape)
-        if values[nearest] > found:
-            found = float(values[nearest])
-            centre = [float(each[k]) for each, k in zip(look, nearest, strict=True)]
-        reach = [each / CLOSER for each in reach]
-    return found
+    start = np.array([float(each[k]) for each, k in zip(nodes, best, strict=True)])
+    # On the rim of the pad the pressure is ambient: no extreme but that of a film at rest.
+    free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
+    size = np.abs(field).max() or 1.0
+    found = minimize(
+        lambda place: -at(*place[:, None]).item() / size,
+        start,
+        bounds=free,
+        options={"ftol": 1e-13},
+    )
+    return float(max(field[best], -size * found.fun))
 
 
 def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float, float]:
