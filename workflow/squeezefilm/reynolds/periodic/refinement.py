@@ -77,13 +77,14 @@ def solve_periodic(
         groups, landing = flying.popleft()
         unfinished = []
         for landed in judged_alike(groups, landing.states()):
+            states = [kept for batch in landed for kept in _last_two(batch)] if keep_states else []
             judged = judge(landed, tolerance=tolerance, room=room)
-            for (progress, solution), (batch, position) in zip(judged, _each(landed), strict=True):
+            for place, (progress, solution) in enumerate(judged):
                 if solution is None:
                     unfinished.append(progress)
                 else:
                     if keep_states and solution.status == "ok":
-                        solution.states = _kept(batch, position)
+                        solution.states = states[place]
                     solutions[progress.index] = solution
                     report(1)
         landing.end()
@@ -91,15 +92,11 @@ def solve_periodic(
     return [solutions[index] for index in range(len(scenes))]
 
 
-def _each(landed: Iterable[Landed]) -> Iterator[tuple[Landed, int]]:
-    """Where the states of each scene are, in the order of ``judge``."""
-    return ((batch, position) for batch in landed for position in range(len(batch.group)))
-
-
-def _kept(batch: Landed, position: int) -> tuple[State, ...]:
-    """A scene's states on the last two grids: copies, for the launch's arrays are used again."""
-    last = zip(batch.grids[-2:], batch.stages[-2:], strict=True)
-    return tuple(State(grid, states.unknowns[position].copy()) for grid, states in last)
+def _last_two(batch: Landed) -> Iterator[tuple[State, ...]]:
+    """Each scene's states on the last two grids: copies, for the launch's arrays are used again."""
+    last = list(zip(batch.grids[-2:], batch.stages[-2:], strict=True))
+    for k in range(len(batch.group)):
+        yield tuple(State(grid, states.unknowns[k].copy()) for grid, states in last)
 
 
 def _begun(
