@@ -16,9 +16,10 @@ from selenium.webdriver.support.ui import Select
 from squeezefilm.dynamics.response import gains, response
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.force_model import Factors, get_model
-from squeezefilm.models.working_point import amplitude_for_force, gap_for_force
+from squeezefilm.models.amplitude_for_force import amplitude_for_force, gap_for_force
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 

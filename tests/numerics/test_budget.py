@@ -49,8 +49,7 @@ def slipping(scene: Scene, rarefaction: str = "slip") -> Scene:
 def on_grid(scenes: list[Scene], grid: Grid) -> list[ErrorBudget]:
     """Budgets by a grid that is not theirs."""
     device = choose_device()
-    problems = problems_of(scenes, grid, tolerance=1e-4)
-    found = solve_batch(problems=problems, grid=grid, device=device).unknowns
+    found = solve_batch(scenes, grid, tolerance=1e-4, device=device).unknowns
     states = [
         Solution(status="ok", method="periodic", states=(State(grid, each),)) for each in found
     ]
@@ -176,9 +175,8 @@ def test_the_adjoint_answers_as_the_equation_itself(rarefaction: str, exponent: 
         polytropic_exponent=exponent,
     )
     grid = Grid(nx=16, ny=16, nt=12, fold_x=False, fold_y=True)
-    problems = problems_of([scene], grid, tolerance=1e-8)
-    states = solve_batch(problems=problems, grid=grid, device=choose_device())
-    films = Fields(problems, grid, states.overpressure)
+    states = solve_batch([scene], grid, tolerance=1e-8, device=choose_device())
+    films = Fields(problems_of([scene], grid, tolerance=1e-8), grid, states.overpressure)
     source = np.random.default_rng(1).normal(size=(1, *grid.shape))
     change = response(films, source, tolerance=1e-12)
     rise = films.on_all_nodes(change) / (films.gap * films.density_slope)
@@ -308,7 +306,7 @@ def test_a_profile_that_passes_against_a_march_along_it(place: float) -> None:
         films = []
         for each in first_order.line(scene):
             problems = problems_of([each], grid, tolerance=1e-9)
-            states = solve_batch(problems=problems, grid=grid, device=choose_device())
+            states = solve_batch([each], grid, tolerance=1e-9, device=choose_device())
             films.append(Fields(problems, grid, states.overpressure))
         orders = first_order.by_passing(films, np.array([-rate * sigma / 2]))
         found.append(aspect * np.array(orders)[:, 0])

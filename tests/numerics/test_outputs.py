@@ -15,6 +15,7 @@ from films import H0_M, LENGTH_M, PISTON, PRESSURE_PA, film
 from output_errors import ASKED, shares, with_inertia
 from physics_facts import piston_response
 
+from squeezefilm.api.simulation import merge_forces
 from squeezefilm.cli.main import main
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import StandingWave, make_profile
@@ -59,9 +60,9 @@ class WithUnknowns(Fields):
 def on_nodes(scene: Scene, *, points: int, instants: int) -> WithUnknowns:
     """The film's own fields on one grid, whole."""
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
-    problems = problems_of([scene], grid, tolerance=1e-10)
-    state = solve_batch(problems=problems, grid=grid, device=choose_device())
+    state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     assert state.status[0] == 0
+    problems = problems_of([scene], grid, tolerance=1e-10)
     fields = WithUnknowns(problems, grid, state.overpressure)
     fields.unknowns = state.unknowns[0]
     return fields
@@ -374,7 +375,7 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
         *("thrust_y_error_n", "sliding_friction_n", "sliding_friction_error_n", "outputs_status"),
     ]
     assert set(list(table)[len(forces) :]) <= set(OUTPUT_COLUMNS)
-    assert main(["gather", str(plan), str(output), "--output", str(whole)]) == 0
+    merge_forces(plan, [output], output=whole, keep_failed=False)
     pd.testing.assert_frame_equal(pd.read_csv(whole), table)
     assert "'lift' is none of" in refused(*command, "--outputs", "lift", status=2)
 

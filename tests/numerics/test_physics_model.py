@@ -9,11 +9,11 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, reference_table
 
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
-from squeezefilm.models.fitting.fit import fit_model
-from squeezefilm.models.fitting.local_fit import local_fit
-from squeezefilm.models.force_model import COLUMNS, Factors, get_model
+from squeezefilm.models.cross_validation import error_sizes
+from squeezefilm.models.data import COLUMNS, Factors
+from squeezefilm.models.fitting import fit_model, local_fit
+from squeezefilm.models.force_model import get_model
 from squeezefilm.models.limit_table import MOST_NODES
-from squeezefilm.models.validation import error_sizes
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, random_plan
@@ -49,7 +49,7 @@ def test_the_limits_error_is_that_of_the_better_limit(paper, monkeypatch):
     """Whichever limit is computed last."""
     table = reference_table("four_factor").head(3)
     wanted = limits_of(table, paper)
-    monkeypatch.setattr(limits, "METHODS", dict(reversed(limits.METHODS.items())))
+    monkeypatch.setattr(limits, "EXPANSIONS", dict(reversed(limits.EXPANSIONS.items())))
     found = limits_of(table, paper)
     pd.testing.assert_frame_equal(found[list(wanted)], wanted)
 

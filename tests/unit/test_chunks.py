@@ -3,8 +3,7 @@
 import pandas as pd
 import pytest
 
-from squeezefilm.cli.main import main
-from squeezefilm.cli.use import simulate
+from squeezefilm.api import simulation
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import chunks
 from squeezefilm.studies.chunks import chunk_counts, expected_seconds
@@ -33,17 +32,20 @@ def test_more_jobs_than_a_workflow_can_handle_are_refused(quick, monkeypatch):
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_neither_chunks_nor_pieces_change_a_row(repository, tmp_path, monkeypatch, suffix, script):
     config = str(repository / "config" / "quick.yaml")
-    scenes, forces = (str(tmp_path / f"{name}.{suffix}") for name in ("scenes", "forces"))
-    script("plan", config, input={"design": []}, output=scenes, plan="sweep")
-    solve = ["simulate", scenes, "--config", config]
-    assert main([*solve, "--output", forces]) == 0
-    monkeypatch.setattr(simulate, "PIECE", 4)
-    parts = []
-    for part in ("1/2", "2/2"):
-        parts.append(str(tmp_path / f"{part[0]}.{suffix}"))
-        assert main([*solve, "--chunk", part, "--output", parts[-1]]) == 0
-    gathered = str(tmp_path / f"gathered.{suffix}")
-    assert main(["gather", scenes, *parts, "--output", gathered]) == 0
+    names = ("scenes", "forces", "timings")
+    whole = {name: str(tmp_path / f"{name}.{suffix}") for name in names}
+    settings = {"params": {"keep_failed": False}, "plan": "sweep"}
+    script("simulate_plan", config, input={"sources": []}, output=whole, **settings)
+    monkeypatch.setattr(simulation, "PIECE", 4)
+    parts = [
+        {name: str(tmp_path / f"{name}-{part}.{suffix}") for name in names[1:]} for part in (1, 2)
+    ]
+    for part, output in enumerate(parts, start=1):
+        chunk = {"chunk": part, "chunks": 2}
+        script("simulate", config, input={"scenes": whole["scenes"]}, output=output, **chunk)
+    merged = {name: str(tmp_path / f"merged-{name}.{suffix}") for name in names[1:]}
+    given = {name: [part[name] for part in parts] for name in merged} | {"scenes": whole["scenes"]}
+    script("merge", config, input=given, output=merged, **settings)
     read = pd.read_csv if suffix == "csv" else pd.read_parquet
-    assert len(read(forces)) == 30
-    assert read(gathered).equals(read(forces))
+    assert len(read(whole["forces"])) == len(read(merged["timings"])) == 30
+    assert read(merged["forces"]).equals(read(whole["forces"]))

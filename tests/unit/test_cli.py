@@ -6,10 +6,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from squeezefilm.api.simulation import merge_forces
 from squeezefilm.cli.main import commands_of, installed, main, summary_of, with_negative_values
-from squeezefilm.cli.steps.gather import in_order
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.plan_scenes import write_scenes
 
 COMMANDS = commands_of(installed())
 
@@ -117,46 +119,49 @@ def plan(tmp_path):
     return path
 
 
+def merged(plan: Path, *parts: Path, output: Path) -> Path:
+    merge_forces(plan, parts, output=output, keep_failed=False)
+    return output
+
+
 def test_parts_come_together_in_the_order_of_the_plan(plan, tmp_path):
-    parts = [part(tmp_path / "b.csv", "3"), part(tmp_path / "a.csv", "2", "1")]
-    output = tmp_path / "forces.csv"
-    assert main(["gather", str(plan), *map(str, parts), "--output", str(output)]) == 0
+    parts = [part(tmp_path / "a.csv", "1", "2"), part(tmp_path / "b.csv", "3")]
+    output = merged(plan, *parts, output=tmp_path / "forces.csv")
     assert list(read_forces(output)["point_id"]) == ["1", "2", "3"]
 
 
-def test_a_failed_scene_is_named_and_nothing_written(plan, tmp_path, refused):
+def test_a_failed_scene_is_named_and_nothing_written(plan, tmp_path):
     parts = [part(tmp_path / "a.csv", "1", "2"), part(tmp_path / "b.csv", "3", status="no end")]
     output = tmp_path / "forces.csv"
-    text = refused("gather", plan, *parts, "--output", output, status=1)
-    assert "point 3: no end" in text
-    assert "b.csv" in text
+    with pytest.raises(RunError, match=r"point 3: no end \(.*b\.csv\)"):
+        merged(plan, *parts, output=output)
     assert not output.exists()
+    merge_forces(plan, parts, output=output, keep_failed=True)
+    assert list(read_forces(output)["status"]) == ["ok", "ok", "no end"]
 
 
 @pytest.mark.parametrize(
     ("ids", "message"),
     [
-        ((["1", "2"], ["2", "3"]), "point 2 is in two parts"),
-        ((["1"], ["3"]), "point 2 is in no part"),
-        ((["1", "2"], ["3", "4"]), "point 4 of the parts is not in the plan"),
-        ((["1", "3"], ["2"]), "first is not a run of the plan's rows"),
+        ((["1", "2"], ["2", "3"]), "b.csv: its points are not those .* from row 3 on"),
+        ((["1"], ["2"]), "point 3 is in no part"),
+        ((["1", "2"], ["3", "4"]), "b.csv: its points are not those"),
+        ((["3"], ["1", "2"]), "a.csv: its points are not those .* from row 1 on"),
     ],
 )
-def test_parts_that_do_not_make_the_plan_are_refused(ids, message):
-    scenes = pd.DataFrame({"point_id": ["1", "2", "3"]})
-    parts = {
-        name: pd.DataFrame({"point_id": part})
-        for name, part in zip(("first", "second"), ids, strict=True)
-    }
+def test_parts_that_do_not_make_the_plan_are_refused(ids, message, plan, tmp_path):
+    parts = [
+        part(tmp_path / name, *each) for name, each in zip(("a.csv", "b.csv"), ids, strict=True)
+    ]
     with pytest.raises(InputError, match=message):
-        list(in_order(scenes, list(parts), read=parts.__getitem__, of="scenes.csv"))
+        merged(plan, *parts, output=tmp_path / "forces.csv")
 
 
-def test_a_part_of_another_plan_is_refused(plan, tmp_path, refused):
+def test_a_part_with_other_factors_is_refused(plan, tmp_path):
     table = read_forces(part(tmp_path / "a.csv", "1", "2", "3")).assign(hv_m=[1, 2, 1])
     write_table(table, tmp_path / "a.csv")
-    text = refused("gather", plan, tmp_path / "a.csv", "--output", tmp_path / "f.csv")
-    assert "point 2 was simulated with other factors" in text
+    with pytest.raises(InputError, match="its points are not those"):
+        merged(plan, tmp_path / "a.csv", output=tmp_path / "f.csv")
 
 
 def fit_file(path: Path, **changes: object) -> Path:
@@ -168,16 +173,16 @@ def fit_file(path: Path, **changes: object) -> Path:
 def test_an_extrapolation_asks_every_fit(config, tmp_path, script):
     fits = [str(fit_file(tmp_path / name)) for name in ("screen.json", "other.json")]
     output = tmp_path / "scenes.csv"
-    script("plan_extrapolation", config, input={"fits": fits}, output=output)
+    script("plan", config, input={"sources": fits}, output=output, plan="extrapolation")
     scenes = read_scenes(output)
     assert list(scenes["point_id"]) == ["operating_point", "screen", "other"]
     assert scenes["hv_m"].between(1.5e-6, 3e-6).all()
 
 
-def test_a_force_out_of_reach_is_told(config, tmp_path, script):
+def test_a_force_out_of_reach_is_told(config, tmp_path):
     fit = fit_file(tmp_path / "screen.json", theta=[0.1, 0.1, -1.0])
     with pytest.raises(InputError, match="screen"):
-        script("plan_extrapolation", config, input={"fits": [fit]}, output=tmp_path / "scenes.csv")
+        write_scenes("extrapolation", load_config(config), sources=[fit], output=tmp_path / "s.csv")
 
 
 def test_a_design_of_another_model_is_refused(config, tmp_path, refused):

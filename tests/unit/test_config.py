@@ -10,8 +10,8 @@ import yaml
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies.config import Config, load_config
+from squeezefilm.studies.plan_scenes import scenes_of
 from squeezefilm.studies.schema import SCHEMA_PATH
-from squeezefilm.studies.simulation import scenes_of
 from squeezefilm.studies.study import check_study
 
 
@@ -57,7 +57,7 @@ def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(repository
     shutil.copy(repository / "config" / "vibrometer.csv", tmp_path)
     config = load_config(tmp_path / "study.yaml")
     for kind in ("screen", "error_map", "four_factor_control", "validation_four_factor"):
-        (table,) = scenes_of(kind, config)
+        table = scenes_of(kind, config)
         for factor, (low, high) in {"h0_m": (15e-6, 30e-6), "hv_m": (0.5e-6, 6e-6)}.items():
             values = table[factor]
             assert values.min() >= low * (1 - 1e-9), (kind, factor)

@@ -12,7 +12,7 @@ from reporting.explorer.modulation import modulation
 from reporting.pages.notes import Inertia
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fit_file import read_fit
 
 LIBRARY = "/* the drawing library */"
 

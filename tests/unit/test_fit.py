@@ -6,8 +6,9 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA, reference_forces
 from scipy.optimize import least_squares
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitting.fit import fit_by_differential_evolution, fit_model
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fitting import fit_by_differential_evolution, fit_model
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 
 
 @pytest.fixture(scope="module")

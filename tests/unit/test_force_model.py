@@ -5,8 +5,9 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors, get_model, make_model
-from squeezefilm.models.working_point import amplitude_for_force, gap_for_force
+from squeezefilm.models.amplitude_for_force import amplitude_for_force, gap_for_force
+from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, get_model, make_model
 
 THETA = {
     TWO_FACTOR: np.array(SCREEN_THETA),

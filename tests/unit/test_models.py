@@ -11,14 +11,12 @@ from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import SCENE_COLUMNS
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
-from squeezefilm.models.fitted import read_fit
-from squeezefilm.models.fitting.fit import fit_model
-from squeezefilm.models.fitting.identifiability import check_identifiable
-from squeezefilm.models.fitting.local_fit import local_fit
-from squeezefilm.models.fitting.profile_likelihood import parameter_ranges
-from squeezefilm.models.fitting.search import nelder_mead
-from squeezefilm.models.force_model import TWO_FACTOR, Factors, get_model, make_model
-from squeezefilm.models.library import check_models
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import read_fit
+from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit
+from squeezefilm.models.force_model import TWO_FACTOR, check_models, get_model, make_model
+from squeezefilm.models.parameter_intervals import parameter_ranges
+from squeezefilm.models.search import nelder_mead
 
 
 def own(expression: str):

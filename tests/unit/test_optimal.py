@@ -9,8 +9,9 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.designs.paper_design import d_efficiency
-from squeezefilm.models.fitting.profile_likelihood import RANGES_NOTE
-from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
+from squeezefilm.models.parameter_intervals import RANGES_NOTE
 
 NAMES = {"output": "d.csv", "efficiencies": "p.csv", "sensitivity": "m.csv", "summary": "s.json"}
 

@@ -9,7 +9,7 @@ from paper.tables import table_module
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fit_file import read_fit
 
 
 def made(study, number: str, folder: Path) -> tuple[pd.DataFrame, str]:

@@ -1,17 +1,16 @@
 """A fitted model's error is measured on a sample that no fit uses, and stated as what it is."""
 
-import json
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
+from pydantic import ValidationError
 from scipy import stats
 
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitted import fit_of
-from squeezefilm.models.force_model import Factors, get_model
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import fit_of
+from squeezefilm.models.force_model import get_model
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
     error_scale,
@@ -156,13 +155,11 @@ def test_outside_the_declared_space_a_fit_is_not_validated(point, note):
 
 def test_an_interval_is_what_its_file_holds():
     found = interval(drawn(100, seed=1), profile_uncertainty=0.01)
-    again = PredictionInterval.from_dict(json.loads(json.dumps(found.to_dict())), place="here")
-    assert json.dumps(again.to_dict()) == json.dumps(found.to_dict())
-    lost = replace(found, error_95=None)
-    assert PredictionInterval.from_dict(lost.to_dict(), place="here").error_95 is None
-    for damage in ({"error_95": [1.0]}, {"ranges": {"evil": [0, 1]}}, {"more": 1}):
-        with pytest.raises(InputError, match="here: not the validation of a fit"):
-            PredictionInterval.from_dict(found.to_dict() | damage, place="here")
+    assert PredictionInterval.model_validate_json(found.model_dump_json()) == found
+    lost = found.model_copy(update={"error_95": None})
+    assert PredictionInterval.model_validate_json(lost.model_dump_json()) == lost
+    with pytest.raises(ValidationError, match="ranges must be of h0_m"):
+        PredictionInterval.model_validate(found.model_dump() | {"ranges": {"evil": (0, 1)}})
 
 
 def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(limit_fit):
@@ -170,11 +167,12 @@ def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(limit_fit):
     fit, factors, force_n = limit_fit
     validated = fit.validated(factors, force_n=force_n, force_error_n=0 * force_n, ranges=RANGES)
     assert validated.interval is not None
-    table = fit.values["limit_table"]
+    values = fit.to_dict()
+    table = values["limit_table"]
     coefficients = table["coefficients"]
     wrong = [value * (1 + 1e-3 * (-1) ** k) for k, value in enumerate(coefficients["limit_n"])]
     coarse = table | {"coefficients": coefficients | {"limit_n": wrong}}
-    fit = fit_of({**fit.values, "limit_table": coarse}, place="here")
+    fit = fit_of({**values, "limit_table": coarse}, place="here")
     with pytest.raises(InputError, match="table of asymptotic forces is too coarse"):
         fit.validated(factors, force_n=force_n, force_error_n=0 * force_n, ranges=RANGES)
 
@@ -197,7 +195,7 @@ def limit_fit(repository):
         "global_error": 1e-5,
         "sum_of_squares": 1e-5,
         "error_scale": [0.0, 1e-5],
-        "limit_table": table.to_dict(),
+        "limit_table": table,
     }
     force_n = model.evaluate([0.0], known) * (1 + 1e-5 * np.sin(1e7 * factors.h0_m))
     return fit_of(values, place="test"), known, force_n

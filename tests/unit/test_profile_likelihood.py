@@ -6,9 +6,10 @@ from reference_forces import reference_forces
 from scipy import stats
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitting.local_fit import local_fit, sum_of_squares
-from squeezefilm.models.fitting.profile_likelihood import RANGES_NOTE, parameter_ranges
-from squeezefilm.models.force_model import TWO_FACTOR, Factors, make_model
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fitting import local_fit, sum_of_squares
+from squeezefilm.models.force_model import TWO_FACTOR, make_model
+from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 
 LINE = make_model("line", {"expression": "t0 + t1*(hv/h0)"}, place="test")
 EPSILON = np.linspace(0.05, 0.4, 12)

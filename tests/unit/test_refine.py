@@ -11,8 +11,8 @@ import yaml
 
 from squeezefilm.cli.main import main
 from squeezefilm.io.tables import SCENE_COLUMNS, read_forces, write_table
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks import refined_model
 
@@ -56,7 +56,7 @@ def refined(repository, tmp_path_factory, script):
         assert refine(model, folder / model, config) == 0
     scenes, forces, limits = (folder / f"{name}.csv" for name in ("scenes", "forces", "limits"))
     end = ["--config", str(config), "--output"]
-    script("plan", config, input={"design": []}, output=scenes, plan="validation_four_factor")
+    script("plan", config, input={"sources": []}, output=scenes, plan="validation_four_factor")
     assert main(["simulate", str(scenes), *end, str(forces)]) == 0
     assert main(["limits", str(scenes), *end, str(limits)]) == 0
     return Refined(folder, forces, limits)

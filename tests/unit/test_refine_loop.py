@@ -9,7 +9,8 @@ import pytest
 from squeezefilm.designs.refine_fits import Fits, Pool
 from squeezefilm.designs.refine_loop import Goal, Outcome, refine_loop
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.force_model import ExpressionModel, Factors, make_model
+from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import ExpressionModel, make_model
 
 GRID = 9
 CHECKS = 8

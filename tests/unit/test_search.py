@@ -6,7 +6,7 @@ from pymoo.algorithms.soo.nonconvex.ga import GA
 from pymoo.core.problem import Problem
 from pymoo.core.termination import NoTermination
 
-from squeezefilm.models.fitting.search import genetic_search
+from squeezefilm.models.search import genetic_search
 
 LOWER, UPPER = np.array([-5.0, -5.0, 0.0]), np.array([5.0, 4.0, 3.0])
 

@@ -17,9 +17,10 @@ from squeezefilm.cli import main as cli
 from squeezefilm.cli.points import write_points
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.typed_units import quantities, with_error
-from squeezefilm.models.fitted import read_fit
-from squeezefilm.models.force_model import Factors, get_model, make_model
-from squeezefilm.models.generated_code import LANGUAGES, source
+from squeezefilm.models.data import Factors
+from squeezefilm.models.export import LANGUAGES, source
+from squeezefilm.models.fit_file import read_fit
+from squeezefilm.models.force_model import get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
 from squeezefilm.studies.config import load_config
@@ -44,7 +45,7 @@ RANGES = {
 @pytest.fixture(scope="module")
 def limit_table(repository):
     config = load_config(repository / "config" / "quick.yaml")
-    return limit_table_of(config).to_dict()
+    return limit_table_of(config).model_dump(mode="json")
 
 
 def validation(profile_uncertainty: float = 0.0) -> dict:
@@ -60,7 +61,7 @@ def validation(profile_uncertainty: float = 0.0) -> dict:
         mean_coverage=0.95,
         profile_uncertainty=profile_uncertainty,
     )
-    return interval.to_dict()
+    return interval.model_dump(mode="json")
 
 
 @pytest.fixture
@@ -248,14 +249,15 @@ def test_one_unit_at_the_end_is_that_of_all_numbers():
     [
         ({"expression": "__import__('os').getcwd()"}, "no known function"),
         ({"expression": "h0.__class__"}, "no arithmetic"),
-        ({"expression": 5}, "a formula is text"),
+        ({"expression": 5}, "expression: Input should be a valid string"),
         ({"expression": "theta0*hv"}, "'theta1' does not occur"),
-        ({"parameters": "theta0"}, "must be lists"),
+        ({"parameters": "theta0"}, "parameters: Input should be a valid list"),
+        ({"parameters": ["theta0"]}, "parameter_units: give one for each"),
         ({"theta": [1.0]}, "'theta' has 1 numbers"),
-        ({"theta": ["x"]}, "must be a list of numbers"),
-        ({"ranges": {"h0_m": 5}}, "'ranges' must map"),
-        ({"cross_validation": 1}, "'cross_validation' must be"),
-        ({"validation": {"points": 1}}, "validation: not the validation of a fit"),
+        ({"theta": ["x"]}, "theta.0: Input should be a valid number"),
+        ({"ranges": {"h0_m": 5}}, "ranges.h0_m: Input should be a valid tuple"),
+        ({"validation": {"points": 1}}, "validation.ranges: Field required"),
+        ({"film": {"gas": {}}}, "film.gas.viscosity_pa_s: Field required"),
         ({"refused": "no fit"}, "there is no fit: no fit"),
     ],
 )
@@ -407,31 +409,31 @@ def test_a_fits_name_cannot_carry_code(name, write_fit):
 
 
 def test_the_table_of_limits_states_its_error(limit_table):
-    table = LimitTable.from_dict(json.loads(json.dumps(limit_table)), place="test")
-    assert 0 < table.error < 1e-6
+    table = LimitTable.model_validate(json.loads(json.dumps(limit_table)))
+    assert 0 < table.largest_relative_error < 1e-6
     outside = Factors.of(h0_m=[5e-6, 4e-6, 5e-6], hv_m=[4e-6, 1e-6, 1e-6], x_m=[0, 0, 5e-3])
     assert np.isnan(table.complete(outside).column("limit_n")).all()
 
 
 @pytest.mark.parametrize(
-    "damage",
+    ("damage", "message"),
     [
-        {"ranges": {}},
-        {"shape": [1, 2]},
-        {"coefficients": {"evil": [0.0] * 1386}},
-        {"coefficients": []},
-        {"sigma_h0_square_m2": "x"},
+        ({"ranges": {}}, "ranges must be of h0_m, epsilon_square"),
+        ({"shape": [1, 2, 3, 4]}, "24 coefficients are needed"),
+        ({"coefficients": {"evil": [0.0]}}, "coefficients.evil"),
     ],
 )
-def test_a_damaged_table_of_limits_is_refused(damage, limit_table):
-    with pytest.raises(InputError, match="here: not a table of limits"):
-        LimitTable.from_dict(limit_table | damage, place="here")
+def test_a_damaged_table_of_limits_is_refused(damage, message, limit_table, write_fit):
+    model = get_model("limit_2")
+    path = write_fit(model, THETA["limit_2"], limit_table=limit_table | damage)
+    with pytest.raises(InputError, match=rf"limit_2\.json: limit_table.*{message}"):
+        read_fit(path)
 
 
 def test_where_the_limit_does_not_hold_the_table_says_so(edited, tmp_path):
     sliding, table = edited(finger={"speed_x_m_per_s": 2}), tmp_path / "table.json"
     assert cli.main(["limit-table", f"--config={sliding}", f"--output={table}"]) == 0
-    assert "boundary-layer does not know bearing" in json.loads(table.read_text())["refused"]
+    assert "not derived with bearing" in json.loads(table.read_text())["refused"]
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.validation import summarise
+from squeezefilm.models.cross_validation import summarise
 
 SIMULATION = [1.0, 2.0, 4.0, 0.1]
 MODEL = [1.1, 2.0, 3.0, 0.115]

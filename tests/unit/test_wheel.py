@@ -99,7 +99,7 @@ def test_what_needs_an_extra_names_it(installed):
         "from squeezefilm.io.tables import read_scenes\n"
         "try:\n    read_scenes('some.parquet')\n"
         "except sf.InputError as error:\n    print(error)\n"
-        "from squeezefilm.models.fitting.search import genetic_search\n"
+        "from squeezefilm.models.search import genetic_search\n"
         "try:\n    genetic_search(lambda x: x[:, 0] ** 2, lower=[0.0], upper=[1.0], seed=1)\n"
         "except sf.InputError as error:\n    print(error)\n"
     )

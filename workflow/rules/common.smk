@@ -95,7 +95,7 @@ def checked_study():
     kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())
-    from squeezefilm.models.library import check_models
+    from squeezefilm.models.force_model import check_models
     from squeezefilm.studies.chunks import chunk_counts
     from squeezefilm.studies.study import check_study
 
@@ -125,11 +125,23 @@ SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
 WITH_SCAN = "--scan {input.scan:q} " if SCAN else ""
 
 
-def chunk_files(plan, suffix):
+PLAN = "<results>/simulations/{plan}"
+
+
+def code_of_plan(wildcards):
+    return CODE["models" if wildcards.plan == "extrapolation" else "solver"]
+
+
+def keep_failed(wildcards):
+    """A scene of a validation sample that has no force counts as infinitely wrong."""
+    return wildcards.plan.startswith("validation_")
+
+
+def chunk_files(wildcards, kind):
     """The files of the chunks in which a plan is simulated; their number is known from the start."""
-    chunks = CHUNKS.get(plan, 1)
+    chunks = CHUNKS[wildcards.plan]
     return [
-        f"<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}{suffix}"
+        f"{PLAN}/chunks/{chunk}-of-{chunks}{kind}.{{suffix}}".format(**wildcards)
         for chunk in range(1, chunks + 1)
     ]
 
@@ -151,10 +163,9 @@ def files_of_fits(model):
     return expand(["<results>/fits/{fit}.json", "<results>/fits/{fit}_runs.csv"], fit=fits)
 
 
-def files_of_figures(places):
-    """All that figures leave: table, pictures, and the one that the check compares."""
-    shown = expand("<results>/{place}.{format}", place=places, format=["csv", "png", "svg"])
-    return shown + expand("<results>/check/{place}.plain.png", place=places)
+def results_folder(wildcards, output):
+    """The folder of the study's results, of which any output is a part."""
+    return f"{str(output[0]).partition(f'results/{STUDY}/')[0]}results/{STUDY}"
 
 
 def limit_tables(space):
@@ -221,6 +232,7 @@ wildcard_constraints:
     fit="|".join(FITS),
     chunk="[0-9]+",
     chunks="[0-9]+",
+    suffix="csv|parquet",
 
 
 onstart:

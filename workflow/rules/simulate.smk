@@ -1,99 +1,108 @@
-# From a plan to its forces: plan → chunks → forces. As CSV, or for a sweep's many rows as Parquet.
+# From a plan to its forces. As CSV, or for a sweep's many rows as Parquet.
 
-DESIGN_OF_PLAN = {
-    "two_factor_design": "<results>/designs/two_factor.csv",
-    "four_factor": "<results>/designs/two_factor.csv",
-    "four_factor_design": "<results>/designs/four_factor.csv",
-    "four_factor_design_distinct": "<results>/designs/four_factor_distinct.csv",
+# What a plan is made from: a design, or the fits that an extrapolation is beyond.
+SOURCES_OF_PLAN = {
+    "two_factor_design": ["<results>/designs/two_factor.csv"],
+    "four_factor": ["<results>/designs/two_factor.csv"],
+    "four_factor_design": ["<results>/designs/four_factor.csv"],
+    "four_factor_design_distinct": ["<results>/designs/four_factor_distinct.csv"],
+    "extrapolation": ["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
 }
-# What the points of a plan depend on besides its design; the extrapolation has a rule of its own.
+# Sections of the study that decide the points of a plan, besides its sources.
 SECTIONS_OF_PLAN = {
     "screen": ["screen"],
     "error_map": ["error_map"],
-    "four_factor_control": ["four_factor_control", "screen", "positions", *SHAPES],
-    "sweep": ["sweep", "screen", "positions", *SHAPES],
-    "validation_two_factor": ["validation", "screen", "positions", *FILM],
-    "validation_four_factor": ["validation", "screen", "positions", *FILM],
+    "four_factor_control": ["four_factor_control", "screen", "positions"],
+    "sweep": ["sweep", "screen", "positions"],
+    "validation_two_factor": ["validation", "screen", "positions"],
+    "validation_four_factor": ["validation", "screen", "positions"],
     "two_factor_design": [],
-    "four_factor": ["positions", *SHAPES],
+    "four_factor": ["positions"],
     "four_factor_design": [],
     "four_factor_design_distinct": [],
+    "extrapolation": ["extrapolation"],
 }
+# Plans that are simulated by several jobs; all others by one that makes the plan too.
+DIVIDED = [plan for plan in SECTIONS_OF_PLAN if CHUNKS.get(plan, 1) > 1]
+
+
+# Compiled kernels go to the caches, so that jobs that start side by side find them there. On
+# another node the first job to start compiles, and those beside it wait.
+rule compile_kernels:
+    input:
+        profile=SMOOTHED,
+    output:
+        "<results>/simulations/device.json",
+    log:
+        "<logs>/compile_kernels.log",
+    params:
+        code=CODE["solver"],
+        study=sections("solver", *FILM),
+    message:
+        "Compile the kernels"
+    script:
+        "../scripts/compile_kernels.py"
+
+
+rule simulate_plan:
+    input:
+        sources=lambda wildcards: SOURCES_OF_PLAN.get(wildcards.plan, []),
+        kernels=rules.compile_kernels.output,
+    output:
+        scenes=f"{PLAN}/scenes.{{suffix}}",
+        forces=f"{PLAN}/forces.{{suffix}}",
+        timings=f"{PLAN}/timings.{{suffix}}",
+    log:
+        "<logs>/simulate/{plan}.{suffix}.log",
+    benchmark:
+        "<benchmarks>/simulate/{plan}.{suffix}.tsv"
+    wildcard_constraints:
+        plan="|".join(plan for plan in SECTIONS_OF_PLAN if plan not in DIVIDED),
+    resources:
+        mem_mb=lambda wildcards, attempt: 2000 * attempt,
+        runtime=lambda wildcards, attempt: 30 * attempt,
+    params:
+        code=code_of_plan,
+        study=lambda wildcards: sections(
+            "solver", "outputs", *FILM, *SECTIONS_OF_PLAN[wildcards.plan]
+        ),
+        keep_failed=keep_failed,
+    message:
+        "Simulate {wildcards.plan}"
+    script:
+        "../scripts/simulate_plan.py"
 
 
 rule plan:
     input:
         profile=SMOOTHED,
-        design=lambda wildcards: DESIGN_OF_PLAN.get(wildcards.plan, []),
+        sources=lambda wildcards: SOURCES_OF_PLAN.get(wildcards.plan, []),
     output:
-        "<results>/simulations/{plan}/scenes.csv",
+        f"{PLAN}/scenes.{{suffix}}",
     log:
-        "<logs>/plan/{plan}.log",
+        "<logs>/plan/{plan}.{suffix}.log",
     wildcard_constraints:
-        plan="|".join(SECTIONS_OF_PLAN),
-    localrule: True
+        plan="|".join(DIVIDED) or "(?!)",
     params:
-        code=CODE["solver"],
-        study=lambda wildcards: sections(*SECTIONS_OF_PLAN[wildcards.plan]),
+        code=code_of_plan,
+        study=lambda wildcards: sections(*FILM, *SECTIONS_OF_PLAN[wildcards.plan]),
     message:
         "Points to simulate: {wildcards.plan}"
     script:
         "../scripts/plan.py"
 
 
-rule plan_extrapolation:
-    input:
-        fits=["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
-    output:
-        "<results>/simulations/extrapolation/scenes.csv",
-    log:
-        "<logs>/plan/extrapolation.log",
-    localrule: True
-    params:
-        code=CODE["models"],
-        study=sections("extrapolation"),
-    message:
-        "Points to simulate: where the fitted models expect the wanted force"
-    script:
-        "../scripts/plan_extrapolation.py"
-
-
-# Compiled kernels go to the caches, so that the chunks, which start side by side, find them there.
-# On another node the first chunk to start compiles, and those beside it wait.
-rule compile_kernels:
-    input:
-        config=ancient(CONFIG_FILE),
-        profile=SMOOTHED,
-    output:
-        "<results>/simulations/device.json",
-    log:
-        "<logs>/compile_kernels.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
-    params:
-        code=CODE["solver"],
-        study=sections("solver", *FILM),
-    message:
-        "Compile the kernels"
-    shell:
-        "python -m squeezefilm warm --config {input.config:q} --output {output:q} >{log:q} 2>&1"
-
-
 rule simulate:
     input:
-        config=ancient(CONFIG_FILE),
-        scenes="<results>/simulations/{plan}/scenes.csv",
-        kernels="<results>/simulations/device.json",
+        scenes=f"{PLAN}/scenes.{{suffix}}",
+        kernels=rules.compile_kernels.output,
     output:
-        forces="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.csv",
-        timings="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.timings.csv",
+        forces=f"{PLAN}/chunks/{{chunk}}-of-{{chunks}}.{{suffix}}",
+        timings=f"{PLAN}/chunks/{{chunk}}-of-{{chunks}}.timings.{{suffix}}",
     log:
-        "<logs>/simulate/{plan}/{chunk}-of-{chunks}.log",
+        "<logs>/simulate/{plan}/{chunk}-of-{chunks}.{suffix}.log",
     benchmark:
-        "<benchmarks>/simulate/{plan}/{chunk}-of-{chunks}.tsv"
-    conda:
-        "../../envs/simulate.yaml"
+        "<benchmarks>/simulate/{plan}/{chunk}-of-{chunks}.{suffix}.tsv"
     resources:
         mem_mb=lambda wildcards, attempt: 2000 * attempt,
         runtime=lambda wildcards, attempt: 30 * attempt,
@@ -102,75 +111,34 @@ rule simulate:
         study=sections("solver", "outputs", *FILM),
     message:
         "Simulate {wildcards.plan}, part {wildcards.chunk} of {wildcards.chunks}"
-    shell:
-        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm simulate {input.scenes:q} "
-        "--config {input.config:q} --chunk {wildcards.chunk}/{wildcards.chunks} --keep-going "
-        "--output {output.forces:q} --timings {output.timings:q} >{log:q} 2>&1"
+    script:
+        "../scripts/simulate.py"
 
 
-rule gather:
+rule merge:
     input:
-        scenes="<results>/simulations/{plan}/scenes.csv",
-        forces=lambda wildcards: chunk_files(wildcards.plan, ".csv"),
-        timings=lambda wildcards: chunk_files(wildcards.plan, ".timings.csv"),
+        scenes=f"{PLAN}/scenes.{{suffix}}",
+        forces=lambda wildcards: chunk_files(wildcards, ""),
+        timings=lambda wildcards: chunk_files(wildcards, ".timings"),
     output:
-        forces="<results>/simulations/{plan}/forces.csv",
-        timings="<results>/simulations/{plan}/timings.csv",
+        forces=f"{PLAN}/forces.{{suffix}}",
+        timings=f"{PLAN}/timings.{{suffix}}",
     log:
-        "<logs>/gather/{plan}.log",
-    localrule: True
-    conda:
-        "../../envs/tables.yaml"
+        "<logs>/merge/{plan}.{suffix}.log",
+    wildcard_constraints:
+        plan="|".join(DIVIDED) or "(?!)",
     params:
         code=CODE["solver"],
-        # A scene of a validation sample without a force counts as infinitely wrong.
-        keep=lambda wildcards: "--keep-failed " * wildcards.plan.startswith("validation_"),
+        keep_failed=keep_failed,
     message:
         "Forces of {wildcards.plan}: every point solved?"
-    shell:
-        "python -m squeezefilm gather {input.scenes:q} {input.forces:q} --timings {input.timings:q} {params.keep}"
-        "--output {output.forces:q} --timings-output {output.timings:q} >{log:q} 2>&1"
-
-
-use rule plan as plan_parquet with:
-    output:
-        "<results>/simulations/{plan}/scenes.parquet",
-    log:
-        "<logs>/plan/{plan}.parquet.log",
-    localrule: True
-
-
-use rule simulate as simulate_parquet with:
-    input:
-        config=ancient(CONFIG_FILE),
-        scenes="<results>/simulations/{plan}/scenes.parquet",
-        kernels="<results>/simulations/device.json",
-    output:
-        forces="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.parquet",
-        timings="<results>/simulations/{plan}/chunks/{chunk}-of-{chunks}.timings.parquet",
-    log:
-        "<logs>/simulate/{plan}/{chunk}-of-{chunks}.parquet.log",
-    benchmark:
-        "<benchmarks>/simulate/{plan}/{chunk}-of-{chunks}.parquet.tsv"
-
-
-use rule gather as gather_parquet with:
-    input:
-        scenes="<results>/simulations/{plan}/scenes.parquet",
-        forces=lambda wildcards: chunk_files(wildcards.plan, ".parquet"),
-        timings=lambda wildcards: chunk_files(wildcards.plan, ".timings.parquet"),
-    output:
-        forces="<results>/simulations/{plan}/forces.parquet",
-        timings="<results>/simulations/{plan}/timings.parquet",
-    log:
-        "<logs>/gather/{plan}.parquet.log",
-    localrule: True
+    script:
+        "../scripts/merge.py"
 
 
 rule sweep:
     input:
-        "<results>/simulations/sweep/forces.parquet",
+        expand("<results>/simulations/sweep/{table}.parquet", table=["scenes", "forces", "timings"]),
     message:
         "Every scene of the sweep has its force"
 
@@ -184,9 +152,6 @@ rule plan_budget:
         "<results>/simulations/{plan}/budget.csv",
     log:
         "<logs>/budget/{plan}.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
     params:
         code=CODE["solver"],
         study=sections("solver", *FILM),
@@ -208,9 +173,6 @@ rule plan_response:
         gains="<results>/simulations/{plan}/gains.csv",
     log:
         "<logs>/response/{plan}.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
     params:
         code=CODE["solver"],
         study=sections("solver", *FILM),
@@ -232,9 +194,6 @@ rule plan_levitation:
         "<results>/simulations/{plan}/levitation.csv",
     log:
         "<logs>/levitation/{plan}.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
     params:
         code=CODE["solver"],
         study=sections("solver", *FILM),
@@ -243,27 +202,6 @@ rule plan_levitation:
     shell:
         "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
         "python -m squeezefilm levitate --like {input.forces:q} --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
-
-
-rule explain:
-    input:
-        config=ancient(CONFIG_FILE),
-        scenes="<results>/simulations/{plan}/scenes.csv",
-    output:
-        "<results>/simulations/{plan}/explained.csv",
-    log:
-        "<logs>/explain/{plan}.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
-    params:
-        code=CODE["solver"],
-        study=sections("solver", "outputs", *FILM),
-    message:
-        "What {wildcards.plan} needs, and what is left out"
-    shell:
-        "python -m squeezefilm explain {input.scenes:q} --config {input.config:q} "
         "--output {output:q} >{log:q} 2>&1"
 
 
@@ -282,27 +220,15 @@ rule film_tables:
 
 rule provenance:
     input:
-        config=ancient(CONFIG_FILE),
-        device="<results>/simulations/device.json",
+        rules.compile_kernels.output,
     output:
         "<results>/provenance.json",
     log:
         "<logs>/provenance.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
     params:
         code=CODE["figures"],
         study=sections(*CONFIG),
     message:
         "What makes these results: code, packages, device, study"
-    shell:
-        "python -m squeezefilm provenance {input.device:q} --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
-
-
-rule explained:
-    input:
-        expand("<results>/simulations/{plan}/explained.csv", plan=["screen", "four_factor"]),
-    message:
-        "What the scenes of the two plans need is written down"
+    script:
+        "../scripts/provenance.py"

@@ -1,13 +1,10 @@
 """Write the scenes of a plan."""
 
 from scripts.job import begin
-from squeezefilm.io.tables import read_design, table_writer
 from squeezefilm.studies.config import load_config
-from squeezefilm.studies.simulation import scenes_of
+from squeezefilm.studies.plan_scenes import write_scenes
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])
-design = read_design(snakemake.input.design) if snakemake.input.design else None
-with table_writer(snakemake.output[0]) as write:
-    for piece in scenes_of(snakemake.wildcards.plan, config, design=design):
-        write(piece)
+plan = snakemake.wildcards.plan
+write_scenes(plan, config, sources=snakemake.input.sources, output=snakemake.output[0])

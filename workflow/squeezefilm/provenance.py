@@ -18,25 +18,22 @@ PACKAGES = (
     *("snakemake", "numpy", "scipy", "pandas", "matplotlib", "pymoo", "pyopencl"),
     *("pocl-binary-distribution", "pyarrow", "scikit-fem"),
 )
-SOLVER = [
-    *(f"squeezefilm/{room}" for room in ("dynamics", "film", "formulas", "io", "quantities")),
-    *("squeezefilm/reynolds", "squeezefilm/studies"),
-    *("squeezefilm/api/forces.py", "squeezefilm/api/points.py", "squeezefilm/designs/box.py"),
-    *("squeezefilm/cli/points.py", "squeezefilm/cli/which_study.py"),
-    *(f"squeezefilm/cli/steps/{step}.py" for step in ("gather", "smooth", "warm")),
-    *(
-        f"squeezefilm/cli/use/{command}.py"
-        for command in ("budget", "explain", "levitate", "response", "simulate")
-    ),
-]
-MODELS = [*SOLVER, *(f"squeezefilm/{room}" for room in ("cli/steps", "designs", "models"))]
+
+
+def _library(*without: str) -> list[str]:
+    """The folders of the library but those that are named."""
+    folders = sorted(path.parent.name for path in WORKFLOW.glob("squeezefilm/*/__init__.py"))
+    return [f"squeezefilm/{folder}" for folder in folders if folder not in without]
+
+
+MODELS = _library("cli")
 SOURCES = {
-    "solver": SOLVER,
+    "solver": [*_library("cli", "designs", "models"), "squeezefilm/designs/box.py"],
     "models": MODELS,
     "verification": [*MODELS, "verification"],
     "figures": [*MODELS, "paper", "reporting"],
 }
-"""The folders and files, below workflow/, that decide the numbers of a stage."""
+"""The folders and files, below workflow/, that decide the numbers of a stage, but its scripts."""
 
 
 def code_digest(stage: str) -> str:

@@ -11,12 +11,13 @@ import pandas as pd
 from squeezefilm.api.points import COLUMNS as FACTOR_COLUMNS
 from squeezefilm.api.points import Values, points_of
 from squeezefilm.io.errors import InputError, naming
+from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.io.tables import write_json
 from squeezefilm.io.typed_units import quantity
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.force_model import CARTESIAN, COLUMNS, POLAR, Factors
-from squeezefilm.models.generated_code import source
-from squeezefilm.models.working_point import working_point
+from squeezefilm.models.amplitude_for_force import working_point
+from squeezefilm.models.data import COLUMNS, Factors
+from squeezefilm.models.export import source
+from squeezefilm.models.fit_file import FittedModel, read_fit
 
 GAPS = 6
 """Evenly spaced over the range of the fit, where a working point's gap is not said."""
@@ -84,7 +85,7 @@ class Fit:
         """
         fit = self.model
         factors = fit.represented(factors_of_points(points, place=place))
-        force_n = fit.force_model.evaluate(fit.theta, fit.complete(factors))
+        force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
         with np.errstate(divide="ignore", invalid="ignore"):
             percent = 100 * error_95_n / np.abs(force_n)
@@ -146,22 +147,15 @@ class Fit:
         return [float(f"{gap:.12g}") for gap in gaps]
 
     def code(self, language: str) -> str:
-        """The model as code without dependencies; ``c`` or ``python``.
+        """The model as code without dependencies, in ``c``, ``python`` or ``javascript``.
 
         Raises InputError for a model of physics whose file has no table of it.
         """
-        fit = self.model
-        if fit.force_model.column_names and "limit_table" not in fit.values:
-            raise InputError(
-                f"{fit.place}: the model {fit.model} uses the physics limit, which code without "
-                "dependencies cannot solve for; fit it with --limit-table, and its table is "
-                "exported"
-            )
-        return source(fit, language)
+        return source(self.model, language)
 
     def save(self, path: Path | str) -> None:
         """Write the fit's file, which ``Fit.read`` and the command line read."""
-        write_json(dict(self.model.values), path)
+        write_json(self.model.to_dict(), path)
 
     def __str__(self) -> str:
         fit = self.model

@@ -204,7 +204,7 @@ def forces_of(
     solutions = [
         solution
         for first in range(0, len(scenes), WITH_STATES)
-        for solution in solved(
+        for solution in solved_with(
             scenes[first : first + WITH_STATES],
             settings=settings,
             device=device,
@@ -233,19 +233,20 @@ def forces_of(
     ]
 
 
-def solved(
+def solved_with(
     scenes: Sequence[Scene],
     *,
     settings: SolverSettings,
     device: Device,
     derivatives: bool,
     report: Callable[[int], object] = lambda solved: None,
-) -> list[Solution]:
+) -> Sequence[Solution]:
     """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
-    solutions = solve(
+    keep = derivatives or bool(settings.outputs)
+    solutions: Sequence[Solution] = solve(
         scenes,
         **settings.how(device),
-        keep_states=derivatives or bool(settings.outputs),
+        keep_states=keep,
         report=report,
     )
     within = settings.tolerance
@@ -254,7 +255,9 @@ def solved(
     solutions = with_outputs(
         scenes, solutions, outputs=settings.outputs, tolerance=within, device=device
     )
-    return [replace(solution, states=()) if solution.states else solution for solution in solutions]
+    if keep:
+        solutions = [replace(solution, states=()) for solution in solutions]
+    return solutions
 
 
 def scan_parts(

@@ -13,10 +13,9 @@ from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import fit_of
-from squeezefilm.models.fitting.described import described_fit
-from squeezefilm.models.library import model_named
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import described_fit, fit_of
+from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
@@ -98,7 +97,7 @@ class Study(Film):
         found["directions"] = symmetry_of(config).to_dict()
         found["film"] = film_of(config, left_out=solved["left_out"])
         if chosen.column_names:
-            found["limit_table"] = limit_table_of(config).to_dict()
+            found["limit_table"] = limit_table_of(config)
         found["source"] = {"squeezefilm": __version__, "study": self.name}
         space = Space.of(config, centred=chosen.is_centred)
         settings = config["validation"]

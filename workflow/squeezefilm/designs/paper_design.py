@@ -18,7 +18,7 @@ from scipy.optimize import Bounds, minimize
 from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
 from squeezefilm.designs.exact_design import exchange
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fitting.search import genetic_search
+from squeezefilm.models.search import genetic_search
 
 Gradient = Callable[[Array], Array]
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from squeezefilm.models.fitting.fit import fit_model
-from squeezefilm.models.fitting.local_fit import local_fit, sum_of_squares
-from squeezefilm.models.force_model import ExpressionModel, Factors
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fitting import fit_model, local_fit, sum_of_squares
+from squeezefilm.models.force_model import ExpressionModel
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -39,11 +39,7 @@ from scipy import stats
 from squeezefilm.designs.exact_design import exchange
 from squeezefilm.designs.refine_fits import Array, Fits, Indices, Pool
 from squeezefilm.io.errors import InputError, naming
-from squeezefilm.models.fitting.identifiability import (
-    LEAST_SINGULAR_VALUE,
-    best_told_apart,
-    check_identifiable,
-)
+from squeezefilm.models.fitting import LEAST_SINGULAR_VALUE, best_told_apart, check_identifiable
 from squeezefilm.models.force_model import ExpressionModel
 
 Simulate = Callable[[Indices], tuple[Array, Array]]

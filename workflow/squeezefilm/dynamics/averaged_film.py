@@ -9,9 +9,9 @@ through the rim over many. Averaged over a period the film equation is a diffusi
     mean overpressure = ∫ ψ/√(1 − ε² |s|²) − 1 + ∮ d(a)/√σ,
 
 s the profile, s₁ + i s₂ of a vibration in two phases, n the inward normal, d, g and q the integrals
-of the rim's boundary layer (limits/boundary_layer.py), which follows the amplitude at once. The
-settled ψ is that of ``limits.forces``. Slopes of ψ at the rim do not move its value there: ⟨H³P²⟩
-is linear across the layer.
+of the rim's boundary layer (asymptotics/edge_layer.py), which follows the amplitude at once. The
+settled ψ is that of ``asymptotics.composite``. Slopes of ψ at the rim do not move its value there:
+⟨H³P²⟩ is linear across the layer.
 """
 
 from __future__ import annotations
@@ -23,10 +23,11 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.limits import boundary_layer
-from squeezefilm.reynolds.limits.boundary_layer import all_weights
-from squeezefilm.reynolds.limits.films import Films, films_of, limit_axis
-from squeezefilm.reynolds.limits.forces import boundary_layer_limit
+from squeezefilm.reynolds.asymptotics import edge_layer
+from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion
+from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
+from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
+from squeezefilm.reynolds.asymptotics.scenes import expansion_numbers
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
 
@@ -78,7 +79,7 @@ class AveragedFilm:
         a = epsilon * np.abs(films.rim)
         values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
         if self.layer:
-            _, in_phase, ahead = boundary_layer.ratios(a)
+            _, in_phase, ahead = edge_layer.ratios(a)
             turned = films.rim.conj() * films.slope
             u = epsilon**2 * (in_phase * turned.real + ahead * turned.imag)
             values = values + u / np.sqrt(films.layer_number) / 2
@@ -257,7 +258,7 @@ class AveragedFilm:
         if not self.layer:
             return 0.0
         films = self.films
-        d = films.rim_integral(boundary_layer.integrals(epsilon * np.abs(films.rim))[0])
+        d = films.rim_integral(edge_layer.integrals(epsilon * np.abs(films.rim))[0])
         return float((d / np.sqrt(films.layer_number))[0])
 
     def _together(self, values: np.ndarray) -> np.ndarray:
@@ -285,7 +286,7 @@ def refused(scene: Scene) -> str:
         return "the response was derived for a gap that is even at rest, not tilted or bulging"
     if scene.epsilon == 0:
         return "the surface is at rest"
-    unknown = [term.label for term in terms_of(scene) if not term.knows_limit("boundary-layer")]
+    unknown = [term.label for term in terms_of(scene) if term.expansion_numbers(scene) is None]
     unknown += [term.label for term in terms_of(scene) if isinstance(term, Inertia)]
     if unknown:
         return f"the response is not derived with {', '.join(unknown)}"
@@ -309,16 +310,16 @@ def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
 def film_on(scene: Scene, points: int) -> tuple[AveragedFilm, float]:
     """The averaged film on one grid, and its relative error at rest.
 
-    The error is that of the settled force, by the boundary-layer limit: it may be infinite.
+    The error is that of the settled force, by the edge layer's expansion: it may be infinite.
     """
-    nodes = limit_axis(points).all_nodes
+    nodes = expansion_axis(points).all_nodes
     films = films_of(
         np.array([scene.epsilon]),
         np.array([scene.sigma]),
         scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))[None],
         aspect=scene.aspect,
-        slip=sum(dict(term.limit_numbers(scene)).get("slip", 0.0) for term in terms_of(scene)),
+        slip=expansion_numbers(scene).get("slip", 0.0),
     )
-    limit = boundary_layer_limit(films)
+    limit = edge_layer_expansion(films)
     with np.errstate(divide="ignore", invalid="ignore"):
         return AveragedFilm(films), float(np.abs(limit.error / limit.mean)[0])

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import product
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -21,136 +22,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.formulas.expressions import Expression, Name, Node, Number, parse
 from squeezefilm.formulas.units import parameter_units
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import CARTESIAN, POLAR
+from squeezefilm.models.data import COLUMNS, FACTORS, Factors
 
 Array = NDArray[np.float64]
 
 LIBRARY = Path(__file__).with_name("models.yaml")
-FACTORS = {
-    "h0": "h0_m",
-    "hv": "hv_m",
-    "r": "phi_r_m",
-    "phi": "phi_deg",
-    "angle": "phi_rad",
-    "x": "x_m",
-    "y": "y_m",
-}
-"""What an expression calls the factors, and their columns."""
-COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
-"""What an expression calls the results of physics that stand in a table, and their columns."""
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
-POSITION = (*POLAR, *CARTESIAN)
+SPACES = ("two_factor", "four_factor")
+"""Where models are compared: the finger centred, or anywhere."""
+NAMING = ("comparison", "refine")
+"""The sections of a study that name models for each space."""
 MOST_PARAMETERS = 30
 STEP = 1e-30
 """Of the complex step of derivatives, over the parameter's magnitude."""
-
-
-@dataclass(frozen=True)
-class Factors:
-    """The factors of n experiments, each an array of shape (n,).
-
-    h0_m: mean gap; hv_m: vibration amplitude at the centre; phi_r_m, phi_deg: polar position
-    of the finger's centre (both zero where the finger is centred), x_m, y_m the same in Cartesian
-    form; columns: results of physics at these points, by the names of their columns; position: the
-    form in which positions were given.
-    """
-
-    h0_m: Array
-    hv_m: Array
-    phi_r_m: Array
-    phi_deg: Array
-    x_m: Array
-    y_m: Array
-    columns: Mapping[str, Array] = field(default_factory=dict)
-    position: tuple[str, str] = POLAR
-
-    @classmethod
-    def of(
-        cls,
-        *,
-        h0_m: ArrayLike,
-        hv_m: ArrayLike,
-        phi_r_m: ArrayLike | None = None,
-        phi_deg: ArrayLike | None = None,
-        x_m: ArrayLike | None = None,
-        y_m: ArrayLike | None = None,
-        **columns: ArrayLike,
-    ) -> Factors:
-        """Factors from numbers or sequences, brought to one length.
-
-        The position is given in polar or in Cartesian form, or left out for a centred finger.
-        Raises InputError where a value is not finite, a gap is not positive, the lengths differ or
-        both forms are given.
-        """
-        polar, cartesian = (phi_r_m, phi_deg), (x_m, y_m)
-        if any(v is not None for v in polar) and any(v is not None for v in cartesian):
-            raise InputError("x_m: give the position as phi_r_m, phi_deg or as x_m, y_m, not both")
-        given = {"h0_m": h0_m, "hv_m": hv_m}
-        if any(value is not None for value in cartesian):
-            given |= {"x_m": 0.0 if x_m is None else x_m, "y_m": 0.0 if y_m is None else y_m}
-        else:
-            given |= {
-                "phi_r_m": 0.0 if phi_r_m is None else phi_r_m,
-                "phi_deg": 0.0 if phi_deg is None else phi_deg,
-            }
-        named = {k: np.atleast_1d(np.asarray(v, float)) for k, v in (given | columns).items()}
-        for name, column in named.items():
-            if name in given and not np.all(np.isfinite(column)):
-                raise InputError(f"{name}: a factor is not a finite number; all must be")
-        if np.any(named["h0_m"] <= 0):
-            raise InputError("h0_m: a gap is zero or negative; gaps must be positive")
-        try:
-            shape = np.broadcast_shapes(*{column.shape for column in named.values()})
-        except ValueError:
-            lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
-            raise InputError(f"factors of different lengths ({lengths}); give one length") from None
-        named = {
-            name: column if column.shape == shape else np.broadcast_to(column, shape)
-            for name, column in named.items()
-        }
-        if "x_m" in named:
-            named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
-            named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
-        else:
-            angle = np.radians(named["phi_deg"])
-            named["x_m"] = named["phi_r_m"] * np.cos(angle)
-            named["y_m"] = named["phi_r_m"] * np.sin(angle)
-        rest = {name: named.pop(name) for name in columns}
-        return cls(**named, columns=rest, position=CARTESIAN if "x_m" in given else POLAR)
-
-    @property
-    def epsilon(self) -> Array:
-        """Excursion ratio hv/h0, shape (n,)."""
-        return self.hv_m / self.h0_m
-
-    @property
-    def phi_rad(self) -> Array:
-        """Direction of the finger's centre in radians, shape (n,)."""
-        return np.radians(self.phi_deg)
-
-    def column(self, name: str) -> Array:
-        """A factor, or a result of physics, by the name of its column, shape (n,).
-
-        Raises InputError where the points do not have it.
-        """
-        if name in self.columns:
-            return self.columns[name]
-        if name in FACTORS.values():
-            return np.asarray(getattr(self, name))
-        raise InputError(
-            f"{name}: the points lack this column; `squeezefilm limits` writes a table that has it"
-        )
-
-    def take(self, which: ArrayLike) -> Factors:
-        """Some of the points, by a mask or by indices."""
-        index = np.asarray(which)
-        own = {name: getattr(self, name)[index] for name in ("h0_m", "hv_m", *POSITION)}
-        columns = {name: v[index] for name, v in self.columns.items()}
-        return Factors(**own, columns=columns, position=self.position)
-
-    def __len__(self) -> int:
-        return len(self.h0_m)
 
 
 @dataclass(frozen=True)
@@ -360,6 +246,54 @@ def get_model(name: str) -> ExpressionModel:
     if name not in models:
         raise InputError(f"model {name!r} is unknown; known are {', '.join(models)}")
     return models[name]
+
+
+def model_named(name: str, own: Mapping[str, Any], *, place: object) -> ExpressionModel:
+    """A model by its name; ``two-factor`` is ``two_factor``.
+
+    ``own`` is the section ``models`` of a study's configuration, ``place`` the file for messages.
+    Raises InputError for an unknown name, and where one of the study's own is refused.
+    """
+    name = name.replace("-", "_")
+    if name in own:
+        return make_model(name, own[name], place=f"{place}: models.{name}")
+    if name in library():
+        return library()[name]
+    known = ", ".join((*own, *library()))
+    raise InputError(f"model {name!r} is unknown; known are {known}")
+
+
+def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: object) -> None:
+    """Read every model of a configuration: its own, and those that ``named`` has by section.
+
+    Raises InputError naming the place of a formula that is refused, of a name that is the
+    library's, or of a candidate that is unknown.
+    """
+    for name in own:
+        if name in library():
+            raise InputError(
+                f"{place}: models.{name}: the library has a model of this name; take another"
+            )
+        model_named(name, own, place=place)
+    for section, space in product(NAMING, SPACES):
+        for name in named[section][space]:
+            with naming(f"{place}: {section}.{space}"):
+                model_named(name, own, place=place)
+
+
+def check_columns(model: ExpressionModel, factors: Factors) -> None:
+    """See that a model's columns are known at every point.
+
+    Raises InputError naming the column, and what to do.
+    """
+    for name in model.column_names:
+        unknown = np.flatnonzero(~np.isfinite(factors.column(name)))
+        if len(unknown):
+            raise InputError(
+                f"{name}: unknown at {len(unknown)} of {len(factors)} points, the first in row "
+                f"{unknown[0] + 1}: the physics limit does not hold there (see its status), so the "
+                f"model {model.name} cannot be used on these points"
+            )
 
 
 TWO_FACTOR = get_model("two_factor")

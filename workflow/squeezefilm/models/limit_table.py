@@ -7,18 +7,18 @@ lines through the box, for over the position it bends as often as the profile.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from math import prod
-from typing import Any
+from typing import Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
-from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
-from squeezefilm.models.force_model import COLUMNS, Factors
+from squeezefilm.models.data import Factors
 
 Array = NDArray[np.float64]
 
@@ -34,42 +34,56 @@ SLACK = 1e-9
 BATCH = 1024
 
 
-@dataclass(frozen=True, eq=False)
-class LimitTable:
+class LimitTable(BaseModel):
     """Chebyshev coefficients of the limits over ε², in newtons, by their columns.
 
-    ranges: of each of AXES and of the position; coefficients: of shape (points of each axis);
-    sigma_h0_square: squeeze number times h0², in m²; error: largest relative error of the table at
+    ranges: of each of AXES and of the position; coefficients: flat, of that shape (points of each
+    axis); sigma_h0_square_m2: squeeze number times h0²; largest_relative_error: of the table at
     its check points.
     """
 
-    ranges: Mapping[str, tuple[float, float]]
-    coefficients: Mapping[str, Array]
-    sigma_h0_square: float
-    error: float
+    model_config = ConfigDict(frozen=True)
+
+    ranges: dict[str, tuple[float, float]]
+    shape: tuple[int, int, int, int]
+    coefficients: dict[Literal["limit_n", "fast_limit_n"], list[FiniteFloat]]
+    sigma_h0_square_m2: float
+    largest_relative_error: float
+
+    @model_validator(mode="after")
+    def _consistent(self) -> LimitTable:
+        axes = (*AXES, *form_of(self.ranges))
+        if set(self.ranges) != set(axes):
+            raise ValueError(f"ranges must be of {', '.join(axes)}")
+        if any(len(flat) != prod(self.shape) for flat in self.coefficients.values()):
+            raise ValueError(f"{prod(self.shape)} coefficients are needed for the shape")
+        return self
+
+    @cached_property
+    def axes(self) -> dict[str, tuple[float, float]]:
+        """The ranges in the order of the shape; a file has them in any."""
+        return {axis: self.ranges[axis] for axis in (*AXES, *form_of(self.ranges))}
+
+    @cached_property
+    def tables(self) -> dict[str, Array]:
+        """The coefficients in the table's shape."""
+        return {
+            name: np.reshape(flat, self.shape).astype(float)
+            for name, flat in self.coefficients.items()
+        }
 
     def complete(self, factors: Factors) -> Factors:
         """The factors with the limits' columns; NaN outside the table."""
-        columns = {name: self._interpolate(name, factors) for name in self.coefficients}
-        sigma = self.sigma_h0_square / factors.h0_m**2
+        places, inside = self.places(factors)
+        columns = {
+            name: np.where(inside, factors.epsilon**2 * _sums(table, places), np.nan)
+            for name, table in self.tables.items()
+        }
+        sigma = self.sigma_h0_square_m2 / factors.h0_m**2
         own = {name: factors.column(name) for name in ("h0_m", "hv_m", *factors.position)}
         return Factors.of(**own, **columns, sigma=sigma)
 
-    def _interpolate(self, name: str, factors: Factors) -> Array:
-        places, inside = self.places(factors)
-        values = np.empty(len(factors))
-        for start in range(0, len(factors), BATCH):
-            some = slice(start, start + BATCH)
-            a, b, c, d = (
-                chebyshev.chebvander(places[axis][some], points - 1)
-                for axis, points in zip(self.ranges, self.coefficients[name].shape, strict=True)
-            )
-            part = np.einsum("abcd,nd->nabc", self.coefficients[name], d)
-            part = np.einsum("nabc,nc->nab", part, c)
-            values[some] = np.einsum("nab,nb,na->n", part, b, a)
-        return np.where(inside, values * factors.epsilon**2, np.nan)
-
-    def places(self, factors: Factors) -> tuple[dict[str, Array], Array]:
+    def places(self, factors: Factors) -> tuple[list[Array], Array]:
         """Where the points lie on each axis, in [-1, 1], and which lie inside the table."""
         values = {"h0_m": factors.h0_m, "epsilon_square": factors.epsilon**2}
         values |= {name: factors.column(name) for name in form_of(self.ranges)}
@@ -77,55 +91,30 @@ class LimitTable:
             at_centre = factors.phi_r_m <= SLACK * max(self.ranges["phi_r_m"][1], 1e-300)
             values["phi_deg"] = np.where(at_centre, self.ranges["phi_deg"][0], factors.phi_deg)
         inside = np.ones(len(factors), dtype=bool)
-        places = {}
-        for axis, (low, high) in self.ranges.items():
+        places = []
+        for axis, (low, high) in self.axes.items():
             half = (high - low) / 2
             middle = (high + low) / 2
             slack = SLACK * max(abs(low), abs(high))
             inside &= (values[axis] >= low - slack) & (values[axis] <= high + slack)
             place = (values[axis] - middle) / half if half else np.zeros(len(factors))
-            places[axis] = np.clip(place, -1.0, 1.0)
+            places.append(np.clip(place, -1.0, 1.0))
         return places, inside
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers and lists, ready for JSON."""
-        return {
-            "ranges": {axis: list(limits) for axis, limits in self.ranges.items()},
-            "shape": list(next(iter(self.coefficients.values())).shape),
-            "coefficients": {
-                name: each.ravel().tolist() for name, each in self.coefficients.items()
-            },
-            "sigma_h0_square_m2": self.sigma_h0_square,
-            "largest_relative_error": self.error,
-        }
 
-    @classmethod
-    def from_dict(cls, plain: Any, *, place: str) -> LimitTable:
-        """The table written by to_dict; raises InputError, naming the place, for anything else."""
-        try:
-            ranges = {
-                axis: (float(low), float(high))
-                for axis in (*AXES, *form_of(plain["ranges"]))
-                for low, high in [plain["ranges"][axis]]
-            }
-            shape = tuple(int(count) for count in plain["shape"])
-            coefficients = {
-                str(name): np.array(values, dtype=float).reshape(shape)
-                for name, values in plain["coefficients"].items()
-            }
-            table = cls(
-                ranges=ranges,
-                coefficients=coefficients,
-                sigma_h0_square=float(plain["sigma_h0_square_m2"]),
-                error=float(plain["largest_relative_error"]),
-            )
-        except (KeyError, TypeError, ValueError, AttributeError):
-            raise InputError(f"{place}: not a table of limits as `limit-table` writes it") from None
-        finite = all(np.all(np.isfinite(each)) for each in coefficients.values())
-        known = set(coefficients) <= set(COLUMNS.values())
-        if len(shape) != len(ranges) or not finite or not known:
-            raise InputError(f"{place}: not a table of limits as `limit-table` writes it")
-        return table
+def _sums(table: Array, places: Sequence[Array]) -> Array:
+    """Sums of Chebyshev polynomials with a table of coefficients, at places in [-1, 1]."""
+    values = np.empty(len(places[0]))
+    for start in range(0, len(values), BATCH):
+        some = slice(start, start + BATCH)
+        a, b, c, d = (
+            chebyshev.chebvander(place[some], points - 1)
+            for place, points in zip(places, table.shape, strict=True)
+        )
+        part = np.einsum("abcd,nd->nabc", table, d)
+        part = np.einsum("nabc,nc->nab", part, c)
+        values[some] = np.einsum("nab,nb,na->n", part, b, a)
+    return values
 
 
 def tails(values: Array) -> Array:

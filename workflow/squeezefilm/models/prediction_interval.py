@@ -12,17 +12,17 @@ decide it. A point without a force, simulated or modelled, has an infinite score
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping
 from math import ceil
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, ConfigDict, computed_field, model_validator
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.error_by_region import regions
-from squeezefilm.models.force_model import Factors
+from squeezefilm.models.data import Factors
 
 Array = NDArray[np.float64]
 
@@ -44,8 +44,19 @@ SYMBOLS = {
 }
 
 
-@dataclass(frozen=True)
-class PredictionInterval:
+THIRDS = ("low", "middle", "high")
+QUANTITIES = {
+    "h0_m": "gap h0",
+    "hv_m": "amplitude hv",
+    "epsilon": "ratio hv/h0",
+    "phi_r_m": "distance of the finger from the centre",
+    "phi_deg": "direction of the finger",
+    "x_m": "position of the finger along x",
+    "y_m": "position of the finger along y",
+}
+
+
+class PredictionInterval(BaseModel):
     """Half widths that hold 95 % and 99 % of new points of the declared space.
 
     Attributes:
@@ -60,16 +71,25 @@ class PredictionInterval:
             part of error_95 and error_99.
     """
 
-    ranges: Mapping[str, tuple[float, float]]
+    model_config = ConfigDict(frozen=True)
+
+    ranges: dict[str, tuple[float, float]]
     error_95: tuple[float, float] | None
     error_99: tuple[float, float] | None
     points: int
     failed: int
     calibration_points: int
     mean_coverage: float
-    coverage: tuple[Mapping[str, Any], ...] = ()
+    coverage: tuple[dict[str, Any], ...] = ()
     profile_uncertainty: float = 0.0
 
+    @model_validator(mode="after")
+    def _ranges_of_factors(self) -> PredictionInterval:
+        if not {"h0_m", "hv_m"} <= set(self.ranges) <= set(SYMBOLS):
+            raise ValueError(f"ranges must be of h0_m, hv_m and of {', '.join(SYMBOLS)} alone")
+        return self
+
+    @computed_field  # type: ignore[prop-decorator]
     @property
     def statement(self) -> str:
         """What the interval says, in a sentence for every output."""
@@ -113,36 +133,6 @@ class PredictionInterval:
             for index in np.flatnonzero(out):
                 notes[index].append(f"{name} outside {low:.4g} … {high:.4g}")
         return ["; ".join(each) for each in notes]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers and lists, ready for JSON."""
-        return asdict(self) | {"statement": self.statement}
-
-    @classmethod
-    def from_dict(cls, plain: Any, *, place: str) -> PredictionInterval:
-        """What to_dict wrote.
-
-        Raises InputError naming the place, for anything else.
-        """
-        try:
-            values = {key: value for key, value in plain.items() if key != "statement"}
-            for key in ("error_95", "error_99"):
-                if values[key] is not None:
-                    constant, share = values[key]
-                    values[key] = (float(constant), float(share))
-            values["ranges"] = {
-                str(name): (float(low), float(high))
-                for name, (low, high) in values["ranges"].items()
-            }
-            interval = cls(**values)
-            if not set(interval.ranges) <= set(SYMBOLS) or not {"h0_m", "hv_m"} <= set(
-                interval.ranges
-            ):
-                raise ValueError
-        except (AttributeError, KeyError, TypeError, ValueError):
-            message = f"{place}: not the validation of a fit, as `squeezefilm fit` writes it"
-            raise InputError(message) from None
-        return interval
 
 
 def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float]:
@@ -230,3 +220,55 @@ def _quantile(scores: Array, level: float) -> float:
     """The score that a share ``level`` of new points does not exceed; infinite for few points."""
     rank = ceil((len(scores) + 1) * level)
     return float(scores[rank - 1]) if rank <= len(scores) else np.inf
+
+
+def regions(factors: Factors) -> Iterator[tuple[dict[str, Any], NDArray[np.bool_]]]:
+    """Each third of each quantity that varies, with a mask of its points, shape (n,).
+
+    A quantity's range is cut at its terciles over the points, which fill the space evenly.
+    """
+    for name in ("h0_m", "hv_m", "epsilon", *factors.position):
+        values = np.asarray(getattr(factors, name), dtype=float)
+        if not len(values) or np.ptp(values) == 0:
+            continue
+        part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
+        for index, third in enumerate(THIRDS):
+            inside = part == index
+            if inside.any():
+                least, largest = float(values[inside].min()), float(values[inside].max())
+                about = {"quantity": name, "third": third, "least": least, "largest": largest}
+                yield about, inside
+
+
+def error_by_region(factors: Factors, error_n: ArrayLike) -> pd.DataFrame:
+    """Shares of the squared error in each third of each quantity.
+
+    factors hold n points that fill the space evenly, error_n the errors there in newtons. bias_n
+    is the mean error. Raises InputError where no error is known.
+    """
+    error = np.asarray(error_n, dtype=float)
+    known = np.isfinite(error)
+    squares = np.where(known, error, 0.0) ** 2
+    if not squares.sum() > 0:
+        raise InputError("error by region: no error is known, or all are zero")
+    rows = [
+        region
+        | {
+            "share_of_points": (inside & known).sum() / known.sum(),
+            "share_of_squares": squares[inside].sum() / squares.sum(),
+            "bias_n": error[inside & known].mean(),
+        }
+        for region, inside in regions(factors)
+        if (inside & known).any()
+    ]
+    return pd.DataFrame(rows)
+
+
+def in_words(table: pd.DataFrame) -> str:
+    """The two quantities whose thirds hold the largest shares of the squared error."""
+    ordered = table.sort_values("share_of_squares", ascending=False, kind="stable")
+    return "; ".join(
+        f"{worst['share_of_squares']:.0%} of the squared error lies in the {worst['third']} "
+        f"third of the {QUANTITIES[worst['quantity']]}"
+        for worst in ordered.drop_duplicates("quantity").head(2).to_dict("records")
+    )

@@ -14,14 +14,14 @@ from math import isfinite
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.solution import DERIVATIVES, Derivatives, Solution
 from squeezefilm.io.typed_units import to_its_error
 from squeezefilm.quantities.adjoint import Fields, sensitivity
 from squeezefilm.quantities.states import alike, fields_of, remainder, with_states
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.problems import problems_of
-from squeezefilm.reynolds.terms import numbers_of, terms_of
+from squeezefilm.reynolds.problems import numbers_table, problems_of
+from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.polytropic import Polytropic
@@ -159,7 +159,7 @@ def _growths(
 
 def _equation(scene: Scene) -> object:
     """All that a scene's dimensionless equation depends on."""
-    return numbers_of(scene, terms_of(scene)), scene.place
+    return numbers_table(Scenes.of([scene]), terms_of(scene)).tobytes(), scene.place
 
 
 def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:

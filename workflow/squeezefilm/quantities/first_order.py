@@ -154,7 +154,7 @@ def by_sliding(scenes: list[Scene], grid: Grid, *, device: Device) -> tuple[np.n
 
     def solved(some: list[Scene]) -> Fields:
         problems = problems_of(some, grid, tolerance=STATE_TOLERANCE)
-        states = solve_batch(problems=problems, grid=grid, device=device)
+        states = solve_batch(some, grid, tolerance=STATE_TOLERANCE, device=device)
         failed = (states.status != 0)[:, None, None, None]
         return Fields(problems, grid, np.where(failed, np.nan, states.overpressure))
 

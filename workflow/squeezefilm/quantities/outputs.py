@@ -29,7 +29,8 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.outlines.around import Around
 from squeezefilm.reynolds.periodic.states import State
-from squeezefilm.reynolds.solver import solve, unexpected, ways_of
+from squeezefilm.reynolds.plan import plans_of
+from squeezefilm.reynolds.solver import solve, unexpected
 from squeezefilm.reynolds.spectral import Axis, axis, period
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
@@ -116,8 +117,8 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
     By their names in OUTPUTS. Inertia must be decided.
     """
     within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
-    (way,) = ways_of([scene], [needs_of(scene)], tolerance=within, method="periodic")
-    return dict.fromkeys(OUTPUTS, way.refused) if way.refused else _without_formula(scene)
+    plans = plans_of(needs_of(scene), tolerance=within, method="periodic")
+    return dict.fromkeys(OUTPUTS, plans[0].refused) if plans else _without_formula(scene)
 
 
 def _without_formula(scene: Scene) -> dict[str, str]:
@@ -258,7 +259,7 @@ def _add_shear(
     if scene.gas.inertia == "included":  # half of what leaves is taken from the finger
         # Share of it that warm gas would change: twice its warming where it streams.
         heats = scene.gas.heat == "included"
-        warm = 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20 if heats else 0  # type: ignore[arg-type]
+        warm = 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20 if heats else 0
         for k, (coarse, fine) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
             doubt = factor * abs(fine - coarse) + warm * abs(fine)
             parts[k] = parts[k][0] - fine / 2, parts[k][1] + doubt / 2

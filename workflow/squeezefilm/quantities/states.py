@@ -77,10 +77,10 @@ def remainder(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[fl
     needs, (coarse, fine) = needs_of(scene), (state.grid.across for state in solution.states)
     fall = max(
         UNKNOWN_FALL,
-        profile_fall(needs, coarse, fine, tolerance=tolerance),
+        profile_fall(needs, coarse, fine, tolerance=tolerance).item(),
         least_fall_of(needs.terms),
-        least_fall(scene, coarse[0]),
+        least_fall(needs.scenes, coarse[0]).item(),
     )
     # A mass error w moves the pressure by about n w/H.
-    left = stiffness_of(scene, needs.terms) * solution.residual / scene.narrowest
+    left = float(stiffness_of(scene, needs.terms)) * solution.residual / scene.narrowest
     return margin_of(needs.terms) * float(left_after(fall)), left

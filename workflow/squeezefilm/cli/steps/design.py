@@ -16,7 +16,7 @@ import argparse
 
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_json, write_table
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
 

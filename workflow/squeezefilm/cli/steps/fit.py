@@ -30,11 +30,10 @@ from squeezefilm import __version__
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitting.described import described_fit
-from squeezefilm.models.fitting.fit import Fit
-from squeezefilm.models.force_model import ExpressionModel
-from squeezefilm.models.library import model_named
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import described_fit
+from squeezefilm.models.fitting import Fit
+from squeezefilm.models.force_model import ExpressionModel, model_named
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import film_of, symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of

@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     try:
-        values = limit_table_of(config).to_dict()
+        values = limit_table_of(config).model_dump(mode="json")
     except InputError as error:
         values = {"refused": str(error)}
         print(error)

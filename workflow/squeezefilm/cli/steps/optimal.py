@@ -32,8 +32,9 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
-from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fitted import read_fit
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import read_fit
+from squeezefilm.models.force_model import check_columns
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.optimal_designs import (
     FittedSpace,

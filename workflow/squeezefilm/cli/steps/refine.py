@@ -30,8 +30,7 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
-from squeezefilm.models.experiments import check_columns
-from squeezefilm.models.library import SPACES, model_named
+from squeezefilm.models.force_model import SPACES, check_columns, model_named
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.refined_model import SimulatedSpace, refined_model
 from squeezefilm.studies.tasks.scan_share import scan_error_of

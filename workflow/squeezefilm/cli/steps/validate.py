@@ -21,9 +21,10 @@ from squeezefilm.io.tables import (
     write_json,
     write_table,
 )
-from squeezefilm.models.experiments import check_columns, factors_of
-from squeezefilm.models.fitted import FittedModel, read_fit
-from squeezefilm.models.validation import relative_errors, summarise
+from squeezefilm.models.cross_validation import relative_errors, summarise
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import check_columns
 from squeezefilm.studies.config import load_config
 
 

@@ -16,7 +16,7 @@ import argparse
 
 from squeezefilm.api.fit import Fit
 from squeezefilm.io.atomic import write_text
-from squeezefilm.models.generated_code import LANGUAGES
+from squeezefilm.models.export import LANGUAGES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

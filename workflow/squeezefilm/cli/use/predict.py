@@ -26,8 +26,8 @@ from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.validity import OK
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.sources import read_columns
-from squeezefilm.models.fitted import FILM_UNKNOWN
-from squeezefilm.models.force_model import COLUMNS
+from squeezefilm.models.data import COLUMNS
+from squeezefilm.models.fit_file import FILM_UNKNOWN
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

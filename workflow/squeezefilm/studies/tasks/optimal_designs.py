@@ -16,15 +16,11 @@ from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN
 from squeezefilm.io.tables import scene_points
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.fitting.local_fit import local_fit
-from squeezefilm.models.fitting.profile_likelihood import (
-    RANGES_NOTE,
-    ParameterRange,
-    parameter_ranges,
-)
-from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
+from squeezefilm.models.data import COLUMNS, Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.models.fitting import local_fit
+from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.models.parameter_intervals import RANGES_NOTE, ParameterRange, parameter_ranges
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scene_of

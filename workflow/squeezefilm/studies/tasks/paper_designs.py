@@ -24,8 +24,9 @@ from squeezefilm.designs.paper_design import (
 )
 from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_regions
 from squeezefilm.io.parallel import parallel_map
-from squeezefilm.models.fitted import FittedModel
-from squeezefilm.models.force_model import ExpressionModel, Factors, get_model
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.models.force_model import ExpressionModel, get_model
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
 

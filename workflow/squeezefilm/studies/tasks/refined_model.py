@@ -11,11 +11,12 @@ from squeezefilm.designs.refine_loop import Goal, Outcome, Pool, Round, refine_l
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, scene_points
-from squeezefilm.models.description import describe
-from squeezefilm.models.error_by_region import error_by_region, in_words
-from squeezefilm.models.fitting.fit import Fit
-from squeezefilm.models.fitting.profile_likelihood import RANGES_NOTE, parameter_ranges
-from squeezefilm.models.force_model import COLUMNS, ExpressionModel, Factors
+from squeezefilm.models.data import COLUMNS, Factors
+from squeezefilm.models.fit_file import describe
+from squeezefilm.models.fitting import Fit
+from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
+from squeezefilm.models.prediction_interval import error_by_region, in_words
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import device_of, solver_settings
@@ -273,7 +274,6 @@ def _fit_values(
     )
     ranges = parameter_ranges(model, factors, force, last.theta) if len(last.theta) else []
     return {
-        **fit.to_dict(),
         **describe(model, factors, force, fit, profile_uncertainty=profile_uncertainty),
         "directions": symmetry_of(space.config).to_dict(),
         "film": film_of(

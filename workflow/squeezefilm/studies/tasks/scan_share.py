@@ -2,7 +2,7 @@
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
-from squeezefilm.models.fitted import number
+from squeezefilm.models.fit_file import number
 from squeezefilm.studies.config import Config
 
 

@@ -6,8 +6,8 @@ import argparse
 from typing import Any
 
 from squeezefilm.io.tables import read_forces
-from squeezefilm.models.experiments import factors_of
-from squeezefilm.models.fitted import fit_of
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import fit_of
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import declared_ranges
 
@@ -39,4 +39,4 @@ def with_validation(
         ranges=declared_ranges(config, centred=not factors.phi_r_m.any()),
     )
     print(fit.statement)
-    return dict(fit.values)
+    return fit.to_dict()

@@ -1,0 +1,10 @@
+"""Compile the kernels of the study and write which device they are for."""
+
+from scripts.job import begin
+from squeezefilm.api.simulation import compile_kernels
+from squeezefilm.io.tables import write_json
+from squeezefilm.studies.config import load_config
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+write_json(compile_kernels(config), snakemake.output[0])

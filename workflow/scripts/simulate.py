@@ -1,0 +1,18 @@
+"""Simulate one of the parts of a plan; every scene keeps its row."""
+
+from scripts.job import begin
+from squeezefilm.api.simulation import simulate_table
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import solver_settings
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+failures, _ = simulate_table(
+    snakemake.input.scenes,
+    config,
+    settings=solver_settings(config),
+    output=snakemake.output.forces,
+    timings=snakemake.output.timings,
+    chunk=(int(snakemake.wildcards.chunk), int(snakemake.wildcards.chunks)),
+)
+print(*failures, sep="\n")

@@ -1,0 +1,23 @@
+"""Write the scenes of a plan and simulate all of them."""
+
+from scripts.job import begin
+from squeezefilm.api.simulation import no_force, simulate_table
+from squeezefilm.io.errors import RunError
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.plan_scenes import write_scenes
+from squeezefilm.studies.solver_settings import solver_settings
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+plan, output = snakemake.wildcards.plan, snakemake.output
+write_scenes(plan, config, sources=snakemake.input.sources, output=output.scenes)
+failures, _ = simulate_table(
+    output.scenes,
+    config,
+    settings=solver_settings(config),
+    output=output.forces,
+    timings=output.timings,
+)
+if failures and not snakemake.params.keep_failed:
+    raise RunError(no_force(failures, plan))
+print(*failures, sep="\n")

@@ -1,0 +1,200 @@
+"""From a table of scenes to their forces: on one device, whole or in parts."""
+
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import nullcontext
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from squeezefilm.api.forces import WITH_STATES, solved_with
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import InputError, RunError, naming
+from squeezefilm.io.positions import as_in
+from squeezefilm.io.progress import progress_bar
+from squeezefilm.io.tables import (
+    FORCE_COLUMNS,
+    SCENE_COLUMNS,
+    TIMING_COLUMNS,
+    ScenePoint,
+    read_forces,
+    read_scenes,
+    read_timings,
+    scene_points,
+    table_writer,
+)
+from squeezefilm.quantities.model_error import excluded_terms
+from squeezefilm.reynolds import Solution, node_cache
+from squeezefilm.reynolds.device import Device, describe
+from squeezefilm.reynolds.periodic.launch import warm
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.solver_settings import SolverSettings, device_of
+from squeezefilm.studies.study import scene_of
+
+PIECE = 4096
+"""Scenes whose results are held before they are written."""
+NAMED = 100
+"""Points without a force, at most, in a message."""
+
+
+def device_ready(config: Config, *, option: str | None, scene: Scene) -> Device:
+    """The device of a study with its kernels compiled for scenes like one; on a node once."""
+    with node_cache.one_build_at_a_time():
+        device = device_of(config, option=option)
+        warm(device, scene)
+    return device
+
+
+def compile_kernels(config: Config) -> dict[str, Any]:
+    """Compile the kernels of a study, so that jobs find them in the caches; name its device."""
+    at_rest = ScenePoint("any", h0_m=5e-6, hv_m=0.0)
+    # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
+    scene = scene_of(at_rest, config, check=False)
+    facts = describe(device_ready(config, option=None, scene=scene))
+    del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
+    return facts
+
+
+def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
+    """The rows of one of several chunks: contiguous parts that differ by at most one row."""
+    return slice(count * (chunk - 1) // chunks, count * chunk // chunks)
+
+
+def simulate_table(
+    scenes: Path | str,
+    config: Config,
+    *,
+    settings: SolverSettings,
+    output: Path | str,
+    timings: Path | str | None = None,
+    chunk: tuple[int, int] = (1, 1),
+    device: str | None = None,
+    derivatives: bool = False,
+) -> tuple[list[str], list[str]]:
+    """Solve the scenes of a table and write a row for each, whatever became of it.
+
+    Args:
+        timings: where to write each scene's share of the run time.
+        chunk: which of how many parts of the table.
+        device: instead of the study's.
+        derivatives: of the force too.
+
+    Returns:
+        the points without a force, each with its reason, and those that have a force but not all
+        that was asked for beside it.
+
+    Raises InputError, before anything is solved, for a scene that cannot be.
+    """
+    table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
+    size = WITH_STATES if derivatives or settings.outputs else PIECE
+    pieces = [table.iloc[first : first + size] for first in range(0, len(table), size)]
+    scenes_in = partial(_scenes, config=config, path=scenes)
+    first, *_ = [scenes_in(piece)[0] for piece in pieces]
+    chosen = device_ready(config, option=device, scene=first)
+    failures: list[str] = []
+    incomplete: list[str] = []
+    seconds = 0.0
+    times = table_writer(timings) if timings else nullcontext(lambda rows: None)
+    with (
+        progress_bar(len(table), unit="scene", name=str(scenes)) as bar,
+        table_writer(output) as write,
+        times as write_times,
+    ):
+        for piece in pieces:
+            batch = scenes_in(piece)
+            start = time.perf_counter()
+            solutions = solved_with(
+                settings.resolved(batch, chosen),
+                settings=settings,
+                device=chosen,
+                derivatives=derivatives,
+                report=bar.update,
+            )
+            wall = time.perf_counter() - start
+            write(_forces(piece, solutions))
+            # By floating-point operations, of which closed forms need none worth counting.
+            work = sum(solution.work for solution in solutions)
+            shares = [solution.work / work if work else 1 / len(batch) for solution in solutions]
+            write_times(piece[["point_id"]].assign(solve_seconds=[wall * each for each in shares]))
+            seconds += wall
+            for scene, solution in zip(batch, solutions, strict=True):
+                if reason := missing_of(solution):
+                    failed = solution.status != "ok"
+                    (failures if failed else incomplete).append(f"point {scene.point_id}: {reason}")
+    for note in excluded_terms(first, method=settings.method):
+        print(note, file=sys.stderr)
+    solved = len(table) - len(failures)
+    print(f"{solved} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)
+    return failures, incomplete
+
+
+def missing_of(solution: Solution) -> str:
+    """Why there is no force, or not what was asked for beside it; empty if all is there."""
+    asked = (solution, solution.derivatives, solution.outputs)
+    return next((each.status for each in asked if each and each.status != "ok"), "")
+
+
+def _scenes(rows: pd.DataFrame, *, config: Config, path: Path | str) -> list[Scene]:
+    with naming(path):
+        return [scene_of(point, config) for point in scene_points(rows)]
+
+
+def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
+    """The rows of a plan with what was solved for them."""
+    columns = {
+        name: [getattr(solution, name) for solution in solutions]
+        for name in as_in(FORCE_COLUMNS, rows)
+        if name not in rows.columns
+    }
+    more = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
+    table = rows.assign(**columns)[as_in(FORCE_COLUMNS, rows)]
+    return table.assign(**{name: more[name] for name in map(str, more)})
+
+
+def merge_forces(
+    scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
+) -> None:
+    """Put the forces of a plan's parts together, one part held at a time.
+
+    Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
+    points without a force unless these may stay; then nothing is written.
+    """
+    plan_rows = read_scenes(scenes)
+    columns = as_in(SCENE_COLUMNS, plan_rows)
+    failures: list[str] = []
+    first = 0
+    with table_writer(output) as write:
+        for part in parts:
+            rows = read_forces(part, whole=True)
+            planned = plan_rows.iloc[first : first + len(rows)].reset_index(drop=True)
+            if not planned.equals(rows.reindex(columns=columns)):
+                raise InputError(
+                    f"{part}: its points are not those of {scenes} from row {first + 1} on; "
+                    "simulate it again"
+                )
+            failed = rows[rows["status"] != "ok"]
+            failures += [
+                f"point {row.point_id}: {row.status} ({part})" for row in failed.itertuples()
+            ]
+            first += len(rows)
+            write(rows)
+        if first < len(plan_rows):
+            raise InputError(f"{scenes}: point {plan_rows['point_id'].iloc[first]} is in no part")
+        if failures and not keep_failed:
+            raise RunError(no_force(failures, scenes))
+
+
+def no_force(failures: Sequence[str], scenes: Path | str) -> str:
+    """The message for points without a force."""
+    more = f" and {len(failures) - NAMED} more" if len(failures) > NAMED else ""
+    return f"{scenes}: no force for {'; '.join(failures[:NAMED])}{more}"
+
+
+def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
+    """Put the run times of a plan's parts together."""
+    with table_writer(output) as write:
+        for part in parts:
+            write(read_timings(part)[list(TIMING_COLUMNS)])

@@ -1,0 +1,161 @@
+"""The factors of experiments: gap, amplitude, position, and results of physics at these points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import CARTESIAN, POLAR, as_in
+from squeezefilm.io.sources import read_columns
+from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
+
+Array = NDArray[np.float64]
+
+FACTORS = {
+    "h0": "h0_m",
+    "hv": "hv_m",
+    "r": "phi_r_m",
+    "phi": "phi_deg",
+    "angle": "phi_rad",
+    "x": "x_m",
+    "y": "y_m",
+}
+"""What an expression calls the factors, and their columns."""
+COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
+"""What an expression calls the results of physics that stand in a table, and their columns."""
+POSITION = (*POLAR, *CARTESIAN)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """The factors of n experiments, each an array of shape (n,).
+
+    h0_m: mean gap; hv_m: vibration amplitude at the centre; phi_r_m, phi_deg: polar position
+    of the finger's centre (both zero where the finger is centred), x_m, y_m the same in Cartesian
+    form; columns: results of physics at these points, by the names of their columns; position: the
+    form in which positions were given.
+    """
+
+    h0_m: Array
+    hv_m: Array
+    phi_r_m: Array
+    phi_deg: Array
+    x_m: Array
+    y_m: Array
+    columns: Mapping[str, Array] = field(default_factory=dict)
+    position: tuple[str, str] = POLAR
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        h0_m: ArrayLike,
+        hv_m: ArrayLike,
+        phi_r_m: ArrayLike | None = None,
+        phi_deg: ArrayLike | None = None,
+        x_m: ArrayLike | None = None,
+        y_m: ArrayLike | None = None,
+        **columns: ArrayLike,
+    ) -> Factors:
+        """Factors from numbers or sequences, brought to one length.
+
+        The position is given in polar or in Cartesian form, or left out for a centred finger.
+        Raises InputError where a value is not finite, a gap is not positive, the lengths differ or
+        both forms are given.
+        """
+        polar, cartesian = (phi_r_m, phi_deg), (x_m, y_m)
+        if any(v is not None for v in polar) and any(v is not None for v in cartesian):
+            raise InputError("x_m: give the position as phi_r_m, phi_deg or as x_m, y_m, not both")
+        given = {"h0_m": h0_m, "hv_m": hv_m}
+        if any(value is not None for value in cartesian):
+            given |= {"x_m": 0.0 if x_m is None else x_m, "y_m": 0.0 if y_m is None else y_m}
+        else:
+            given |= {
+                "phi_r_m": 0.0 if phi_r_m is None else phi_r_m,
+                "phi_deg": 0.0 if phi_deg is None else phi_deg,
+            }
+        named = {k: np.atleast_1d(np.asarray(v, float)) for k, v in (given | columns).items()}
+        for name, column in named.items():
+            if name in given and not np.all(np.isfinite(column)):
+                raise InputError(f"{name}: a factor is not a finite number; all must be")
+        if np.any(named["h0_m"] <= 0):
+            raise InputError("h0_m: a gap is zero or negative; gaps must be positive")
+        try:
+            shape = np.broadcast_shapes(*{column.shape for column in named.values()})
+        except ValueError:
+            lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
+            raise InputError(f"factors of different lengths ({lengths}); give one length") from None
+        named = {
+            name: column if column.shape == shape else np.broadcast_to(column, shape)
+            for name, column in named.items()
+        }
+        if "x_m" in named:
+            named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
+            named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
+        else:
+            angle = np.radians(named["phi_deg"])
+            named["x_m"] = named["phi_r_m"] * np.cos(angle)
+            named["y_m"] = named["phi_r_m"] * np.sin(angle)
+        rest = {name: named.pop(name) for name in columns}
+        return cls(**named, columns=rest, position=CARTESIAN if "x_m" in given else POLAR)
+
+    @property
+    def epsilon(self) -> Array:
+        """Excursion ratio hv/h0, shape (n,)."""
+        return self.hv_m / self.h0_m
+
+    @property
+    def phi_rad(self) -> Array:
+        """Direction of the finger's centre in radians, shape (n,)."""
+        return np.radians(self.phi_deg)
+
+    def column(self, name: str) -> Array:
+        """A factor, or a result of physics, by the name of its column, shape (n,).
+
+        Raises InputError where the points do not have it.
+        """
+        if name in self.columns:
+            return self.columns[name]
+        if name in FACTORS.values():
+            return np.asarray(getattr(self, name))
+        raise InputError(
+            f"{name}: the points lack this column; `squeezefilm limits` writes a table that has it"
+        )
+
+    def take(self, which: ArrayLike) -> Factors:
+        """Some of the points, by a mask or by indices."""
+        index = np.asarray(which)
+        own = {name: getattr(self, name)[index] for name in ("h0_m", "hv_m", *POSITION)}
+        columns = {name: v[index] for name, v in self.columns.items()}
+        return Factors(**own, columns=columns, position=self.position)
+
+    def __len__(self) -> int:
+        return len(self.h0_m)
+
+
+def factors_of(points: pd.DataFrame, *, limits: Path | str | pd.DataFrame | None = None) -> Factors:
+    """The factors of a table's rows, with the results of physics where their table is given.
+
+    ``limits`` is what ``squeezefilm limits`` wrote for the same scenes, or its path.
+    Raises InputError where the two tables do not have the same scenes in the same order.
+    """
+    factors = {name: points[name].to_numpy(dtype=float) for name in as_in(FACTOR_COLUMNS, points)}
+    if limits is None:
+        return Factors.of(**factors)
+    place = "limits" if isinstance(limits, pd.DataFrame) else limits
+    if not isinstance(limits, pd.DataFrame):
+        limits = read_columns(limits, columns=LIMIT_COLUMNS)
+    for name, values in factors.items():
+        if len(limits) != len(points) or not np.array_equal(limits[name], values):
+            raise InputError(
+                f"{place}: {name}: not the scenes of the table of forces; make it from the same "
+                "table of scenes"
+            )
+    columns = {name: pd.to_numeric(limits[name], errors="coerce") for name in COLUMNS.values()}
+    return Factors.of(**factors, **{name: each.to_numpy() for name, each in columns.items()})

@@ -1,0 +1,365 @@
+"""A fitted model as its file holds it: all that its users need, without the study it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, ConfigDict, Field, StrictFloat, StrictInt, ValidationError
+
+from squeezefilm.film.finger import Finger, GapShape
+from squeezefilm.film.profiles import Piston
+from squeezefilm.film.scene import Actuator, Gas, Scene
+from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
+from squeezefilm.film.validity import validity
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import POLAR
+from squeezefilm.io.tables import read_json
+from squeezefilm.models.cross_validation import error_sizes, film_folds, left_out_predictions
+from squeezefilm.models.data import POSITION, Factors
+from squeezefilm.models.fitting import Fit, check_identifiable, fits_from_seeds
+from squeezefilm.models.force_model import ExpressionModel, check_columns, get_model, make_model
+from squeezefilm.models.limit_table import LimitTable
+from squeezefilm.models.prediction_interval import (
+    PredictionInterval,
+    error_scale,
+    measured_interval,
+)
+
+Array = NDArray[np.float64]
+Ranges = Mapping[str, tuple[float, float]]
+
+FILM_UNKNOWN = "not known: the fit's file does not describe its film"
+NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
+TABLE_SHARE = 0.1
+"""Largest error of a table of asymptotic forces over that of a model that uses it."""
+FOLDS, FOLD_SEED = 5, 1
+"""Of the cross-validation that gives a fit's error at points it was not fitted to."""
+
+
+class Pad(BaseModel):
+    """The pad of a fit's film, as far as limits of validity go."""
+
+    length_x_m: float
+    length_y_m: float
+    gap: GapShape
+
+
+class Film(BaseModel):
+    """The film of a fit's simulations, as far as limits of validity go."""
+
+    gas: Gas
+    frequency_hz: float
+    finger: Pad
+
+
+class FittedModel(BaseModel):
+    """Parameters (theta4 in 1/m), their number of points, and the residual on those points.
+
+    global_error is |y − η|/|y|, sum_of_squares in N². ranges are the least and the largest value
+    of each factor's column that the model was fitted on; cross_validation holds the errors at
+    held-out points, where there are enough of them; interval, ``validation`` in the file, is the
+    prediction interval of a validation sample. error_scale is what ``prediction_interval``'s
+    function of that name returns, profile_uncertainty the largest share of a force that the scan of
+    the study's profile leaves open, at 95 %. What else the file has is kept.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="allow", populate_by_name=True)
+
+    model: str
+    theta: tuple[StrictFloat, ...]
+    points: StrictInt
+    global_error: StrictFloat
+    sum_of_squares: StrictFloat
+    expression: str | None = None
+    parameters: list[str] = []
+    parameter_units: list[str] = []
+    ranges: dict[str, tuple[StrictFloat, StrictFloat]] = {}
+    cross_validation: dict[str, StrictInt | StrictFloat] | None = None
+    interval: PredictionInterval | None = Field(None, alias="validation")
+    error_scale: tuple[float, float] = (0.0, 1.0)
+    profile_uncertainty: float = 0.0
+    limit_table: LimitTable | None = None
+    directions: Any = None
+    film: Film | None = None
+    source: dict[str, Any] = {}
+    place: str = Field("fit", exclude=True)
+    """The file, for messages."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """What the file holds, ready for JSON."""
+        return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
+
+    @cached_property
+    def force_model(self) -> ExpressionModel:
+        """The model with the formula that the file carries; the library's, if it carries none.
+
+        Raises InputError naming the file, for a formula that is refused or an unknown model.
+        """
+        if self.expression is None:
+            model = get_model(self.model)
+        elif len(self.parameters) == len(self.parameter_units):
+            parameters = dict(zip(self.parameters, self.parameter_units, strict=True))
+            entry = {"expression": self.expression, "parameters": parameters}
+            model = make_model(self.model, entry, place=self.place)
+        else:
+            raise InputError(f"{self.place}: parameter_units: give one for each of 'parameters'")
+        if len(model.parameter_names) != len(self.theta):
+            raise InputError(
+                f"{self.place}: 'theta' has {len(self.theta)} numbers for the parameters "
+                f"{', '.join(model.parameter_names)}"
+            )
+        return model
+
+    @cached_property
+    def symmetry(self) -> Symmetry | None:
+        """The finger's positions that represent all in the model's study, if the file has them."""
+        if self.directions is None:
+            return None
+        return symmetry_from_dict(self.directions, place=f"{self.place}: directions")
+
+    @property
+    def position(self) -> tuple[str, str]:
+        """The form of positions in the model's study; polar, if the file has none."""
+        return POLAR if self.symmetry is None else self.symmetry.position
+
+    def represented(self, factors: Factors) -> Factors:
+        """The factors of the same forces with the finger in positions that the model knows.
+
+        By the symmetry of the study's scenes; a file without one leaves them as they are.
+        """
+        if self.symmetry is None:
+            return factors
+        place = {name: factors.column(name) for name in self.symmetry.position}
+        return Factors.of(
+            h0_m=factors.h0_m,
+            hv_m=factors.hv_m,
+            **self.symmetry.represent(**place),
+            **factors.columns,
+        )
+
+    def complete(self, factors: Factors) -> Factors:
+        """The factors with the physics limits that the model needs, from the file's own table.
+
+        Raises InputError naming the file, where it has no such table.
+        """
+        model = self.force_model
+        if all(name in factors.columns for name in model.column_names):
+            return factors
+        if self.limit_table is None:
+            raise InputError(
+                f"{self.place}: the model {self.model} needs {', '.join(model.column_names)} and "
+                "its file has no table of them; fit it with --limit-table, or give points with "
+                "these columns (`squeezefilm limits`)"
+            )
+        return self.limit_table.complete(factors)
+
+    def evaluate(self, factors: Factors) -> Array:
+        """The model's forces in newtons, shape (n,); NaN where it is undefined."""
+        return self.force_model.evaluate(self.theta, self.complete(factors))
+
+    def validity(self, factors: Factors) -> list[str]:
+        """``ok``, or the limits of validity that each point's film exceeds; FILM_UNKNOWN.
+
+        As if the profile's maximum lay under the whole pad.
+        """
+        if self.film is None:
+            return [FILM_UNKNOWN] * len(factors)
+        alike = Scene(
+            *("", 0.0, 0.0, 0.0, 0.0),
+            gas=self.film.gas,
+            actuator=Actuator(self.film.frequency_hz, Disc(1.0), Piston()),
+            finger=Finger(**dict(self.film.finger), speed_x_m_per_s=0.0),
+        )
+        return [
+            validity(replace(alike, h0_m=gap, hv_m=amplitude))
+            for gap, amplitude in zip(factors.h0_m.tolist(), factors.hv_m.tolist(), strict=True)
+        ]
+
+    def validation(self, factors: Factors, force_n: ArrayLike) -> tuple[Array, Array, list[str]]:
+        """Errors that hold 95 % and 99 % of new points, and why a point is not validated.
+
+        Args:
+            force_n: the model's forces at the points, shape (n,).
+
+        Returns both half widths in newtons, shape (n,), NaN where there is none, and notes that
+        are empty where there is.
+        """
+        force = np.asarray(force_n, dtype=float)
+        if self.interval is None:
+            unknown = np.full(len(force), np.nan)
+            return unknown, unknown, [f"not validated: {NO_SAMPLE}"] * len(force)
+        few = "" if self.interval.error_95 else "too few points of the sample have a force"
+        undefined = np.where(np.isfinite(force), "", "undefined here").tolist()
+        notes = [
+            "; ".join(filter(None, (outside or few, none)))
+            for outside, none in zip(self.interval.outside(factors), undefined, strict=True)
+        ]
+        error_95, error_99 = (
+            np.where(
+                [not note for note in notes], self.interval.error_n(force, level=level), np.nan
+            )
+            for level in (0.95, 0.99)
+        )
+        return error_95, error_99, [note and f"not validated: {note}" for note in notes]
+
+    @property
+    def statement(self) -> str:
+        """What is known of the model's error, in a sentence."""
+        return f"Not validated: {NO_SAMPLE}." if self.interval is None else self.interval.statement
+
+    def validated(
+        self,
+        factors: Factors,
+        *,
+        force_n: ArrayLike,
+        force_error_n: ArrayLike,
+        ranges: Ranges,
+    ) -> FittedModel:
+        """The same fit with the prediction interval that a validation sample gives.
+
+        Args:
+            factors: points of the sample, with the columns that the model needs where they come
+                from physics itself; the file's own table of them is checked against these.
+            force_n, force_error_n: simulated, shape (n,); NaN where there is no force.
+            ranges: of the declared space from which the points were drawn.
+
+        Raises InputError where the table errs by more than a tenth of the model.
+        """
+        model, force = self.force_model, np.asarray(force_n, dtype=float)
+        exact_n = model_n = model.evaluate(self.theta, factors)
+        if model.column_names and self.limit_table is not None:
+            model_n = model.evaluate(self.theta, self.limit_table.complete(factors))
+            errors = exact_n - np.stack([force, model_n])
+            errors = errors[:, np.isfinite(errors).all(axis=0)]
+            own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
+            if table > TABLE_SHARE * own:
+                raise InputError(
+                    f"the table of asymptotic forces is too coarse for the study's space: it errs "
+                    f"by {table:.2g} N (root mean square over the validation sample) and the model "
+                    f"{self.model} by {own:.2g} N; a tenth of that is allowed"
+                )
+        interval = measured_interval(
+            factors,
+            model_n=model_n,
+            force_n=force,
+            force_error_n=force_error_n,
+            scale=self.error_scale,
+            ranges=ranges,
+            profile_uncertainty=self.profile_uncertainty,
+        )
+        return self.model_copy(update={"interval": interval})
+
+    @property
+    def profile_uncertainty_percent(self) -> dict[str, float]:
+        """A column of the profile's uncertainty in per cent of the force; none without a scan."""
+        share = self.profile_uncertainty
+        return {"profile_uncertainty_percent": 100 * share} if share else {}
+
+
+def read_fit(path: Path | str) -> FittedModel:
+    """Read a fit.
+
+    Raises InputError naming the file and the entry that is missing or wrong.
+    """
+    return fit_of(read_json(path), place=path)
+
+
+def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
+    """A fit from what its file holds; ``place`` is the file, for messages.
+
+    Raises InputError naming the place and the entry that is missing or wrong.
+    """
+    if "refused" in values:
+        raise InputError(f"{place}: there is no fit: {values['refused']}")
+    try:
+        return FittedModel.model_validate({**values, "place": str(place)})
+    except ValidationError as error:
+        first = error.errors()[0]
+        entry = ".".join(map(str, first["loc"]))
+        raise InputError(f"{place}: {entry}: {first['msg']}") from None
+
+
+def number(values: Mapping[str, Any], key: str, path: Path | str) -> float:
+    """A number of a JSON object.
+
+    Raises InputError naming the file and the key.
+    """
+    value = values.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{path}: {key!r} must be a number, not {value!r}")
+    return float(value)
+
+
+def described_fit(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: Array,
+    *,
+    settings: Mapping[str, Any],
+    profile_uncertainty: float,
+    processes: int = 1,
+) -> tuple[dict[str, Any], list[Fit]]:
+    """The best of all runs with all that is known of it, as its file holds it, and every run.
+
+    Args:
+        force_n: simulated forces in newtons, shape (n,).
+        settings: the section ``fit`` of a study.
+        profile_uncertainty: share of a force that the scan of a measured profile leaves open.
+
+    Raises InputError where the model cannot be fitted to these points.
+    """
+    check_columns(model, factors)
+    if len(factors) >= len(model.parameter_names):
+        check_identifiable(model, factors)
+    runs = fits_from_seeds(model, factors, force_n, settings, processes=processes)
+    best = min(runs, key=lambda run: run.sum_of_squares)
+    about = describe(model, factors, force_n, best, profile_uncertainty=profile_uncertainty)
+    return about, runs
+
+
+def describe(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: Array,
+    fit: Fit,
+    *,
+    profile_uncertainty: float,
+) -> dict[str, Any]:
+    """A fit as its file holds it: parameters, formula, units, ranges and errors."""
+    # A model that knows no position was fitted at some all the same.
+    position = () if set(model.factor_names) & set(POSITION) else POLAR[:1]
+    folds = np.bincount(film_folds(factors, folds=FOLDS, seed=FOLD_SEED))
+    held_out, crossed = np.full(len(force_n), np.nan), None
+    if len(force_n) - folds.max() >= max(len(model.parameter_names), 1):
+        held_out = left_out_predictions(
+            model, factors, force_n, theta=fit.theta, folds=FOLDS, seed=FOLD_SEED
+        )
+    if np.all(np.isfinite(held_out)):
+        crossed = {"folds": len(folds), **error_sizes(model_n=held_out, simulation_n=force_n)}
+    else:
+        held_out = np.full(len(force_n), np.nan)
+    fitted_n = model.evaluate(fit.theta, factors)
+    return {
+        **fit.to_dict(),
+        "about": model.about,
+        "expression": model.expression,
+        "parameters": list(model.parameter_names),
+        "parameter_units": list(model.parameter_units),
+        "force_unit": "N",
+        "ranges": {
+            name: [float(np.min(values)), float(np.max(values))]
+            for name in (*model.factor_names, *position, *model.column_names)
+            for values in [factors.column(name)]
+        },
+        "residual": error_sizes(model_n=fitted_n, simulation_n=force_n),
+        "cross_validation": crossed,
+        "error_scale": list(error_scale(held_out - force_n, force_n)),
+        "profile_uncertainty": profile_uncertainty,
+    }

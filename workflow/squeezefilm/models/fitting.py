@@ -1,0 +1,376 @@
+"""Least-squares fits of the empirical models, in the paper's two steps (eq. 4).
+
+A genetic algorithm over wide bounds finds a rough solution without a starting point; the
+Nelder-Mead simplex then goes from there to the local minimum.
+
+Both steps work on u = asinh(theta) instead of theta. Parameters are of order ten and the bounds
+reach a million: drawn evenly over such bounds, hardly any candidate would lie near the parameters
+looked for, and searches end in false minima. asinh is linear near zero and logarithmic beyond, so
+every order of magnitude gets its share of the candidates.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import Bounds, differential_evolution, least_squares
+
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.parallel import parallel_map
+from squeezefilm.models.data import Factors
+from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.models.search import Array, Objective, genetic_search, nelder_mead
+
+UNDEFINED = 1e30
+"""Objective value where a root of the model is undefined: far above any sum of squares here."""
+MOST_SEARCHES = 32
+DRAWS, SEED = 400, 1
+SPREADS = (2.0, 16.0)
+"""Parameters are drawn as sinh of a uniform number within these: up to 4 and up to 4 million."""
+LEAST_SINGULAR_VALUE = 1e-9
+SHARE_OF_DIRECTION = 0.1
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model and how it was found.
+
+    sum_of_squares is in N^2; global_error is |y - eta|/|y|, dimensionless. bound is the largest
+    magnitude of a parameter in the global search, searches how many of them were made, search_theta
+    where the best of them stopped; evaluations counts the objective's, in both steps.
+    """
+
+    model: str
+    theta: tuple[float, ...]
+    sum_of_squares: float
+    global_error: float
+    points: int
+    method: str
+    bound: float
+    seed: int
+    searches: int
+    evaluations: int
+    search_theta: tuple[float, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers, strings and lists, ready for JSON."""
+        plain = asdict(self)
+        return plain | {name: list(plain[name]) for name in ("theta", "search_theta")}
+
+
+def fit_model(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    *,
+    bound: float = 1e6,
+    seed: int = 1,
+) -> Fit:
+    """Genetic algorithm within +-bound, stopped early, then Nelder-Mead (paper, section III).
+
+    Several independent genetic searches are made and the best of them refined. A model that is
+    linear in its parameters, or has none, needs no search.
+    factors and force_n hold n experiments, force_n in newtons. Equal input and seed give an equal
+    result. Raises InputError for fewer points than parameters, for lengths that differ and for
+    forces that are not finite or all zero.
+    """
+    force = _checked_force(model, factors, force_n, bound)
+    done = partial(_fit, model, factors, force, bound=bound, seed=seed)
+    if model.is_linear:
+        return _linear_fit(model, factors, force, done)
+    objective = _objective(model, factors, force)
+    parameters = len(model.parameter_names)
+    limit = np.full(parameters, np.arcsinh(bound))
+    # The good region's share of the box falls with every parameter: twice the searches for each.
+    count = min(2 ** (parameters - 1), MOST_SEARCHES)
+    seeds = np.random.SeedSequence(seed).generate_state(count)
+    searches = [
+        genetic_search(objective, lower=-limit, upper=limit, seed=int(each)) for each in seeds
+    ]
+    # A false minimum can look better while the search is rough: the best four go on for a while.
+    leading = sorted(searches, key=lambda found: found.value)[:4]
+    nearer = [nelder_mead(objective, found.x, restarts=2) for found in leading]
+    first = min(range(len(nearer)), key=lambda index: nearer[index].value)
+    best = nelder_mead(objective, nearer[first].x)
+    return done(
+        theta=np.sinh(best.x),
+        method="genetic algorithm, then Nelder-Mead",
+        searches=len(searches),
+        evaluations=sum(found.evaluations for found in [*searches, *nearer, best]),
+        search_theta=np.sinh(leading[first].x),
+    )
+
+
+def fit_by_differential_evolution(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    *,
+    bound: float = 100.0,
+    seed: int = 1,
+) -> Fit:
+    """The same least squares by SciPy's differential evolution, as a check of fit_model.
+
+    Another global search, refined by the same simplex. One search is made; with five parameters
+    and bounds of a million, about every second one ends in a false minimum, hence the default
+    bound. Raises InputError as fit_model does.
+    """
+    force = _checked_force(model, factors, force_n, bound)
+    done = partial(_fit, model, factors, force, bound=bound, seed=seed)
+    if model.is_linear:
+        return _linear_fit(model, factors, force, done)
+    objective = _objective(model, factors, force)
+    limit = np.full(len(model.parameter_names), np.arcsinh(bound))
+    population = 60 * len(model.parameter_names)
+
+    def of_columns(x: Any, /) -> Any:
+        return objective(x.T)
+
+    rough = differential_evolution(
+        of_columns,
+        Bounds(-limit, limit),
+        rng=seed,
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+        popsize=60,
+        tol=0.01,
+        maxiter=400,
+    )
+    best = nelder_mead(objective, rough.x)
+    return done(
+        theta=np.sinh(best.x),
+        method="differential evolution, then Nelder-Mead",
+        searches=1,
+        evaluations=population * (int(rough.nit) + 1) + best.evaluations,
+        search_theta=np.sinh(rough.x),
+    )
+
+
+def fits_from_seeds(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    settings: Mapping[str, Any],
+    *,
+    processes: int = 1,
+) -> list[Fit]:
+    """Every seed with every bound, and a differential evolution with every bound as a check.
+
+    settings is the section ``fit`` of a study. A model that is linear is fitted once.
+    """
+    bounds, first_seed = settings["bounds"], settings["first_seed"]
+    if model.is_linear:
+        return [fit_model(model, factors, force_n, bound=bounds[0], seed=first_seed)]
+    count = settings["seeds"]["two_factor" if model.is_centred else "four_factor"]
+    searches = [
+        *((fit_model, seed) for seed in range(first_seed, first_seed + count)),
+        (fit_by_differential_evolution, first_seed),
+    ]
+
+    def one(way: tuple[float, tuple[Callable[..., Fit], int]]) -> Fit:
+        bound, (search, seed) = way
+        return search(model, factors, force_n, bound=bound, seed=seed)
+
+    return parallel_map(one, list(product(bounds, searches)), processes=processes)
+
+
+def _linear_fit(
+    model: ExpressionModel, factors: Factors, force: Array, done: Callable[..., Fit]
+) -> Fit:
+    theta = local_fit(model, factors, force, np.zeros(len(model.parameter_names)))
+    method = "linear least squares" if len(theta) else "no parameters"
+    return done(theta=theta, method=method, searches=0, evaluations=1, search_theta=theta)
+
+
+def _checked_force(
+    model: ExpressionModel, factors: Factors, force_n: ArrayLike, bound: float
+) -> Array:
+    force = np.atleast_1d(np.asarray(force_n, dtype=float))
+    needed = len(model.parameter_names)
+    if force.shape != (len(factors),):
+        raise InputError(f"force_n: {force.size} forces for {len(factors)} points; give one each")
+    if len(force) < needed:
+        raise InputError(
+            f"fit: {len(force)} points for the {needed} parameters of the {model.name} model; "
+            f"give at least {needed}"
+        )
+    if not np.all(np.isfinite(force)):
+        raise InputError("force_n: a force is not a finite number; leave failed points out")
+    if not np.any(force):
+        raise InputError("force_n: every force is zero; nothing can be fitted to that")
+    if not (np.isfinite(bound) and bound > 0):
+        raise InputError(f"bound: {bound} is not allowed; give a positive finite number")
+    return force
+
+
+def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Objective:
+    """Sum of squares (paper eq. 4) over |y|^2, of a population of u = asinh(theta).
+
+    Takes shape (m, p), gives shape (m,).
+    """
+    scale = float(np.sum(force_n**2))
+
+    def sum_of_squares(u: Array) -> Array:
+        with np.errstate(over="ignore", invalid="ignore"):
+            residual = model.evaluate(np.sinh(u), factors) - force_n
+            squares = np.sum(residual**2, axis=-1) / scale
+        return np.fmin(squares, UNDEFINED)  # which takes the number where squares are none
+
+    return sum_of_squares
+
+
+def _fit(
+    model: ExpressionModel, factors: Factors, force_n: Array, *, theta: Array, **how: Any
+) -> Fit:
+    squares = float(np.sum((model.evaluate(theta, factors) - force_n) ** 2))
+    if not np.isfinite(squares):
+        raise InputError(
+            f"fit: the {model.name} model is undefined at every candidate tried; "
+            "no parameters describe these points"
+        )
+    return Fit(
+        model=model.name,
+        theta=tuple(float(value) for value in theta),
+        sum_of_squares=squares,
+        global_error=float(np.sqrt(squares) / np.linalg.norm(force_n)),
+        points=len(force_n),
+        **(how | {"search_theta": tuple(float(value) for value in how["search_theta"])}),
+    )
+
+
+def local_fit(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    start: ArrayLike,
+    *,
+    fixed: int | None = None,
+) -> Array:
+    """Parameters of the least sum of squares next to a start, shape (p,).
+
+    A parameter may be held fixed, by its place. force_n has shape (n,). Where the model is linear
+    the start does not matter. Steps to where the model is undefined are taken back.
+    Raises InputError where the model is undefined at the start, or has no derivative on the way.
+    """
+    force = np.asarray(force_n, dtype=float)
+    theta = np.array(start, dtype=float)
+    free = np.array([index for index in range(len(theta)) if index != fixed], dtype=int)
+
+    def whole(part: Array) -> Array:
+        full = theta.copy()
+        full[free] = part
+        return full
+
+    def residuals(part: Array) -> Array:
+        return model.evaluate(whole(part), factors) - force
+
+    def slopes(part: Array) -> Array:
+        return model.gradient(whole(part), factors)[:, free]
+
+    undefined = np.flatnonzero(np.isnan(residuals(theta[free])))
+    if len(undefined):
+        raise InputError(
+            f"fit: the {model.name} model is undefined "
+            f"{model.described(theta, factors, undefined[0])}"
+        )
+    if len(free) == 0:
+        return theta
+    if model.is_linear:  # exact in one step, whatever the parameters' sizes
+        rows = slopes(theta[free])
+        size = np.linalg.norm(rows, axis=0)
+        size = np.where(size > 0, size, 1.0)
+        change = np.linalg.lstsq(rows / size, -residuals(theta[free]), rcond=None)[0] / size
+        return whole(theta[free] + change)
+    with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
+        found = least_squares(
+            residuals, theta[free], jac=slopes, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15
+        )
+    return whole(found.x)
+
+
+def sum_of_squares(
+    model: ExpressionModel, factors: Factors, force_n: ArrayLike, theta: ArrayLike
+) -> float:
+    """Sum of squared residuals in N^2; infinite where the model is undefined at a point."""
+    misses = model.evaluate(theta, factors) - np.asarray(force_n, dtype=float)
+    total = float(np.sum(misses**2))
+    return total if np.isfinite(total) else np.inf
+
+
+def best_told_apart(model: ExpressionModel, factors: Factors) -> tuple[float, Array, Array]:
+    """Where experiments tell a model's parameters apart best, of random theta.
+
+    The least singular value of the gradient with columns scaled to one, its direction, shape (p,),
+    and theta, shape (p,). The least value is -1 where the model is undefined at every theta tried,
+    and at most LEAST_SINGULAR_VALUE where no theta was found that the experiments tell apart.
+    """
+    count = len(model.parameter_names)
+    random = np.random.default_rng(SEED)
+    best, direction, where = -1.0, np.zeros(count), np.zeros(count)
+    for draw in range(DRAWS):
+        spread = SPREADS[draw % len(SPREADS)]
+        theta = np.sinh(random.uniform(-spread, spread, count))
+        try:
+            gradient = model.gradient(theta, factors)
+        except InputError:  # a number within the formula that exceeds the largest there is
+            continue
+        gradient = gradient[np.isfinite(gradient).all(axis=1)]
+        if len(gradient) < count:
+            continue
+        least, along = _weakest(gradient)
+        if least > best:
+            best, direction, where = least, along, theta
+        if best > 1e3 * LEAST_SINGULAR_VALUE:
+            break
+    return best, direction, where
+
+
+def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
+    """See that the gradient has full rank at some theta, so that a fit can have one answer.
+
+    The rank is taken numerically, with columns scaled to one, at many random theta at which the
+    model is defined: what fails at all of them is a property of the model and the points.
+    Raises InputError naming the parameters that the points cannot tell apart, or a model that is
+    undefined wherever it was tried.
+    """
+    if not model.parameter_names:
+        return
+    best, direction, _ = best_told_apart(model, factors)
+    if best < 0:
+        raise InputError(
+            f"{model.place}: the formula is undefined at {DRAWS} random parameter sets; no fit can "
+            "start from there"
+        )
+    if best <= LEAST_SINGULAR_VALUE:
+        share = np.abs(direction) / np.abs(direction).max()
+        names = [
+            name
+            for name, each in zip(model.parameter_names, share, strict=True)
+            if each > SHARE_OF_DIRECTION
+        ]
+        what = (
+            f"{names[0]} has no effect on the force"
+            if len(names) == 1
+            else f"{', '.join(names)} cannot be told apart"
+        )
+        raise InputError(
+            f"{model.place}: {what} at these points; leave a parameter out, or vary the factors "
+            "that it belongs to"
+        )
+
+
+def _weakest(gradient: Array) -> tuple[float, Array]:
+    """The least singular value of a gradient with columns of length one, and its direction."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        length = np.linalg.norm(gradient, axis=0)
+    if np.any(length == 0):
+        return 0.0, (length == 0).astype(float)
+    if not np.all(np.isfinite(length)):
+        return -1.0, length
+    _, values, directions = np.linalg.svd(gradient / length, full_matrices=False)
+    return float(values[-1]), directions[-1]

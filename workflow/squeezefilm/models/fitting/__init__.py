@@ -1,1 +1,0 @@
-"""Parameters from forces: searches, and what the forces say of them."""
