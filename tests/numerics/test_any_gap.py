@@ -10,11 +10,11 @@ from physics_facts import fast_piston
 
 from squeezefilm.dynamics import levitation
 from squeezefilm.dynamics.averaged_film import refused
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Formula, Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.quantities.derivatives import moved, with_derivatives
 from squeezefilm.quantities.model_error import error_budgets

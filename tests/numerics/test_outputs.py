@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from math import pi
@@ -378,6 +379,23 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
     merge_forces(plan, [output], output=whole, keep_failed=False)
     pd.testing.assert_frame_equal(pd.read_csv(whole), table)
     assert "'lift' is none of" in refused(*command, "--outputs", "lift", status=2)
+
+
+def test_a_dry_run_shows_which_outputs_a_study_asks_for_in_vain(
+    tmp_path: Path, edited, capsys
+) -> None:
+    plan, output = tmp_path / "plan.csv", tmp_path / "previews.csv"
+    rows = {"h0_m": 5e-6, "hv_m": [2e-6], "phi_r_m": [0.0], "phi_deg": 0.0}
+    write_table(pd.DataFrame({"point_id": ["1"], **rows}), plan)
+    slides = edited(gas={"rarefaction": "fukui-kaneko"}, finger={"speed_x_m_per_s": 0.1})
+    study = json.loads(slides.read_text(encoding="utf-8")) | {"outputs": ["power", "thrust"]}
+    slides.write_text(json.dumps(study), encoding="utf-8")
+    assert (
+        main(["simulate", str(plan), "--dry-run", f"--config={slides}", f"--output={output}"]) == 0
+    )
+    reason = "thrust: the shear of a sliding wall is not derived with fukui-kaneko"
+    assert f"outputs_refused    {reason}" in capsys.readouterr().out
+    assert list(pd.read_csv(output)["outputs_refused"]) == [reason]
 
 
 def test_the_page_shows_what_comes_out(repository: Path, capsys) -> None:

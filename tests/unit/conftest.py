@@ -14,6 +14,7 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 from paper import uncertainty
 from reporting.results import Results
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.solution import SOLUTION_COLUMNS, Solution
 from squeezefilm.io.tables import (
     DESIGN_COLUMNS,
@@ -26,7 +27,6 @@ from squeezefilm.io.tables import (
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel
 from squeezefilm.models.prediction_interval import measured_interval
-from squeezefilm.studies.config import load_config
 
 THETA = {
     "screen": SCREEN_THETA,
@@ -198,7 +198,9 @@ def _write_extras(root: Path, config: Path) -> None:
         "y_m": 0.0,
         "force_n": 0.3,
         "hv_m": [1.4e-6, 1.4e-6, float("nan")],
+        "hv_error_95_m": [1e-8, 1e-8, float("nan")],
         "error_95_percent": [1.0, 2.0, float("nan")],
+        "note": ["", "", "no amplitude gives it"],
     }
     write_table(pd.DataFrame(recommended), root / "models" / "recommended.csv")
     """A film over a period, what a force rests on, and what equation it is of."""

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import pyuff
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured import smooth
 from squeezefilm.film.measured.read import UNIVERSAL, Scan, column_of, read_scan
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import study as studies
-from squeezefilm.studies.config import load_config
 
 FREQUENCY_HZ = 43270.0
 RADIUS_M = 0.01
@@ -113,13 +113,13 @@ def notes(path: Path, content: str) -> str:
     return "; ".join(read_scan(path, frequency_hz=FREQUENCY_HZ).notes)
 
 
-def test_what_is_left_out_is_said(tmp_path):
+def test_what_is_ignored_is_noted(tmp_path):
     path = tmp_path / "scan.txt"
     assert notes(path, PLAIN) == ""
     said = notes(path, FORMS["other columns"].decode())
-    assert said == "columns left out: 'Index', 'z_mm', 'Coherence'"
+    assert said == "ignored columns: 'Index', 'z_mm', 'Coherence'"
     assert "'real_um', 'imag_um'" in notes(path, FORMS["both"].decode())
-    assert "2 lines before the header left out" in notes(
+    assert "2 lines before the header ignored" in notes(
         path, FORMS["lines before the header"].decode()
     )
     assert "divided by the angular frequency" in notes(path, FORMS["velocity"].decode())

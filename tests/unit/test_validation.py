@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.cross_validation import summarise
 
@@ -36,18 +35,6 @@ def test_summary():
 def test_bad_forces_are_refused(model, simulation, message):
     with pytest.raises(InputError, match=message):
         summarise(model_n=model, simulation_n=simulation, band=0.15)
-
-
-def test_several_sets_are_judged_at_once_as_each_alone(study, tmp_path):
-    plans = ("screen", "error_map")
-    fit = f"{study.root}/fits/two_factor_design.json"
-    for plan in plans:
-        forces = f"{study.root}/simulations/{plan}/forces.csv"
-        files = [f"--output={tmp_path}/{plan}.csv", f"--summary={tmp_path}/{plan}.json"]
-        assert main(["validate", fit, forces, f"--config={study.config}", *files]) == 0
-        for name in (f"{plan}.csv", f"{plan}.json"):
-            together = study.root / "validation" / f"two_factor_design_on_{name}"
-            assert (tmp_path / name).read_bytes() == together.read_bytes()
 
 
 def test_a_set_without_its_file_is_refused(study, tmp_path, refused):

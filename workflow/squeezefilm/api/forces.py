@@ -12,7 +12,6 @@ from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
 from squeezefilm.io.errors import RunError
-from squeezefilm.io.typed_units import with_error
 from squeezefilm.quantities.derivatives import derivatives_text, with_derivatives
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
@@ -26,6 +25,7 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.studies.tasks.scan_errors import scan_errors
+from squeezefilm.units import with_error
 
 # Motion out of phase is spoken of where it is more than this share of the noise.
 LEAST_OUT_OF_PHASE = 0.01

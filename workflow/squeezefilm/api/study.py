@@ -11,13 +11,13 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
+from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import described_fit, fit_of
 from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
     declared_ranges,
     finger_positions,
@@ -25,7 +25,7 @@ from squeezefilm.studies.plans import (
     level_values,
 )
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import film_of, scene_of, surface_of, symmetry_of
+from squeezefilm.studies.study import film_of, scenes_in, surface_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
@@ -116,9 +116,8 @@ class Study(Film):
     ) -> tuple[pd.DataFrame, pd.DataFrame | None]:
         """Points with their forces, and their physics limits if asked for."""
         settings = self._settings(None, None)
-        scenes = [scene_of(point, self.config) for point in scene_points(points)]
-        scenes = settings.resolved(scenes, self.device)
-        solutions = solve(scenes, **settings.how(self.device))
+        scenes = scenes_in(points, self.config)
+        solutions = solve(settings.resolved(scenes, self.device), **settings.how(self.device))
         columns = {
             name: [getattr(solution, name) for solution in solutions]
             for name in ("force_n", "force_error_n", "status", "left_out")

@@ -14,8 +14,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from squeezefilm.reynolds.conformal_axis import Around
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.outlines.around import Around
 from squeezefilm.reynolds.problems import Problems
 from squeezefilm.reynolds.spectral import Axis
 

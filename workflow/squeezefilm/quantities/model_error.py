@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from squeezefilm.film.finger import GapShape
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import THICK_SIGMA
 from squeezefilm.io.tables import THIS_SCENE
 from squeezefilm.quantities import first_order
@@ -336,18 +336,20 @@ OPEN: dict[str, Term] = {"inertia": Inertia(), "heat": Heat()}
 
 
 def resolve_auto_terms(
-    scenes: Sequence[Scene],
+    scenes: Scenes | Sequence[Scene],
     *,
     model_tolerance: float = MODEL_TOLERANCE,
     method: str = "auto",
     device: Device | None = None,
-) -> list[Scene]:
+) -> Scenes | Sequence[Scene]:
     """The scenes with each term of OPEN ``included`` or ``none`` in the place of ``auto``.
 
     It is included where it changes the force by more than the tolerance, relative, or by what is
     not known, or not by a first order; and excluded where the method or the scene's other terms do
     not allow it, which the scene's budget shows.
     """
+    if not any(map(_auto, scenes.films if isinstance(scenes, Scenes) else scenes)):
+        return scenes
     found = [_closed(scene) for scene in scenes]
     asked = {
         k: [name for name in OPEN if name in _auto(scene) and not _refused(scene, name, method)]
@@ -378,7 +380,7 @@ def with_term(scene: Scene, name: str, choice: str) -> Scene:
     return replace(scene, gas=replace(scene.gas, **choices))
 
 
-def _auto(scene: Scene) -> list[str]:
+def _auto(scene: Any) -> list[str]:
     return [name for name in OPEN if getattr(scene.gas, name) == "auto"]
 
 

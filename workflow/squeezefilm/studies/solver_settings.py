@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.config.loading import Config
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import checked_outputs
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.studies.config import Config
+from squeezefilm.reynolds.plan import METHODS
 
 TOLERANCES = (1e-10, 0.1)
 
@@ -29,7 +29,9 @@ class SolverSettings:
         """What forces are to be solved with."""
         return {"tolerance": self.tolerance, "method": self.method, "device": device}
 
-    def resolved(self, scenes: Sequence[Scene], device: Device) -> list[Scene]:
+    def resolved(
+        self, scenes: Scenes | Sequence[Scene], device: Device
+    ) -> Scenes | Sequence[Scene]:
         """The scenes with what of their gas is ``auto`` decided."""
         return resolve_auto_terms(
             scenes, model_tolerance=self.model_tolerance, method=self.method, device=device

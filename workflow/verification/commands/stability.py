@@ -9,9 +9,9 @@ the table is written nevertheless, and the message names the cases.
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from verification.cases import SAMPLE, cases
 from verification.stability import stability

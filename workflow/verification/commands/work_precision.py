@@ -10,9 +10,9 @@ matters. Times need a quiet machine, and BLAS with a single thread (OPENBLAS_NUM
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_table
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from verification.work_precision import FILMS, work_precision
 

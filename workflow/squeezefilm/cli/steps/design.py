@@ -14,10 +14,10 @@ efficiency against an optimum found by exchange on a fine grid.
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
 
 MODELS = ("two-factor", "four-factor")

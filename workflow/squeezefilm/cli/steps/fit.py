@@ -27,6 +27,7 @@ from pathlib import Path
 import pandas as pd
 
 from squeezefilm import __version__
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json, read_ok_forces, write_json, write_table
@@ -34,7 +35,6 @@ from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import described_fit
 from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, model_named
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import film_of, symmetry_of
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation

@@ -9,9 +9,9 @@ error is stated, from random points of the space.
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_json
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
 

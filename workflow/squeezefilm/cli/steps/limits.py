@@ -10,10 +10,10 @@ Where the limit does not hold, the numbers are left out and `status` says so.
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.positions import as_in
-from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, scene_points, write_table
-from squeezefilm.studies.config import load_config
-from squeezefilm.studies.study import scene_of
+from squeezefilm.io.tables import LIMIT_COLUMNS, read_scenes, write_table
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
 
@@ -26,5 +26,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     table = read_scenes(options.scenes)
-    scenes = [scene_of(point, config) for point in scene_points(table)]
+    scenes = scenes_in(table, config)
     write_table(with_limits(table, scenes)[as_in(LIMIT_COLUMNS, table)], options.output)

@@ -23,6 +23,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.sources import parse_sources
 from squeezefilm.io.tables import (
@@ -35,7 +36,6 @@ from squeezefilm.io.tables import (
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import check_columns
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.optimal_designs import (
     FittedSpace,
     efficiencies,

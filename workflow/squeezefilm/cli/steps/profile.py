@@ -12,10 +12,10 @@ both (`scan_error_n`), which the solver's own error adds to.
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured.tables import described, profile_table, summary_of
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_json, write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import smoothed_scan_of
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 

@@ -20,7 +20,8 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm.designs.refine_loop import Round
+from squeezefilm.config.loading import load_config
+from squeezefilm.designs.sequential import Round
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
@@ -31,7 +32,6 @@ from squeezefilm.io.tables import (
     write_table,
 )
 from squeezefilm.models.force_model import SPACES, check_columns, model_named
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.refined_model import SimulatedSpace, refined_model
 from squeezefilm.studies.tasks.scan_share import scan_error_of
 from squeezefilm.studies.tasks.validation_sample import add_sample_options, with_validation

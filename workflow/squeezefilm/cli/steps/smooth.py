@@ -8,9 +8,9 @@ Commands that find the file's name in SQUEEZEFILM_SMOOTHED read it; others smoot
 import argparse
 from pathlib import Path
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured.smooth import write_smoothed
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scan_path, smoothed_anew, smoothing_settings
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import (
@@ -25,7 +26,6 @@ from squeezefilm.models.cross_validation import relative_errors, summarise
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import check_columns
-from squeezefilm.studies.config import load_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -19,13 +19,13 @@ import argparse
 
 import pandas as pd
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.validity import validity
-from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.quantities.model_error import budget_row, error_budgets
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scenes_in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,9 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     table = read_scenes(options.scenes)
-    scenes = [scene_of(point, config) for point in scene_points(table)]
     device = choose_device(config["solver"]["device"], option=options.device)
-    scenes = solver_settings(config, outputs=()).resolved(scenes, device)
+    scenes = solver_settings(config, outputs=()).resolved(scenes_in(table, config), device)
     rows = [
         budget_row(budget) | {"validity": validity(scene)}
         for scene, budget in zip(scenes, error_budgets(scenes, device=device), strict=True)

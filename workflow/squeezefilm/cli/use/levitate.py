@@ -43,15 +43,15 @@ from squeezefilm.dynamics.levitation import (
     resonance,
     trustworthy,
 )
-from squeezefilm.film.existence import GAPS_M
+from squeezefilm.film.validity import GAPS_M
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import ScenePoint, read_forces, write_table
-from squeezefilm.io.typed_units import quantities, quantity
 from squeezefilm.quantities.model_error import budget_text
 from squeezefilm.reynolds import node_cache
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.units import quantities, quantity
 
 LOADS, AMPLITUDES = 8, 3
 AMPLITUDES_M = (1e-9, 1e-4)

@@ -21,7 +21,7 @@ exceeds under this equation.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from math import isnan
@@ -48,12 +48,12 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
-from squeezefilm.io.tables import read_scenes, scene_points, write_table
-from squeezefilm.io.typed_units import quantities
+from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.units import quantities
 
 CALLED = {
     "gain": "gain for slow modulation",
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> None:
         raise InputError("a table of scenes needs --output, --gains or --steps")
     table = read_scenes(options.scenes)
     with naming(options.scenes):
-        scenes = [scene_of(point, config) for point in scene_points(table)]
+        scenes = scenes_in(table, config)
     table = table.assign(validity=list(map(_validity, scenes)))
     if options.output is not None:
         write_table(_summaries(table, scenes, settings, device), options.output)
@@ -119,7 +119,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _neglected(
-    scenes: list[Scene], settings: SolverSettings, device: Device
+    scenes: Sequence[Scene], settings: SolverSettings, device: Device
 ) -> list[dict[str, float]]:
     """Changes in % of the scenes' responses by what the averaged film neglects, by columns."""
     by_gas = gain_changes(scenes, tolerance=settings.tolerance, device=device)
@@ -174,7 +174,7 @@ def _neglected_lines(scene: Scene, changes: dict[str, float]) -> list[str]:
 
 
 def _summaries(
-    table: pd.DataFrame, scenes: list[Scene], settings: SolverSettings, device: Device
+    table: pd.DataFrame, scenes: Sequence[Scene], settings: SolverSettings, device: Device
 ) -> pd.DataFrame:
     rows: list[dict[Any, Any]] = []
     with progress_bar(len(scenes), unit="scene", name="response") as bar:
@@ -196,7 +196,9 @@ def _or_reason(find: Callable[[], Any], **unknown: Any) -> dict[Any, Any]:
         return {**unknown, "status": str(error)}
 
 
-def _all_gains(table: pd.DataFrame, scenes: list[Scene], frequency_hz: np.ndarray) -> pd.DataFrame:
+def _all_gains(
+    table: pd.DataFrame, scenes: Sequence[Scene], frequency_hz: np.ndarray
+) -> pd.DataFrame:
     parts = []
     for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
         slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz
@@ -212,7 +214,7 @@ def _all_gains(table: pd.DataFrame, scenes: list[Scene], frequency_hz: np.ndarra
     return pd.concat(parts, ignore_index=True)
 
 
-def _all_steps(table: pd.DataFrame, scenes: list[Scene]) -> pd.DataFrame:
+def _all_steps(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A scene whose steps are not known keeps a row, with the reason."""
     unknown = {name: [np.nan] for name in ("time_s", "rising_n", "falling_n")}
     return pd.concat(

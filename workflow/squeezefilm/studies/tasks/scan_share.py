@@ -1,9 +1,9 @@
 """What a study's scan leaves open of its forces, as `squeezefilm profile` found it."""
 
+from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_json
 from squeezefilm.models.fit_file import number
-from squeezefilm.studies.config import Config
 
 
 def scan_error_of(config: Config, summary: str | None) -> float:

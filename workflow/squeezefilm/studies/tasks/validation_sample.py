@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from squeezefilm.config.loading import Config
 from squeezefilm.io.tables import read_forces
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import fit_of
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import declared_ranges
 
 
