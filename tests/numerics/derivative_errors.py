@@ -1,27 +1,17 @@
-"""How far derivatives are off beside their errors, and what they cost beside forces.
+"""How far derivatives are off beside their errors.
 
 PYTHONPATH=tests/numerics python tests/numerics/derivative_errors.py [FILMS [SEED]]
 """
 
 import sys
-import time
 from collections.abc import Sequence
-from pathlib import Path
-from statistics import median
 
 import numpy as np
-import pandas as pd
 from films import PISTON, SINC, film
 
-from squeezefilm.config.loading import load_config
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.tables import scene_points
+from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.effects.derivatives import with_derivatives
-from squeezefilm.studies.study import scene_of
-
-ROOT = Path(__file__).parents[2]
-PLANS = ("screen_forces", "four_factor_forces")
 
 
 def drawn(count: int, *, seed: int) -> list[Scene]:
@@ -62,26 +52,6 @@ def shares(scenes: Sequence[Scene], *, tolerance: float, judge: float) -> list[f
     return found
 
 
-def cost(scenes: Sequence[Scene], *, tolerance: float) -> tuple[float, float]:
-    """Processor seconds of the forces and of their derivatives, medians of three."""
-    pairs = []
-    for _ in range(4):
-        start = time.process_time()
-        solutions = solve(scenes, tolerance=tolerance)
-        solved = time.process_time()
-        with_derivatives(scenes, solutions, tolerance=tolerance)
-        pairs.append((solved - start, time.process_time() - solved))
-    forces, derivatives = zip(*pairs[1:], strict=True)
-    return median(forces), median(derivatives)
-
-
-def planned(name: str) -> list[Scene]:
-    """The scenes of one of the paper's plans."""
-    config = load_config(ROOT / "config" / "paper.yaml")
-    table = pd.read_csv(ROOT / "tests" / "reference" / f"{name}.csv", dtype={"point_id": str})
-    return [scene_of(point, config) for point in scene_points(table)]
-
-
 def main(count: str = "40", seed: str = "1") -> None:
     scenes = drawn(int(count), seed=int(seed))
     for tolerance in (1e-2, 1e-3, 1e-4):
@@ -89,13 +59,6 @@ def main(count: str = "40", seed: str = "1") -> None:
         print(
             f"{tolerance:g}: {len(each)} derivatives, off by {max(each):.2f} of the error at most"
         )
-    for name in PLANS:
-        plan = planned(name)
-        for tolerance in (1e-4, 1e-6):
-            forces, derivatives = cost(plan, tolerance=tolerance)
-            print(
-                f"{name} at {tolerance:g}: forces {forces:.3f} s, derivatives {derivatives:.3f} s"
-            )
 
 
 if __name__ == "__main__":

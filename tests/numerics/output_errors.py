@@ -1,22 +1,20 @@
-"""How far answers beside the force are off beside their errors, and what they cost beside forces.
+"""How far answers beside the force are off beside their errors.
 
 PYTHONPATH=tests/numerics python tests/numerics/output_errors.py [FILMS [SEED]]
 """
 
 import sys
-import time
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
-from statistics import median
 
 import numpy as np
-from derivative_errors import PLANS, drawn, planned
+from derivative_errors import drawn
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import OUTPUTS
+from squeezefilm.quantities.outputs import FROM_STATE, with_outputs
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.answers.outputs import FROM_STATE, with_outputs
 
 ASKED = tuple(name for name in OUTPUTS if name in FROM_STATE)
 
@@ -53,19 +51,6 @@ def shares(scenes: Sequence[Scene], *, tolerance: float, judge: float) -> dict[s
     return found
 
 
-def cost(scenes: Sequence[Scene], *, tolerance: float) -> tuple[float, float]:
-    """Processor seconds of the forces and of all answers from the state, medians of three."""
-    pairs = []
-    for _ in range(4):
-        start = time.process_time()
-        solutions = solve(scenes, tolerance=tolerance)
-        between = time.process_time()
-        with_outputs(scenes, solutions, outputs=ASKED, tolerance=tolerance)
-        pairs.append((between - start, time.process_time() - between))
-    forces, outputs = zip(*pairs[1:], strict=True)
-    return median(forces), median(outputs)
-
-
 if __name__ == "__main__":
     films = int(sys.argv[1]) if len(sys.argv) > 1 else 40
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
@@ -73,10 +58,3 @@ if __name__ == "__main__":
     for tolerance in (1e-2, 1e-3, 1e-4):
         for name, found in shares(scenes, tolerance=tolerance, judge=1e-6).items():
             print(f"{tolerance:g} {name}: {len(found)}, {np.max(found):.2g} of the errors at most")
-    for plan in PLANS:
-        for tolerance in (1e-4, 1e-6):
-            some = planned(plan)
-            forces, outputs = (
-                1e3 * each / len(scenes) for each in cost(scenes, tolerance=tolerance)
-            )
-            print(f"{plan} {tolerance:g}: force {forces:.2g} ms, answers {outputs:.2g} ms a scene")

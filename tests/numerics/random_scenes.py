@@ -8,9 +8,9 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.positions import cartesian
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.effects.automatic import decided
 
 H0_M = (1e-6, 30e-6)
 FREQUENCY_HZ = (5e3, 1e5)
@@ -52,7 +52,7 @@ def moved_by_leaving_out(
 
     term: ``inertia`` or ``heat``; the other is as ``auto`` has it. Forces are solved to 1e-4.
     """
-    choices = decided(scenes, model_tolerance=model_tolerance, device=choose_device())
+    choices = resolve_auto_terms(scenes, model_tolerance=model_tolerance, device=choose_device())
     without = [scene for scene in choices if getattr(scene.gas, term) == "none"]
     beside = [replace(each, gas=replace(each.gas, **{term: "included"})) for each in without]
     left_out, included = (

@@ -8,18 +8,18 @@ import pytest
 from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, periodic_state
 from physics_facts import fast_piston
 
+from squeezefilm.dynamics import levitation
+from squeezefilm.dynamics.averaged_film import refused
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Formula, Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
+from squeezefilm.quantities.derivatives import moved, with_derivatives
+from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion, high_squeeze_limit
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.dynamics import levitation
-from squeezefilm.reynolds.dynamics.scenes import refused
-from squeezefilm.reynolds.effects.budget import budgets
-from squeezefilm.reynolds.effects.derivatives import moved, with_derivatives
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -308,11 +308,11 @@ def test_the_budget_is_of_the_scene_itself():
     """Inertia by the adjoint beside inertia solved for, where it is small."""
     scene = shaped(film(epsilon=0.3, sigma=300.0, x=0.1, profile=TWO_MODES))
     scene = replace(scene, gas=replace(scene.gas, density_kg_per_m3=0.05))
-    (budget,) = budgets([scene])
+    (budget,) = error_budgets([scene])
     assert (budget.status, budget.basis) == ("ok", "")
     inert = replace(scene, gas=replace(scene.gas, inertia="included"))
     change = mean(inert, tolerance=1e-5) / mean(scene) - 1
-    assert budget.inertia.percent == pytest.approx(100 * change, rel=0.03)
+    assert budget.effects["inertia"].percent == pytest.approx(100 * change, rel=0.03)
 
 
 def test_what_is_not_derived_for_such_gaps_is_refused():

@@ -11,10 +11,18 @@ from stored_strip import strip_force
 
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Scene
+from squeezefilm.quantities.model_error import (
+    NAMES,
+    TABLE,
+    Effect,
+    ErrorBudget,
+    budget_row,
+    budget_text,
+    depth_averaging_percent,
+    error_budgets,
+    notes_of_budget,
+)
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.effects.budget import NAMES, Budget, Effect, budgets
-from squeezefilm.reynolds.effects.depth_averaged import TABLE, error_percent
-from squeezefilm.reynolds.effects.words import budget_row, budget_text, notes_of_budget
 
 
 def film(scene: Scene, reynolds: float, sigma: float, epsilon: float = 0.1, **gas: str) -> Scene:
@@ -36,7 +44,7 @@ HEATED = {"heat": "included"}
 
 def test_the_tables_nodes_come_back(scene):
     for row in pd.read_csv(TABLE).itertuples():
-        change, off = error_percent(
+        change, off = depth_averaging_percent(
             film(scene, row.reynolds, row.sigma, **(HEATED if row.heat else {}))
         )
         assert change == pytest.approx(100 * (row.resolved / row.averaged - 1), rel=1e-9, abs=1e-12)
@@ -44,22 +52,26 @@ def test_the_tables_nodes_come_back(scene):
 
 
 def test_the_error_falls_to_zero_with_re_and_is_smooth_in_both(scene):
-    assert error_percent(film(scene, 1.0, 600.0, inertia="none")) == (0.0, 0.0)
-    small = [error_percent(film(scene, 10.0**-k, 600.0))[0] for k in (1, 2, 3)]
+    assert depth_averaging_percent(film(scene, 1.0, 600.0, inertia="none")) == (0.0, 0.0)
+    small = [depth_averaging_percent(film(scene, 10.0**-k, 600.0))[0] for k in (1, 2, 3)]
     assert small == pytest.approx([1e2 * small[1], small[1], 1e-2 * small[1]])
-    over = np.array([error_percent(film(scene, re, 600.0))[0] for re in np.linspace(1, 20, 400)])
+    over = np.array(
+        [depth_averaging_percent(film(scene, re, 600.0))[0] for re in np.linspace(1, 20, 400)]
+    )
     assert np.abs(np.diff(over, 2)).max() < 1e-3
     # Beyond the largest σ of the table the error goes on by 1/√σ, to no more than a tenth more.
-    at_table, beyond, far = (error_percent(film(scene, 10.0, s))[0] for s in (2400, 1e4, 1e8))
+    at_table, beyond, far = (
+        depth_averaging_percent(film(scene, 10.0, s))[0] for s in (2400, 1e4, 1e8)
+    )
     assert 1 < beyond / at_table < far / at_table < 1.1
 
 
 def test_beyond_what_was_resolved_nothing_is_claimed(scene):
     for reynolds, sigma, gas in ((20.1, 600.0, {}), (10.1, 600.0, HEATED), (2.1, 19.0, {})):
-        assert np.isnan(error_percent(film(scene, reynolds, sigma, **gas))).all()
-    change, off = error_percent(film(scene, 1.9, 19.0))
+        assert np.isnan(depth_averaging_percent(film(scene, reynolds, sigma, **gas))).all()
+    change, off = depth_averaging_percent(film(scene, 1.9, 19.0))
     assert change == 0 < off
-    change, off = error_percent(film(scene, 1.9, 600.0, inertia="none", **HEATED))
+    change, off = depth_averaging_percent(film(scene, 1.9, 600.0, inertia="none", **HEATED))
     assert change == 0 < off
 
 
@@ -90,7 +102,7 @@ def test_strips_that_resolve_the_profiles_lie_within_the_estimate(
     equations = ("one_mode_of_heat", "resolved_heat") if heat else ("one_mode", "resolved")
     averaged, resolved = (strip_force(equation, **numbers) for equation in equations)
     gas = HEATED if heat else {}
-    change, off = error_percent(film(scene, reynolds, sigma, epsilon, **gas))
+    change, off = depth_averaging_percent(film(scene, reynolds, sigma, epsilon, **gas))
     assert abs(100 * (resolved / averaged - 1) - change) < off
 
 
@@ -100,21 +112,21 @@ def test_the_budget_has_it_in_words_rows_and_sums(scene):
         film(scene, 10.0, 100.0),
         film(scene, 21.0, 100.0),
     )
-    without, found, unknown = budgets([bare, moving, fast])
-    assert without.depth_averaged == (0, 0, False, True)
+    without, found, unknown = error_budgets([bare, moving, fast])
+    assert without.effects["depth_averaged"] == (0, 0, False, True)
     assert "depth-averaged" not in budget_text(without)
-    assert found.depth_averaged.percent == pytest.approx(-0.914, abs=1e-3)
+    assert found.effects["depth_averaged"].percent == pytest.approx(-0.914, abs=1e-3)
     assert "error of depth-averaged terms about -0.91 % ± 1 %" in budget_text(found)
-    assert any("the error of depth-averaged terms" in note for note in notes_of_budget(found))
+    assert any("error of depth-averaged terms" in note for note in notes_of_budget(found))
     assert "depth_averaged" not in budget_row(found)["above_range"]
-    least, most = found.sums(left_out_only=True)
-    nothing = replace(found, depth_averaged=Effect(0.0, 0.0))
-    fewer, more = nothing.sums(left_out_only=True)
-    effect = found.depth_averaged
+    least, most = found.sums(neglected_only=True)
+    nothing = replace(found, effects={**found.effects, "depth_averaged": Effect(0.0, 0.0)})
+    fewer, more = nothing.sums(neglected_only=True)
+    effect = found.effects["depth_averaged"]
     assert least - fewer == pytest.approx(effect.percent - effect.off_percent)
     assert most - more == pytest.approx(effect.percent + effect.off_percent)
     assert "error of depth-averaged terms not known" in budget_text(unknown)
-    assert np.isnan(unknown.sums(left_out_only=True)).all()
-    small = Budget(**dict.fromkeys(NAMES, Effect(0.0, 0.0, estimate=True)))
-    small = replace(small, depth_averaged=Effect(-0.004, 0.004, estimate=True))
+    assert np.isnan(unknown.sums(neglected_only=True)).all()
+    effects = dict.fromkeys(NAMES, Effect(0.0, 0.0, estimate=True))
+    small = ErrorBudget(effects | {"depth_averaged": Effect(-0.004, 0.004, estimate=True)})
     assert "depth-averaged" not in budget_text(small)

@@ -13,10 +13,13 @@ from stored_strip import strip_force
 from squeezefilm.film.profiles import Formula
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.quantities.model_error import (
+    budget_text,
+    error_budgets,
+    excluded_terms,
+    resolve_auto_terms,
+)
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.effects.automatic import decided, kept_out
-from squeezefilm.reynolds.effects.budget import budgets
-from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.reynolds.spectral import axis
 from squeezefilm.reynolds.terms.heat import Heat
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
@@ -54,16 +57,17 @@ def effect_percent(scene: Scene, *, tolerance: float) -> float:
 def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, object]) -> None:
     """Beside slip too: its jump of temperature makes 30 % of the effect here."""
     scene = warm(0.01, epsilon=0.4, **numbers)
-    (budget,) = budgets([with_gas(scene, heat="none", inertia="none")])
+    (budget,) = error_budgets([with_gas(scene, heat="none", inertia="none")])
     found = effect_percent(scene, tolerance=1e-8)
-    assert found == pytest.approx(budget.heat.percent, rel=0.015)
+    assert found == pytest.approx(budget.effects["heat"].percent, rel=0.015)
 
 
 def test_heat_goes_with_the_jump_of_temperature() -> None:
     """As Pr falls at a constant γ/(γ − 1) Pr, only the jump is left that slip brings about."""
     numbers = {"epsilon": 0.2, "sigma": 583.0, "rarefaction": "slip", "knudsen": 0.03}
     first, second = (
-        budgets([with_gas(film(**numbers), prandtl=prandtl)])[0].heat.percent / prandtl  # type: ignore[arg-type]
+        error_budgets([with_gas(film(**numbers), prandtl=prandtl)])[0].effects["heat"].percent
+        / prandtl  # type: ignore[arg-type]
         for prandtl in (1.0, 2.0)
     )
     jump = 2 * 1.4 / 2.4 * 0.03
@@ -187,15 +191,15 @@ def test_what_does_not_know_heat_refuses_it(
     (solution,) = solve([scene], tolerance=1e-3, method=method)
     assert reason in solution.status
     assert np.isnan(solution.force_n)
-    (choice,) = decided([with_gas(scene, heat="auto")], method=method)
+    (choice,) = resolve_auto_terms([with_gas(scene, heat="auto")], method=method)
     assert choice.gas.heat == "none"
 
 
 def test_a_budget_says_that_the_force_has_heat(scene: Scene) -> None:
-    (budget,) = budgets([with_gas(scene, heat="included", inertia="included")])
-    (without,) = budgets([scene])
-    assert budget.heat.in_force
-    assert budget.heat.percent == without.heat.percent
+    (budget,) = error_budgets([with_gas(scene, heat="included", inertia="included")])
+    (without,) = error_budgets([scene])
+    assert budget.effects["heat"].included
+    assert budget.effects["heat"].percent == without.effects["heat"].percent
     assert "%, in it" in budget_text(budget).split("heat", 1)[1]
 
 
@@ -209,17 +213,17 @@ def test_heat_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene: Sc
 def test_auto_includes_heat_where_a_first_order_says_nothing(scene: Scene) -> None:
     thick = replace(with_gas(scene, heat="auto"), h0_m=15e-6, hv_m=1e-6)
     assert thick.modified_reynolds > 2
-    assert decided([thick], model_tolerance=0.5)[0].gas.heat == "included"
+    assert resolve_auto_terms([thick], model_tolerance=0.5)[0].gas.heat == "included"
 
 
 def test_what_is_auto_and_kept_out_by_the_finger_is_named(scene: Scene) -> None:
     """Under an ellipse neither term is supported, so nothing decides."""
     scene = with_gas(scene, heat="auto", inertia="auto")
-    assert kept_out(scene) == []
-    said = kept_out(replace(scene, finger=replace(scene.finger, shape="ellipse")))
+    assert excluded_terms(scene) == []
+    said = excluded_terms(replace(scene, finger=replace(scene.finger, shape="ellipse")))
     assert [each.partition(":")[0] for each in said] == [
         "gas.inertia is auto and left out",
         "gas.heat is auto and left out",
     ]
     assert all("not known under this finger" in each for each in said)
-    assert kept_out(scene, method="composite") != []
+    assert excluded_terms(scene, method="composite") != []

@@ -15,8 +15,8 @@ from stored_strip import strip_force
 from squeezefilm.film.profiles import Formula, Profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.flux_points import flux_points
 from squeezefilm.reynolds.periodic.time_modes import slow_part, steps_of, time_modes
 from squeezefilm.reynolds.spectral import axis, period
@@ -154,8 +154,10 @@ def test_a_little_inertia_moves_the_force_by_the_effect_in_its_budget(
     """Also beside slip, which changes velocity and lag: its share of the effect is 5 % here."""
     heavy = moving(0.02, epsilon=0.4, sigma=583.0, **gas)
     with_it, without = forces([heavy, still(heavy)], tolerance=1e-7)
-    (budget,) = budgets([still(heavy)])
-    assert 100 * (with_it / without - 1) == pytest.approx(budget.inertia.percent, rel=8e-3)
+    (budget,) = error_budgets([still(heavy)])
+    assert 100 * (with_it / without - 1) == pytest.approx(
+        budget.effects["inertia"].percent, rel=8e-3
+    )
 
 
 def test_a_gas_that_heats_has_inertia_too() -> None:

@@ -10,13 +10,12 @@ import yaml
 from films import PISTON, film
 
 from squeezefilm.cli.main import main
+from squeezefilm.dynamics import levitation
+from squeezefilm.dynamics.levitation import DAMPED, levitate, resonance
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import Solution
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.dynamics import levitation
-from squeezefilm.reynolds.dynamics.levitation import levitate
-from squeezefilm.reynolds.dynamics.resonance import DAMPED, resonance
 
 DEVICE = choose_device()
 SETTINGS = {"tolerance": 1e-6, "model_tolerance": 1e-3, "device": DEVICE}
@@ -108,16 +107,6 @@ def test_a_mass_that_gas_pressed_out_holds_back_does_not_oscillate():
     assert moving.reason == DAMPED
 
 
-def test_a_mass_alone_is_its_own_load(tmp_path, capsys):
-    weight, known = (
-        levitated(tmp_path, *words, "--hv", "2um").iloc[0]
-        for words in (["--mass", "50g"], ["--load", "0.4903325N", "--mass", "50g"])
-    )
-    assert weight["load_n"] == pytest.approx(0.05 * 9.80665)
-    pd.testing.assert_series_equal(weight, known)
-    assert weight["resonance_hz"] > 0
-
-
 def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_path):
     """The gap with inertia and heat of the gas, against that of the equation without them."""
     words = ["--load", "0.5N", "--hv", "2um"]
@@ -196,22 +185,6 @@ def test_the_film_is_solved_without_a_term_that_keeps_newton_from_converging(tmp
     assert "gas.heat is auto and not included" in open_["note"]
     assert "did not converge" in open_["note"]
     assert pd.isna(without["note"])
-
-
-def test_a_table_has_what_auto_keeps_out_and_other_gaps_of_a_load(tmp_path, monkeypatch):
-    found = levitation._brackets
-    second = (4e-6, 4.4e-6)
-    monkeypatch.setattr(levitation, "_brackets", lambda *some: [second, *found(*some)])
-    row = levitated(tmp_path, "--load", "20N", "--hv", "3um", **DISC).iloc[0]
-    assert "gas.inertia is auto and left out: inertia is not known" in row["note"]
-    assert float(row["others_m"]) == pytest.approx((4e-6 * 4.4e-6) ** 0.5, rel=1e-2)
-
-
-def test_a_misspelled_section_is_told_and_one_that_is_not_used_may_be_wrong(tmp_path, capsys):
-    levitated(tmp_path, "--load", "0.5N", "--hv", "2um", screen={"h0": "thin"}, positions={"x": 3})
-    path = study(tmp_path, fingers={"length_x": 0.01}, finger={})
-    assert main(["levitate", "--load", "0.5N", "--hv", "2um", "--config", path]) != 0
-    assert "unknown key 'fingers'; did you mean 'finger'?" in capsys.readouterr().err
 
 
 def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(tmp_path):

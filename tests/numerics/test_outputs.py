@@ -24,16 +24,14 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.solution import OUTPUTS, Outputs
 from squeezefilm.io.tables import OUTPUT_COLUMNS, read_forces, write_table
+from squeezefilm.quantities import outputs as module
+from squeezefilm.quantities.adjoint import Fields, dot
+from squeezefilm.quantities.outputs import AROUND, STEP, at_ends, quotient, refusals, with_outputs
+from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.answers import outputs as module
-from squeezefilm.reynolds.answers.outputs import refusals, with_outputs
-from squeezefilm.reynolds.answers.rim_momentum import at_ends
-from squeezefilm.reynolds.answers.stiffness import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.effects.fields import Fields
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.pressure import pressure
 from squeezefilm.reynolds.problems import problems_of
 
 AREA_M2 = LENGTH_M**2
@@ -106,7 +104,7 @@ def test_the_power_put_in_is_what_friction_takes(name: str) -> None:
     """−⟨∫P ∂H/∂T⟩ = (1/σ) ⟨∫Σ c_k H^(3−k) ρ^(−k) |∇P|²⟩ at rest, whatever the gas."""
     scene = FILMS[name]
     fields = on_nodes(scene, points=40, instants=24)
-    loss = -float(fields.mean(fields.gap * fields.velocity.dot(fields.slope))[0])
+    loss = -float(fields.mean(fields.gap * dot(fields.velocity, fields.slope))[0])
     found = outputs(scene, "power")
     unit = FORCE_N * H0_M * scene.actuator.angular_frequency_rad_per_s
     assert found.value["power"] == pytest.approx(unit * loss, rel=1e-5)
@@ -121,7 +119,7 @@ def test_thrust_is_the_shear_at_the_finger_s_wall(name: str) -> None:
     slope = fields.gradient(fields.pressure - 1)
     unit = FORCE_N * H0_M / LENGTH_M
     found = outputs(scene, "thrust")
-    for thrust, along in (("thrust_x", slope.x), ("thrust_y", slope.y)):
+    for thrust, along in (("thrust_x", slope[0]), ("thrust_y", slope[1])):
         shear = -unit * float(fields.mean(fields.gap * along)[0]) / 2
         assert found.value[thrust] == pytest.approx(shear, rel=1e-5, abs=1e-8 * unit)
 
@@ -151,7 +149,7 @@ def test_thrust_of_a_gas_with_inertia_lacks_half_of_what_leaves_over_the_rim() -
     left, right = (6 / 5 * gap * velocity**2).mean(axis=-1) @ fields.grid.y.weights
     # In units of p0 h0/l0: 12 μ ω l0²/(p0 h0²) times ρ0 ω h0²/μ is 12 ρ0 (ω l0)²/p0.
     out = scene.sigma * scene.modified_reynolds / 12 * (right - left)
-    slope = fields.gradient(fields.pressure - 1).x
+    slope = fields.gradient(fields.pressure - 1)[0]
     shear = -float(fields.mean(fields.gap * slope)[0]) / 2
     found = outputs(scene, "thrust", tolerance=1e-5).value["thrust_x"]
     assert found == pytest.approx((shear - out / 2) * FORCE_N * H0_M / LENGTH_M, rel=1e-4)
@@ -246,17 +244,6 @@ def test_extremes_lie_between_the_nodes_too() -> None:
         assert doubt < 5e-4 * abs(value)
         assert value == pytest.approx(PRESSURE_PA * there, rel=3e-4)
         assert abs(value) >= PRESSURE_PA * abs(there) - doubt
-
-
-def test_extremes_in_the_middle_are_those_of_gas_that_cannot_escape() -> None:
-    """A piston at σ → ∞: P = √(1 + 3ε²/2)/(1 ± ε); a layer at the rim overshoots by its size."""
-    epsilon = 0.4
-    scene = film(epsilon=epsilon, sigma=1e4, profile=PISTON)
-    found = outputs(scene, "extremes", tolerance=1e-3).value
-    mass = np.sqrt(1 + 1.5 * epsilon**2)
-    highest, lowest = (PRESSURE_PA * (mass / (1 - sign * epsilon) - 1) for sign in (1, -1))
-    assert highest * 0.999 <= found["largest_overpressure"] <= 1.1 * highest
-    assert found["least_overpressure"] <= 0.999 * lowest
 
 
 @pytest.mark.parametrize("rarefaction", ["none", "slip"])
@@ -370,12 +357,6 @@ def test_what_is_not_known_says_why(scene: Scene, output: str, reason: str) -> N
         assert refusals(scene, tolerance=1e-3)[output] == found.refused[output]
 
 
-def test_without_outputs_no_state_is_fetched(monkeypatch) -> None:
-    monkeypatch.setattr(module, "decided", None)
-    solutions = solve([FILMS["thick"]], tolerance=1e-2)
-    assert with_outputs([FILMS["thick"]], solutions, outputs=(), tolerance=1e-2) == solutions
-
-
 def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
     tmp_path: Path, repository, refused
 ) -> None:
@@ -434,27 +415,17 @@ def test_the_page_shows_what_comes_out(repository: Path, capsys) -> None:
         assert unit == documented_unit
 
 
-def test_the_page_s_pictures_are_made(repository: Path, tmp_path: Path, monkeypatch) -> None:
-    page = (repository / "docs" / "outputs.md").read_text(encoding="utf-8")
-    commands = re.findall(r"^    squeezefilm (.*)$", page.partition("## Pictures")[2], re.MULTILINE)
-    (tmp_path / "config").symlink_to(repository / "config")
-    monkeypatch.chdir(tmp_path)
-    for command in commands:
-        assert main(command.split()) == 0
-    assert {"field.nc", "sheet.png", "film.gif"} <= {path.name for path in tmp_path.iterdir()}
-
-
 def test_a_scene_that_ends_in_an_unexpected_error_leaves_the_others_theirs(monkeypatch) -> None:
     """A film that the state cannot be read of."""
     scenes = [FILMS["thick"], replace(FILMS["thick"], point_id="bad")]
-    read = module.on_grid
+    read = module.sample_of
 
     def fail(scene: Scene, *state: object) -> object:
         if scene.point_id == "bad":
             raise ArithmeticError("no film")
         return read(scene, *state)
 
-    monkeypatch.setattr(module, "on_grid", fail)
+    monkeypatch.setattr(module, "sample_of", fail)
     solutions = solve(scenes, tolerance=1e-2)
     good, bad = (
         each.outputs for each in with_outputs(scenes, solutions, outputs=("power",), tolerance=1e-2)

@@ -11,34 +11,51 @@ from physics_facts import piston_response
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
+from squeezefilm.dynamics.averaged_film import AveragedFilm
+from squeezefilm.dynamics.response import (
+    AVERAGING_ERROR,
+    CHANGED,
+    NEGLECTED,
+    gain_changes,
+    gains,
+    response,
+    slip_changes,
+    slow_gains,
+    steps_of,
+)
 from squeezefilm.film.profiles import make_profile
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
-from squeezefilm.reynolds.asymptotics.films import expansion_axis
+from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.dynamics.response import (
-    CHANGED,
-    HASTE,
-    gains,
-    response,
-    slip_changes,
-    steps_of,
-)
-from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
-from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes, slow_gains
 
 DEVICE = choose_device()
 PERIODS = np.array([1, 3, 6, 11, 21, 41, 81, 120])
 # An infinitely long strip, s = sinc(1.098 x), from rest, ε 0.4, σ 2331: mean overpressure of these
-# periods by marching with the full equation, and by the slow one without the rim's layer.
-FULL = np.array([0.07087, 0.07349, 0.07696, 0.08133, 0.08777, 0.09616, 0.10382, 0.10633])
+# periods by the slow equation without the rim's layer.
 SLOW = np.array([0.06871, 0.07289, 0.07659, 0.08097, 0.08725, 0.09539, 0.10283, 0.10527])
 STRIP = 1.098
 
 
-def strip(aspect: float, *, layer: bool) -> SlowFilm:
+def slow_film(
+    *,
+    epsilon: float,
+    sigma: float,
+    amplitude: np.ndarray,
+    aspect: float = 1.0,
+    slip: float = 0.0,
+    layer: bool = True,
+) -> AveragedFilm:
+    """The film of a profile on the nodes of ``films.expansion_axis``, shape (nx + 2, ny + 2)."""
+    films = films_of(
+        np.array([epsilon]), np.array([sigma]), amplitude[None], aspect=aspect, slip=slip
+    )
+    return AveragedFilm(films, layer)
+
+
+def strip(aspect: float, *, layer: bool) -> AveragedFilm:
     """A finger 1 by ``aspect`` with a profile along x alone."""
     nodes = expansion_axis(15).all_nodes - 0.5
     s = np.repeat(np.sinc(STRIP * nodes)[:, None], 33, axis=1)
@@ -51,7 +68,7 @@ def of_the_middle(force_by_aspect: dict[float, np.ndarray]) -> np.ndarray:
     return (force_by_aspect[long] * long - force_by_aspect[short] * short) / (long - short)
 
 
-def piston(*, epsilon: float, sigma: float, slip: float = 0.0) -> SlowFilm:
+def piston(*, epsilon: float, sigma: float, slip: float = 0.0) -> AveragedFilm:
     return slow_film(epsilon=epsilon, sigma=sigma, amplitude=np.ones((17, 17)), slip=slip)
 
 
@@ -112,7 +129,7 @@ def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(s
     assert fast == pytest.approx(1.24**0.5 * 0.84**-1.5, rel=0.02)
 
 
-def oscillation(film: SlowFilm, *, slow: float, scale: float) -> complex:
+def oscillation(film: AveragedFilm, *, slow: float, scale: float) -> complex:
     (root,) = [each for each in film.free_motion(slow=slow, scale=scale) if each.imag > 1e-9]
     return root
 
@@ -174,7 +191,7 @@ def test_a_mass_on_the_averaged_film_moves_in_time_as_its_root_says():
     assert complex(decay, frequency) == pytest.approx(root, rel=1e-4)
 
 
-def from_rest(film: SlowFilm, periods: np.ndarray) -> np.ndarray:
+def from_rest(film: AveragedFilm, periods: np.ndarray) -> np.ndarray:
     times = np.append(0.0, (2 * periods - 1) * pi)
     return film.after_step(film.at_rest(), film.epsilon, times)[1:]
 
@@ -196,17 +213,6 @@ def test_with_the_layer_the_strip_settles_where_the_full_equation_does():
     assert abs(settled[False] / 0.107624 - 1) > 5e-3
 
 
-def test_from_rest_slow_and_full_equation_agree_to_two_periods_of_the_start():
-    """The phase in which the surface starts moves the rise by up to two periods."""
-    late = PERIODS[2:]
-    earlier, later = (
-        of_the_middle({a: from_rest(strip(a, layer=True), late + by) for a in (4.0, 8.0)})
-        for by in (-2, 2)
-    )
-    assert np.all((earlier < FULL[2:]) & (FULL[2:] < later))
-    assert later - earlier == pytest.approx(0, abs=5e-3)
-
-
 def test_gain_and_phase_agree_with_marching_within_the_error():
     """5 µm, 2.2 µm of the paper's actuator, marched through every period (commit cde05ac)."""
     marched = np.array([2.134, 1.962, 1.644]) * np.exp(1j * np.radians([-4.092, -9.049, -8.979]))
@@ -218,17 +224,6 @@ def test_gain_and_phase_agree_with_marching_within_the_error():
     assert np.all(found.error < 3e-3)
 
 
-def test_a_modulation_of_one_hertz_follows_the_settled_forces():
-    step = 1e-2
-    scenes = [film(epsilon=0.44 * (1 + change), sigma=2331.0) for change in (-step, 0.0, step)]
-    low, force, high = (each.force_n for each in solve(scenes, tolerance=1e-7, device=DEVICE))
-    (gain,), (error,) = (
-        getattr(gains(scenes[1], np.array([1.0])), name) for name in ("gain", "error")
-    )
-    assert gain == pytest.approx((high - low) / (2 * step * force), rel=error)
-    assert error < 2e-3
-
-
 def test_after_the_surface_stops_the_slowest_mode_is_left():
     """Without vibration ψ − 1 obeys σ ∂ψ/∂T = ∇²ψ, whose slowest mode falls with 2π²/σ."""
     scene = film(epsilon=0.1, sigma=2331.0)
@@ -238,14 +233,6 @@ def test_after_the_surface_stops_the_slowest_mode_is_left():
     rate = -np.diff(np.log(forces)) / np.diff(times)
     expected = 2 * pi**2 / scene.sigma * scene.actuator.angular_frequency_rad_per_s
     assert rate == pytest.approx(expected, rel=3e-3)
-
-
-def test_what_follows_at_once_is_the_least_gain():
-    found = response(film(epsilon=0.44, sigma=2331.0))
-    assert found.prompt_gain < found.static_gain
-    assert 0 < found.prompt_share < 1
-    assert 0 < found.lasting_share < 1
-    assert found.rise_s > 0
 
 
 def test_a_thick_film_is_not_supported():
@@ -335,17 +322,7 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
     strip = Strip(epsilon=0.3, sigma=300.0)
     marched = strip.gain(24, cycles=3)
     change, mean = of_the_middle({aspect: strip.slow(aspect, 24) for aspect in (4.0, 8.0)})
-    assert abs(change / mean / marched - 1) < HASTE / 24**2
-
-
-def test_two_phases_that_are_one_turned_have_its_response():
-    nodes = expansion_axis(11).all_nodes
-    s = np.repeat(np.sinc(STRIP * (nodes - 0.3))[:, None], 13, axis=1)
-    turned = [
-        slow_film(epsilon=0.4, sigma=900.0, amplitude=each).response(np.array([0.0, 0.01]))
-        for each in (s, s * np.exp(0.7j))
-    ]
-    assert turned[1] == pytest.approx(turned[0], rel=1e-9)
+    assert abs(change / mean / marched - 1) < AVERAGING_ERROR / 24**2
 
 
 def test_a_travelling_wave_has_a_response():
@@ -396,8 +373,8 @@ def test_gain_of_slow_modulation_is_that_of_periodic_forces(epsilon):
     scene = film(epsilon=epsilon, sigma=2331.0)
     (by_forces,) = slow_gains([scene], tolerance=1e-6, device=DEVICE)
     by_slow = response(scene)
-    assert 0 < by_forces.error < 3e-4
-    assert abs(by_slow.static_gain / by_forces.gain - 1) <= by_slow.error
+    assert 0 < by_forces[1] < 3e-4
+    assert abs(by_slow.static_gain / by_forces[0] - 1) <= by_slow.error
     # By differences twice as far apart.
     low, high = solve(
         [replace(scene, hv_m=scene.hv_m * (1 + step)) for step in (-0.04, 0.04)],
@@ -405,4 +382,4 @@ def test_gain_of_slow_modulation_is_that_of_periodic_forces(epsilon):
         device=DEVICE,
     )
     wide = np.log(high.force_n / low.force_n) / np.log(1.04 / 0.96)
-    assert by_forces.gain == pytest.approx(wide, rel=2e-3)
+    assert by_forces[0] == pytest.approx(wide, rel=2e-3)

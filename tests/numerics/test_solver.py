@@ -310,6 +310,22 @@ def test_extreme_films_are_solved(epsilon, sigma):
     assert abs(solution.force_n - finer.force_n) <= solution.force_error_n + finer.force_error_n
 
 
+def test_kept_states_are_on_their_grids_where_others_of_a_launch_go_on_to_finer_ones():
+    random = np.random.default_rng(20140503)
+    scenes = [
+        film(
+            epsilon=random.uniform(0.3, 0.9),
+            sigma=10 ** random.uniform(2, 5),
+            x=random.uniform(0, 0.3),
+        )
+        for _ in range(80)
+    ]
+    for solution in solve(scenes, tolerance=1e-6, method="periodic", keep_states=True):
+        coarse, fine = solution.states
+        assert coarse.grid.count < fine.grid.count
+        assert all(each.unknowns.shape[1:] == each.grid.shape for each in solution.states)
+
+
 def test_kept_states_are_those_of_the_force_and_outlast_other_launches(paper_scenes):
     """The finer one has the force for its mean, and stays when the launch's arrays are reused."""
     some = paper_scenes[:40]

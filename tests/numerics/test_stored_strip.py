@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from stored_strip import TABLE
 
-from squeezefilm.reynolds.effects.budget import HEAT_MISSED, INERTIA_MISSED, OFF_ON_GRIDS
+from squeezefilm.quantities.model_error import HEAT_MISSED, INERTIA_MISSED, OFF_ON_GRIDS
 
 
 def missed(first: str, without: str, effect: "np.ndarray") -> "np.ndarray":

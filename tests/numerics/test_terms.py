@@ -8,10 +8,10 @@ from films import PISTON, film, mean_overpressure, periodic_state
 from scipy.optimize import brentq
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.quantities.derivatives import with_derivatives
+from squeezefilm.quantities.model_error import error_budgets
+from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.reynolds import solve, terms
-from squeezefilm.reynolds.answers.outputs import with_outputs
-from squeezefilm.reynolds.effects.budget import budgets
-from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.plan import previews
 from squeezefilm.reynolds.problems import problems_of
@@ -200,8 +200,10 @@ def test_slip_is_by_a_length_whatever_makes_it(more):
     assert one.force_n == pytest.approx(other.force_n, rel=1e-9)
     assert abs(one.force_n / plain.force_n - 1) > 1e-3
     assert sliding_friction(kinetic) == pytest.approx(sliding_friction(long), rel=1e-9)
-    first, second = budgets([kinetic, long])
-    assert first.inertia.percent == pytest.approx(second.inertia.percent, rel=1e-5)
+    first, second = error_budgets([kinetic, long])
+    assert first.effects["inertia"].percent == pytest.approx(
+        second.effects["inertia"].percent, rel=1e-5
+    )
     if one.derivatives.status == "ok":
         slope = one.derivatives.value
         path_m = kinetic.gas.mean_free_path_m

@@ -35,20 +35,6 @@ def test_a_table_keeps_every_scene_and_frequency(tmp_path, repository):
     ]
 
 
-def test_scenes_whose_response_is_not_known_keep_their_rows_with_the_reason(tmp_path, repository):
-    scenes, output, gains = (tmp_path / name for name in ("scenes.csv", "out.csv", "gains.csv"))
-    scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\n")
-    config = str(repository / "config" / "paper-inertia.yaml")
-    words = ["response", str(scenes), "--config", config, "--output", str(output)]
-    assert main([*words, "--gains", str(gains), "--frequencies", "10Hz,300Hz"]) == 0
-    assert list(pd.read_csv(output)["status"]) == [
-        "not supported: the response is not derived with inertia"
-    ]
-    rows = pd.read_csv(gains)
-    assert list(rows["status"]) == ["not supported: the response is not derived with inertia"] * 2
-    assert rows["gain"].isna().all()
-
-
 def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     scenes, output, steps = (tmp_path / name for name in ("scenes.csv", "out.csv", "steps.csv"))
     scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\nthick,5e-5,2e-6,0,0\n")
@@ -81,27 +67,6 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
 def test_mistakes_are_told(words, said, capsys):
     assert main(words) != 0
     assert said in capsys.readouterr().err
-
-
-def test_a_modulation_that_is_too_fast_takes_nothing_from_the_others(tmp_path, repository):
-    """A tenth of 43.27 kHz is allowed."""
-    scenes, gains = tmp_path / "scenes.csv", tmp_path / "gains.csv"
-    scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\n")
-    words = ["response", str(scenes), "--config", str(repository / "config" / "paper.yaml")]
-    assert main([*words, "--gains", str(gains), "--frequencies", "10Hz,5kHz"]) == 0
-    rows = pd.read_csv(gains)
-    assert list(rows["gain"].isna()) == [False, True]
-    assert rows["status"].iloc[0] == "ok"
-    assert "a tenth" in rows["status"].iloc[1]
-
-
-@pytest.mark.parametrize(("h0", "hv", "at"), [("50um", "15um", "3kHz"), ("60um", "45um", "4.3kHz")])
-def test_a_film_that_is_not_slow_is_not_supported(h0, hv, at, capsys):
-    """Means over periods cut at one phase gave -2.43° for -2.03° and a gain of 4.045 for 4.0326."""
-    assert main(["response", "--h0", h0, "--hv", hv, "--frequencies", at]) == 1
-    out, err = capsys.readouterr()
-    assert "not supported: the film is not slow against its vibration" in err
-    assert "gain" not in out
 
 
 def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):

@@ -7,8 +7,8 @@ import pandas as pd
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import RunError
+from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.pressure import pressure
 
 POINTS, TIMES = 41, 16
 TOLERANCE = 1e-4

@@ -6,14 +6,14 @@ from reporting.cross_section import cross_section
 from scripts.job import begin
 from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_scenes, write_table
-from squeezefilm.reynolds.effects.automatic import decided
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scenes_in
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])
 device = device_of(config)
-scenes = decided(
+scenes = resolve_auto_terms(
     scenes_in(read_scenes(snakemake.input.scenes), config),
     model_tolerance=config["solver"]["model_tolerance"],
     device=device,

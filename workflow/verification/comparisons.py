@@ -19,14 +19,13 @@ from scipy.optimize import brentq
 
 from squeezefilm.api.forces import Force, forces_of, forces_table
 from squeezefilm.api.study import Study
+from squeezefilm.dynamics.averaged_film import averaged_film_of
+from squeezefilm.dynamics.levitation import levitate, resonance
+from squeezefilm.dynamics.response import response
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.quantities.model_error import ErrorBudget, error_budgets
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.dynamics.levitation import levitate
-from squeezefilm.reynolds.dynamics.resonance import resonance
-from squeezefilm.reynolds.dynamics.response import response
-from squeezefilm.reynolds.dynamics.scenes import slow_film_of
-from squeezefilm.reynolds.effects.budget import Budget, budgets
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.space import Space
 from verification.reference import reference_force
@@ -237,18 +236,18 @@ def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     )
 
 
-def _neglected(scene: Scene, budget: Budget) -> dict[str, tuple[tuple[str, ...], Scene]]:
+def _neglected(scene: Scene, budget: ErrorBudget) -> dict[str, tuple[tuple[str, ...], Scene]]:
     """Effects that a force does not have and the solver knows, and the scene that has them.
 
     The loss of pressure where gas flows in, of no equation here, is not among them.
     """
-    lacking = [name for name in ("inertia", "heat") if not budget.effects[name].in_force]
+    lacking = [name for name in ("inertia", "heat") if not budget.effects[name].included]
     found: dict[str, tuple[tuple[str, ...], Scene]] = {}
     if lacking:
         included = {name: "included" for name in ("inertia", "heat")}
         found["inertia, heat"] = (tuple(lacking), _gas(scene, **included))
     if scene.gas.rarefaction != "fukui-kaneko" and scene.gas.inertia == scene.gas.heat == "none":
-        effects = ("kinetic",) if budget.slip.in_force else ("slip", "kinetic")
+        effects = ("kinetic",) if budget.effects["slip"].included else ("slip", "kinetic")
         found["rarefaction"] = (effects, _gas(scene, rarefaction="fukui-kaneko"))
     return found
 
@@ -286,7 +285,7 @@ def _of_levitation(force: Force, study: Study, settings: SolverSettings) -> Iter
     there = [replace(scene, h0_m=float(gap)) for gap in wider]
     most = float(np.nanmax(forces_and_errors(there, study, tolerance=1e-3)[0], initial=-inf))
     yield Comparison("levitate", "force at wider gaps / N", -inf, load_n, most, 0.0, valid, where)
-    budget = getattr(found, "budget", None) or budgets([scene], device=study.device)[0]
+    budget = getattr(found, "budget", None) or error_budgets([scene], device=study.device)[0]
     for name, (effects, with_them) in _neglected(scene, budget).items():
         first = [budget.effects[each] for each in effects]
         per_percent = load_n / found.stiffness_n_per_m / 100
@@ -349,7 +348,7 @@ def _of_resonance(found: Any, mass_kg: float, *, valid: bool, where: str) -> Ite
     if not isfinite(moving.frequency_hz):
         return
     scene = _gas(found.scene, inertia="none", heat="none")
-    film, _ = slow_film_of(scene)
+    film, _ = averaged_film_of(scene)
     rate = scene.actuator.angular_frequency_rad_per_s
     unit = scene.force_scale_n / scene.h0_m
     at_rest = film.stiffness(np.array([0.0]))[0].real

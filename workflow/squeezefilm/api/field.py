@@ -8,9 +8,9 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, needing
+from squeezefilm.quantities.model_error import resolve_auto_terms
+from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.reynolds.pressure import pressure
 from squeezefilm.studies.solver_settings import SolverSettings
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def field_of(
         raise InputError(f"instants: {instants} must be even")
     if not 1e-8 <= tolerance <= 0.1:
         raise InputError(f"tolerance: {tolerance:g} must lie between 1e-8 and 0.1")
-    (scene,) = decided(
+    (scene,) = resolve_auto_terms(
         [scene], model_tolerance=settings.model_tolerance, method="periodic", device=device
     )
     across = np.linspace(0.0, 1.0, places)

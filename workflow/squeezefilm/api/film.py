@@ -136,18 +136,22 @@ class Film:
         tolerance: float | None = None,
         method: str | None = None,
         outputs: Sequence[str] | None = None,
+        budget: bool = False,
     ) -> pd.DataFrame:
         """The forces at every combination of some gaps, amplitudes and places, a row for each.
 
         Several values are a sequence, or a text such as ``"0.5, 1, 2 um"`` or ``"0.5:2.5:9 um"``
-        (first:last:count). ``force_error_n`` is all that is known of the numbers' error,
-        ``left_out_least_percent`` and ``left_out_most_percent`` what the equation leaves out,
-        first orders and what higher ones may add; ``status`` is ``ok``, or why there is no force.
+        (first:last:count). ``force_error_n`` is all that is known of the numbers' error;
+        ``status`` is ``ok``, or why there is no force. With ``budget``, ``left_out_least_percent``
+        and ``left_out_most_percent`` are what the equation leaves out, first orders and what higher
+        ones may add.
         ``outputs`` are as for a force, each a column with its unit and one with its error.
         Raises InputError as ``scene`` does.
         """
         points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
-        return self.forces(points, tolerance=tolerance, method=method, outputs=outputs)
+        return self.forces(
+            points, tolerance=tolerance, method=method, outputs=outputs, budget=budget
+        )
 
     def forces(
         self,
@@ -156,6 +160,7 @@ class Film:
         tolerance: float | None = None,
         method: str | None = None,
         outputs: Sequence[str] | None = None,
+        budget: bool = False,
     ) -> pd.DataFrame:
         """The same for a table of points: h0_m, hv_m and a position, if any."""
         found = forces_of(
@@ -163,6 +168,7 @@ class Film:
             settings=self._settings(tolerance, method, outputs),
             device=self.device,
             smoothed=self.scan,
+            budget=budget,
         )
         return forces_table(points, found)
 

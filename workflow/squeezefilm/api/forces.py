@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from math import isfinite
 
-import numpy as np
 import pandas as pd
 
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
 from squeezefilm.io.errors import RunError
+from squeezefilm.quantities.derivatives import derivatives_text, with_derivatives
+from squeezefilm.quantities.model_error import (
+    ErrorBudget,
+    budget_text,
+    error_budgets,
+    excluded_terms,
+)
+from squeezefilm.quantities.outputs import outputs_text, with_outputs
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.answers.outputs import with_outputs
-from squeezefilm.reynolds.answers.words import outputs_text
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.effects.automatic import decided, kept_out
-from squeezefilm.reynolds.effects.budget import Budget, budgets
-from squeezefilm.reynolds.effects.derivatives import with_derivatives
-from squeezefilm.reynolds.effects.words import budget_text, derivatives_text
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.studies.tasks.scan_errors import scan_errors
@@ -28,6 +29,9 @@ from squeezefilm.units import with_error
 
 # Motion out of phase is spoken of where it is more than this share of the noise.
 LEAST_OUT_OF_PHASE = 0.01
+# Scenes solved together, whose states may be held.
+WITH_STATES = 256
+NOT_ASKED = "not asked for"
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,8 @@ class Force:
     Attributes:
         scene: what was solved.
         solution: the force and how it was obtained; its error is the solver's alone.
-        budget: what the film equation leaves out of the force, effect by effect.
+        budget: what the film equation leaves out of the force, effect by effect; its
+            status says where it was not asked for.
         scan: what the scan of a measured profile leaves open; None without one.
         device: the name of the OpenCL device.
         kept_out: which terms ``auto`` could not include, and why.
@@ -69,7 +74,7 @@ class Force:
 
     scene: Scene
     solution: Solution
-    budget: Budget
+    budget: ErrorBudget
     scan: ScanPart | None
     device: str
     kept_out: tuple[str, ...] = ()
@@ -92,10 +97,10 @@ class Force:
     def left_out_percent(self) -> tuple[float, float]:
         """What the equation leaves out of the force, least and most, in per cent.
 
-        First orders, and what higher ones may add. NaN where an effect is not known;
-        ``print(force)`` says where a first order is not enough.
+        First orders, and what higher ones may add. NaN where an effect is not known or the budget
+        was not asked for; ``print(force)`` says where a first order is not enough.
         """
-        return self.budget.sums(left_out_only=True)
+        return self.budget.modelling_error_percent
 
     @property
     def status(self) -> str:
@@ -167,7 +172,12 @@ def force_of(
     Raises RunError saying why there is none.
     """
     (force,) = forces_of(
-        [scene], settings=settings, device=device, smoothed=smoothed, derivatives=derivatives
+        [scene],
+        settings=settings,
+        device=device,
+        smoothed=smoothed,
+        derivatives=derivatives,
+        budget=True,
     )
     if not isfinite(force.force_n):
         beyond = f"; validity: {force.validity}" * (force.validity != OK)
@@ -182,23 +192,31 @@ def forces_of(
     device: Device,
     smoothed: SmoothedScan | None,
     derivatives: bool = False,
+    budget: bool = False,
 ) -> list[Force]:
-    """The force of each scene, NaN with its reason as ``status`` where there is none."""
-    not_decided = [kept_out(scene, method=settings.method) for scene in scenes]
-    scenes = decided(
-        scenes,
-        model_tolerance=settings.model_tolerance,
-        method=settings.method,
-        device=device,
-    )
-    how = settings.how(device)
-    solutions: Sequence[Solution] = solve(scenes, **how)
-    if derivatives:
-        solutions = with_derivatives(scenes, solutions, **how)
-    solutions = with_outputs(scenes, solutions, outputs=settings.outputs, **how)
+    """The force of each scene, NaN with its reason as ``status`` where there is none.
+
+    Args:
+        budget: whether what the film equation leaves out is asked for too: states of their own.
+    """
+    not_decided = [excluded_terms(scene, method=settings.method) for scene in scenes]
+    scenes = settings.resolved(scenes, device)
+    solutions = [
+        solution
+        for first in range(0, len(scenes), WITH_STATES)
+        for solution in solved_with(
+            scenes[first : first + WITH_STATES],
+            settings=settings,
+            device=device,
+            derivatives=derivatives,
+        )
+    ]
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
     with_force = [scenes[k] for k in known]
-    beyond = dict(zip(known, budgets(with_force, device=device), strict=True))
+    reason = "no force to compare with" if budget else NOT_ASKED
+    beyond = dict.fromkeys(range(len(scenes)), ErrorBudget(status=reason))
+    if budget:
+        beyond |= dict(zip(known, error_budgets(with_force, device=device), strict=True))
     scans: dict[int, ScanPart] = {}
     if smoothed is not None and known:
         scans = dict(zip(known, scan_parts(with_force, smoothed, device=device), strict=True))
@@ -206,13 +224,40 @@ def forces_of(
         Force(
             scene,
             solution,
-            beyond.get(k, Budget(status="no force to compare with")),
+            beyond[k],
             scans.get(k),
             device.name,
             tuple(not_decided[k]),
         )
         for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
     ]
+
+
+def solved_with(
+    scenes: Sequence[Scene],
+    *,
+    settings: SolverSettings,
+    device: Device,
+    derivatives: bool,
+    report: Callable[[int], object] = lambda solved: None,
+) -> Sequence[Solution]:
+    """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
+    keep = derivatives or bool(settings.outputs)
+    solutions: Sequence[Solution] = solve(
+        scenes,
+        **settings.how(device),
+        keep_states=keep,
+        report=report,
+    )
+    within = settings.tolerance
+    if derivatives:
+        solutions = with_derivatives(scenes, solutions, tolerance=within, device=device)
+    solutions = with_outputs(
+        scenes, solutions, outputs=settings.outputs, tolerance=within, device=device
+    )
+    if keep:
+        solutions = [replace(solution, states=()) for solution in solutions]
+    return solutions
 
 
 def scan_parts(
@@ -233,23 +278,28 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     """Forces of some points as a table, a row for each.
 
     ``force_error_n`` is all that is known of the numbers' error, a scan's part too;
-    ``left_out_least_percent`` and ``…_most_percent`` are what the film equation leaves out,
-    first orders and what higher ones may add; ``status`` is ``ok``, or why there is no force;
-    ``validity`` is ``ok``, or the limits of validity that the scene exceeds.
-    Derivatives and outputs that were asked for stand behind.
+    ``status`` is ``ok``, or why there is no force; ``validity`` is ``ok``, or the limits of
+    validity that the scene exceeds. What was asked for stands behind: derivatives, outputs and,
+    with a budget, ``left_out_least_percent`` and ``…_most_percent``, what the film equation leaves
+    out, first orders and what higher ones may add.
     """
-    left_out = np.array([force.left_out_percent for force in forces]).reshape(-1, 2)
-    more = pd.DataFrame([force.solution.asked_columns for force in forces], index=points.index)
+    more = pd.DataFrame([_asked_columns(force) for force in forces], index=points.index)
     return points.assign(
         force_n=[force.force_n for force in forces],
         force_error_n=[force.error_n for force in forces],
-        left_out_least_percent=left_out[:, 0],
-        left_out_most_percent=left_out[:, 1],
         method=[force.solution.method for force in forces],
         status=[force.status for force in forces],
         validity=[force.validity for force in forces],
         **{name: more[name] for name in map(str, more)},
     )
+
+
+def _asked_columns(force: Force) -> dict[str, float | str]:
+    columns = force.solution.asked_columns
+    if force.budget.status != NOT_ASKED:
+        least, most = force.left_out_percent
+        columns |= {"left_out_least_percent": least, "left_out_most_percent": most}
+    return columns
 
 
 def _tidy(value: float) -> str:

@@ -8,9 +8,8 @@ import pandas as pd
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK, validity
-from squeezefilm.reynolds.answers.outputs import refusals
+from squeezefilm.quantities.outputs import refusals
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.plan import Preview, previews
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.solver_settings import SolverSettings
@@ -25,12 +24,7 @@ def preview_table(
 
     But for what decides on terms that are ``auto``: a state on a coarse grid.
     """
-    scenes = decided(
-        scenes,
-        model_tolerance=settings.model_tolerance,
-        method=settings.method,
-        device=device,
-    )
+    scenes = settings.resolved(scenes, device)
     found = previews(scenes, tolerance=settings.tolerance, method=settings.method)
     table = pd.DataFrame([_row(*each) for each in zip(scenes, found, strict=True)])
     if settings.outputs:

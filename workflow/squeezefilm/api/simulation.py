@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.api.forces import WITH_STATES, solved_with
 from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError, RunError, naming
@@ -26,11 +27,9 @@ from squeezefilm.io.tables import (
     read_timings,
     table_writer,
 )
-from squeezefilm.reynolds import Solution, node_cache, solve
-from squeezefilm.reynolds.answers.outputs import with_outputs
+from squeezefilm.quantities.model_error import excluded_terms
+from squeezefilm.reynolds import Solution, node_cache
 from squeezefilm.reynolds.device import Device, describe
-from squeezefilm.reynolds.effects.automatic import kept_out
-from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
 from squeezefilm.studies.study import scene_of, scenes_in
@@ -90,10 +89,11 @@ def simulate_table(
     Raises InputError, before anything is solved, for a scene that cannot be.
     """
     table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
-    pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]
+    size = WITH_STATES if derivatives or settings.outputs else PIECE
+    pieces = [table.iloc[first : first + size] for first in range(0, len(table), size)]
     scenes_in = partial(scenes_of_table, config=config, path=scenes)
     first, *_ = [scenes_in(piece)[0] for piece in pieces]
-    how = settings.how(device_ready(config, option=device, scene=first))
+    chosen = device_ready(config, option=device, scene=first)
     failures: list[str] = []
     incomplete: list[str] = []
     seconds = 0.0
@@ -106,11 +106,14 @@ def simulate_table(
         for piece in pieces:
             batch = scenes_in(piece)
             start = time.perf_counter()
-            solutions: Sequence[Solution] = solve(batch, **how, report=bar.update)
+            solutions = solved_with(
+                settings.resolved(batch, chosen),
+                settings=settings,
+                device=chosen,
+                derivatives=derivatives,
+                report=bar.update,
+            )
             wall = time.perf_counter() - start
-            if derivatives:
-                solutions = with_derivatives(batch, solutions, **how)
-            solutions = with_outputs(batch, solutions, outputs=settings.outputs, **how)
             write(_forces(piece, solutions))
             # By floating-point operations, of which closed forms need none worth counting.
             work = sum(solution.work for solution in solutions)
@@ -121,7 +124,7 @@ def simulate_table(
                 if reason := missing_of(solution):
                     failed = solution.status != "ok"
                     (failures if failed else incomplete).append(f"point {scene.point_id}: {reason}")
-    for note in kept_out(first, method=settings.method):
+    for note in excluded_terms(first, method=settings.method):
         print(note, file=sys.stderr)
     solved = len(table) - len(failures)
     print(f"{solved} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)

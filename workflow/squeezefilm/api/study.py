@@ -117,13 +117,7 @@ class Study(Film):
         """Points with their forces, and their physics limits if asked for."""
         settings = self._settings(None, None)
         scenes = scenes_in(points, self.config)
-        solutions = solve(
-            scenes,
-            tolerance=settings.tolerance,
-            model_tolerance=settings.model_tolerance,
-            method=settings.method,
-            device=self.device,
-        )
+        solutions = solve(settings.resolved(scenes, self.device), **settings.how(self.device))
         found = solutions.to_frame(points.index)
         columns = found[["force_n", "force_error_n", "status", "left_out"]]
         return points.assign(**columns), with_limits(points, scenes) if limits else None

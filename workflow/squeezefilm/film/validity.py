@@ -47,7 +47,7 @@ QUANTITIES: dict[str, Callable[[Scenes], Any]] = {
     "hv/h0": lambda s: s.closure,
     "Ra/h": lambda s: _over(ROUGHNESS_M, s.narrowest * s.h0_m),
 }
-# The list's kinds of films; ``auto`` terms are decided before (effects/automatic.py).
+# The list's kinds of films; ``auto`` terms are decided before (quantities/model_error.py).
 FILMS: dict[str, Callable[[Scenes], Any]] = {
     "all": lambda s: True,
     "viscous flow": lambda s: s.gas.rarefaction == "none",

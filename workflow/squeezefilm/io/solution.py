@@ -34,8 +34,8 @@ class Solution:
         work: floating-point operations of the iterations, for sharing out run time; no column.
         states: the periodic state on the last two grids, the finer one last, where it was asked for
             (reynolds/periodic/states.State); no column.
-        derivatives: of the force, where they were asked for (effects/derivatives.py).
-        outputs: answers beside the force, where they were asked for (answers/outputs.py).
+        derivatives: of the force, where they were asked for (quantities/derivatives.py).
+        outputs: answers beside the force, where they were asked for (quantities/outputs.py).
     """
 
     force_n: float = nan

@@ -14,7 +14,6 @@ from squeezefilm.io.errors import each_on_its_own, unexpected
 from squeezefilm.io.solution import Solution, Solutions
 from squeezefilm.reynolds.asymptotics.scenes import Expanded
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.plan import plans_of
@@ -26,7 +25,6 @@ def solve(
     scenes: Scenes | Sequence[Scene],
     *,
     tolerance: float,
-    model_tolerance: float = MODEL_TOLERANCE,
     method: str = "auto",
     device: Device | None = None,
     keep_states: bool = False,
@@ -34,13 +32,13 @@ def solve(
 ) -> Solutions:
     """Mean forces of scenes: |error| ≤ tolerance · |force| + round-off floor, or a reason why not.
 
+    What of a scene's gas is ``auto`` must be decided (quantities/model_error.py).
+
     Each scene is solved by itself: its result does not depend on the others, and an unexpected
     error in one, which becomes its status, does not touch theirs.
 
     Args:
         tolerance: relative error asked for.
-        model_tolerance: change of a force, relative, from which on a term that is ``auto`` in a
-            scene is included.
         method: one of METHODS. ``auto`` takes the composite expansion where that holds the
             tolerance and should cost less, else the periodic state. ``composite`` always gives
             its force; the status then says where its estimate is above the tolerance.
@@ -51,6 +49,12 @@ def solve(
             number for those that an unexpected error asks to be solved again.
     """
 
+    if not len(scenes):
+        return Solutions.of([])
+    scenes = Scenes.of(scenes)
+    if any("auto" in (film.gas.inertia, film.gas.heat) for film in scenes.films):
+        raise ValueError("what of a scene's gas is auto must be decided before it is solved")
+
     def attempt(some: Scenes) -> Solutions:
         finished = 0
 
@@ -60,10 +64,6 @@ def solve(
             report(more)
 
         try:
-            if any("auto" in (film.gas.inertia, film.gas.heat) for film in some.films):
-                some = Scenes.of(
-                    decided(some, model_tolerance=model_tolerance, method=method, device=device)
-                )
             solutions = _solve(
                 some,
                 tolerance=tolerance,
@@ -82,7 +82,7 @@ def solve(
         report(1)
         return Solution(status=unexpected(error), method=method)
 
-    return Solutions.of(each_on_its_own(attempt, Scenes.of(scenes), failed=failed))
+    return Solutions.of(each_on_its_own(attempt, scenes, failed=failed))
 
 
 def _solve(

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from squeezefilm.config.loading import Config
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import checked_outputs
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.plan import METHODS
 
@@ -16,7 +18,7 @@ TOLERANCES = (1e-10, 0.1)
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """``outputs`` are the answers beside the mean force (answers/outputs.py)."""
+    """``outputs`` are quantities beside the mean force (quantities/outputs.py)."""
 
     tolerance: float
     model_tolerance: float
@@ -24,13 +26,16 @@ class SolverSettings:
     outputs: tuple[str, ...] = ()
 
     def how(self, device: Device) -> dict[str, Any]:
-        """What forces, derivatives and outputs are all to be solved with."""
-        return {
-            "tolerance": self.tolerance,
-            "model_tolerance": self.model_tolerance,
-            "method": self.method,
-            "device": device,
-        }
+        """What forces are to be solved with."""
+        return {"tolerance": self.tolerance, "method": self.method, "device": device}
+
+    def resolved(
+        self, scenes: Scenes | Sequence[Scene], device: Device
+    ) -> Scenes | Sequence[Scene]:
+        """The scenes with what of their gas is ``auto`` decided."""
+        return resolve_auto_terms(
+            scenes, model_tolerance=self.model_tolerance, method=self.method, device=device
+        )
 
 
 def device_of(config: Config, *, option: str | None = None) -> Device:

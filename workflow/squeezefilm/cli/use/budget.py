@@ -22,10 +22,9 @@ import pandas as pd
 from squeezefilm.config.loading import load_config
 from squeezefilm.film.validity import validity
 from squeezefilm.io.tables import read_scenes, write_table
+from squeezefilm.quantities.model_error import budget_row, error_budgets
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.reynolds.effects.budget import budgets
-from squeezefilm.reynolds.effects.words import budget_row
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scenes_in
 
 
@@ -42,15 +41,9 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     table = read_scenes(options.scenes)
     device = choose_device(config["solver"]["device"], option=options.device)
-    solver = config["solver"]
-    scenes = decided(
-        scenes_in(table, config),
-        model_tolerance=solver["model_tolerance"],
-        method=solver["method"],
-        device=device,
-    )
+    scenes = solver_settings(config, outputs=()).resolved(scenes_in(table, config), device)
     rows = [
         budget_row(budget) | {"validity": validity(scene)}
-        for scene, budget in zip(scenes, budgets(scenes, device=device), strict=True)
+        for scene, budget in zip(scenes, error_budgets(scenes, device=device), strict=True)
     ]
     write_table(pd.concat([table, pd.DataFrame(rows)], axis=1), options.output)

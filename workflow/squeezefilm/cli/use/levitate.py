@@ -36,14 +36,19 @@ from squeezefilm.api.forces import scan_parts
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
+from squeezefilm.dynamics.levitation import (
+    Levitation,
+    Resonance,
+    levitate,
+    resonance,
+    trustworthy,
+)
 from squeezefilm.film.validity import GAPS_M
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import ScenePoint, read_forces, write_table
+from squeezefilm.quantities.model_error import budget_text
 from squeezefilm.reynolds import node_cache
-from squeezefilm.reynolds.dynamics.levitation import Levitation, levitate, trustworthy
-from squeezefilm.reynolds.dynamics.resonance import Resonance, resonance
-from squeezefilm.reynolds.effects.words import budget_text
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 from squeezefilm.units import quantities, quantity
@@ -96,7 +101,10 @@ def run(options: argparse.Namespace) -> None:
     loads_n, points = _asked(options, mass_kg=mass_kg)
     with node_cache.one_build_at_a_time():
         device = device_of(config, option=options.device)
-    smoothed, how = smoothed_scan_of(config), settings.how(device)
+    smoothed, how = (
+        smoothed_scan_of(config),
+        settings.how(device) | {"model_tolerance": settings.model_tolerance},
+    )
     rows, failures = [], []
     with progress_bar(len(loads_n) * len(points), unit="load", name="levitate") as bar:
         for point in points:
@@ -168,7 +176,7 @@ def _asked(
 
 def _row(found: Levitation, moving: Resonance | None) -> dict[str, object]:
     scene, budget = found.scene, found.budget
-    least, most = budget.sums(left_out_only=True)
+    least, most = budget.modelling_error_percent
     lower_m, upper_m = found.modelling_error_m
     notes = list(found.notes)
     if budget.basis:

@@ -33,6 +33,17 @@ import pandas as pd
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
+from squeezefilm.dynamics.response import (
+    CHANGED,
+    MOST_MODULATION,
+    NEGLECTED,
+    Gains,
+    gain_changes,
+    gains,
+    response,
+    slip_changes,
+    steps_of,
+)
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError, RunError, naming
@@ -40,16 +51,6 @@ from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.dynamics.response import (
-    CHANGED,
-    MOST_MODULATION,
-    Gains,
-    gains,
-    response,
-    slip_changes,
-    steps_of,
-)
-from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of, scenes_in
 from squeezefilm.units import quantities

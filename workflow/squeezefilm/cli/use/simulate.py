@@ -7,7 +7,8 @@
 The first takes a table of scenes. The others take quantities: a number with its unit, several with
 commas, or evenly spaced ones as first:last:count; every combination is a point. One point is shown
 with all that is known of its force; several make a table, in which `force_error_n` has the part of
-a scan too and `left_out_…_percent` is what the film equation leaves out, least and most.
+a scan too and, with `--budget`, `left_out_…_percent` is what the film equation leaves out, least
+and most.
 
 `validity` is `ok`, or the limits of validity of the film equation that a scene exceeds, with what
 that means. One point outside them is shown too, with exit status 1; rows of a table end with 0.
@@ -65,6 +66,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--derivatives", action="store_true", help="of the force too, to each number of a scene"
+    )
+    parser.add_argument(
+        "--budget",
+        action="store_true",
+        help="what the film equation leaves out, as columns of several points; one has it anyway",
     )
     parser.add_argument(
         "--outputs",
@@ -137,6 +143,7 @@ def _simulate_points(
             device=device,
             smoothed=smoothed,
             derivatives=options.derivatives,
+            budget=options.budget,
         )
         write_points(forces_table(points, forces), options.output)
         _print_warnings(smoothed)
@@ -154,6 +161,8 @@ def _simulate_points(
 def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
     if options.scenes is None or options.output is None:
         raise InputError("give a table of scenes and --output, or points by --h0 and --hv")
+    if options.budget:
+        raise InputError("--budget is of points; `squeezefilm budget` is of a table of scenes")
     failures, incomplete = simulate_table(
         options.scenes,
         config,

@@ -139,7 +139,9 @@ class Refinement:
     def begin(self) -> None:
         """Have each scene wait on its first grids."""
         needs = self.needs
-        sequences, which = first_grids(needs, tolerance=self.tolerance, room=self.room)
+        sequences, which = first_grids(
+            needs, tolerance=self.tolerance, room=self.room, kept=self.keep_states
+        )
         aspect = needs.scenes.aspect + np.zeros(len(needs))
         for rows in rows_alike(which * len(needs.kinds) + needs.kind + 1j * aspect):
             one = rows[0]

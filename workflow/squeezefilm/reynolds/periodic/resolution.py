@@ -67,12 +67,13 @@ TINY = 1e-300
 
 
 def first_grids(
-    needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS
+    needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS, kept: bool = False
 ) -> tuple[list[tuple[Grid, ...]], np.ndarray]:
     """Those of the first launch: a start, if it pays, and those that it takes to know the error.
 
     Args:
         room: most unknowns of a grid that the device has memory for.
+        kept: whether states are, of which quantities ask for more than the force does.
 
     Returns:
         The sequences of grids, and which of them each scene is begun on, (n,).
@@ -80,6 +81,8 @@ def first_grids(
     # Twice the change to the second grid must be below the tolerance, or a third is needed; but
     # plain films want fewer nodes than the guess.
     plain = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
+    if kept:
+        plain = FIRST_SHARE, FOURS
     chosen, which = _choose(needs, tolerance=tolerance, room=room, plain=plain)
     return [_with_finer(*each) for each in chosen], which
 

@@ -19,7 +19,7 @@ from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.prediction_interval import error_by_region, in_words
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import film_of, scenes_in, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import with_limits
@@ -70,14 +70,9 @@ class SimulatedSpace:
 
     def simulate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and their errors; raises RunError for a scene that has no force."""
-        solver = self.config["solver"]
-        found = solve(
-            self.scenes[points],
-            tolerance=solver["tolerance"],
-            model_tolerance=solver["model_tolerance"],
-            method=solver["method"],
-            device=self.device,
-        )
+        settings = solver_settings(self.config, outputs=())
+        scenes = settings.resolved(self.scenes[points], self.device)
+        found = solve(scenes, **settings.how(self.device))
         for point, solution in zip(points, found, strict=True):
             if solution.status != "ok":
                 factors = self.table[as_in(FACTOR_COLUMNS, self.table)].loc[point].to_dict()

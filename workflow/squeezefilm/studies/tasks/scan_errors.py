@@ -12,6 +12,7 @@ from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.io.errors import RunError
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit
 from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
@@ -50,6 +51,7 @@ def scan_errors(
     """
     from scipy.special import stdtrit
 
+    scenes = resolve_auto_terms(scenes, device=device)
     profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=draws, seed=seed)]
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))

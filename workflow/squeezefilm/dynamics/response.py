@@ -1,33 +1,48 @@
 """How the mean force follows the amplitude: gain and phase, rise and release.
 
-By the slow film (slow_film.py), where its settled force is good enough. Part of the force follows
-at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
+By the averaged film (averaged_film.py), where its settled force is good enough. Part of the force
+follows at once, as ⟨1/H⟩ does; the rest comes and goes with the gas, through the rim.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, nan, pi
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
+from squeezefilm.dynamics.averaged_film import (
+    POINTS,
+    AveragedFilm,
+    averaged_film_of,
+    film_on,
+    refused,
+)
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import LIMITS
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.reynolds.dynamics.scenes import POINTS, film_on, refused, slow_film_of
-from squeezefilm.reynolds.dynamics.slow_film import SlowFilm
+from squeezefilm.io.solution import Solution
+from squeezefilm.quantities.outputs import AROUND, STEP, quotient
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.solver import solve
 
 # Relative error of the settled force up to which the slow film's numbers are given.
 SLOW_ERROR = 0.03
 # What the slow film leaves out of a gain, per square of the modulation over the vibration: about
 # twice what the worst of 19 random films needed (ε 0.05–0.85, σ 130–8000, aspects 0.6–2.5).
-HASTE = 2.0
+AVERAGING_ERROR = 2.0
 # Modulations are slow up to this share of the vibration's frequency.
 MOST_MODULATION = 0.1
 # What is left of the way when a film counts as settled.
 LEFT = 0.05
 INSTANTS = 240
+# Tolerance of the forces whose quotients are gains: their errors count fifty times in one.
+GAIN_TOLERANCE = 1e-4
+# Terms of the gas that the averaged film neglects.
+NEGLECTED = ("inertia", "heat")
 # Numbers of a response whose change by a neglected effect is said, by what their columns call them.
 CHANGED = {
     "gain": "static_gain",
@@ -114,7 +129,7 @@ def gains(scene: Scene, frequency_hz: np.ndarray) -> Gains:
         frequency_hz=frequency_hz,
         gain=np.abs(found),
         phase_deg=np.degrees(np.angle(found)),
-        error=error + HASTE * modulations**2,
+        error=error + AVERAGING_ERROR * modulations**2,
     )
 
 
@@ -149,24 +164,16 @@ def steps_of(scene: Scene) -> Steps:
     Raises RunError saying why the scene is not supported.
     """
     film, _ = _slow(scene)
-    steps, scale = _steps(film), scene.force_scale_n
-    time_s = steps.time / scene.actuator.angular_frequency_rad_per_s
-    return Steps(time_s, steps.rising * scale, steps.falling * scale)
+    time, rising, falling = _steps(film)
+    scale = scene.force_scale_n
+    time_s = time / scene.actuator.angular_frequency_rad_per_s
+    return Steps(time_s, rising * scale, falling * scale)
 
 
-@dataclass(frozen=True)
-class _Steps:
-    """Over the time T, in units of p0 and the finger's area."""
-
-    time: np.ndarray
-    rising: np.ndarray
-    falling: np.ndarray
-
-
-def _slow(scene: Scene) -> tuple[SlowFilm, float]:
+def _slow(scene: Scene) -> tuple[AveragedFilm, float]:
     if reason := refused(scene):
         raise RunError(f"not supported: {reason}")
-    film, error = slow_film_of(scene)
+    film, error = averaged_film_of(scene)
     if error > SLOW_ERROR:
         raise RunError(
             "not supported: the film is not slow against its vibration (error of the averaged "
@@ -175,24 +182,24 @@ def _slow(scene: Scene) -> tuple[SlowFilm, float]:
     return film, error
 
 
-def _response(scene: Scene, film: SlowFilm, error: float) -> Response:
+def _response(scene: Scene, film: AveragedFilm, error: float) -> Response:
     static, prompt = film.response(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s
-    steps = _steps(film)
+    time, rising, falling = _steps(film)
     settled = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
     return Response(
         static_gain=float(static),
         prompt_gain=float(prompt),
         corner_hz=_corner(film, static, prompt) * scene.actuator.frequency_hz,
-        prompt_share=float(steps.rising[0] / settled),
-        rise_s=_crossing(steps.time, np.abs(steps.rising / settled - 1)) / rate,
-        lasting_share=float(steps.falling[0] / settled),
-        release_s=_crossing(steps.time, np.abs(steps.falling / settled)) / rate,
+        prompt_share=float(rising[0] / settled),
+        rise_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
+        lasting_share=float(falling[0] / settled),
+        release_s=_crossing(time, np.abs(falling / settled)) / rate,
         error=error,
     )
 
 
-def _corner(film: SlowFilm, static: float, prompt: float) -> float:
+def _corner(film: AveragedFilm, static: float, prompt: float) -> float:
     """Modulation, in units of ω, at which |gain − prompt| has fallen by 3 dB."""
 
     def above(exponent: float) -> float:
@@ -203,17 +210,17 @@ def _corner(film: SlowFilm, static: float, prompt: float) -> float:
     return float(np.exp(brentq(above, guess - 6, guess + 6, rtol=1e-6)))
 
 
-def _steps(film: SlowFilm) -> _Steps:
-    """From a thousandth of the slowest mode's decay time to twenty times that."""
+def _steps(film: AveragedFilm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times T and the mean overpressure in p0 after start and stop, each (n,).
+
+    From a thousandth of the slowest mode's decay time to twenty times that.
+    """
     narrow = 1 + film.films.aspect[0] ** -2
     slowest = film.sigma / (pi**2 * narrow)
     time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, INSTANTS))
     settled = film.density(film.settled(film.epsilon))
-    return _Steps(
-        time=time,
-        rising=film.after_step(film.at_rest(), film.epsilon, time),
-        falling=film.after_step(settled, 0.0, time),
-    )
+    rising = film.after_step(film.at_rest(), film.epsilon, time)
+    return time, rising, film.after_step(settled, 0.0, time)
 
 
 def _crossing(time: np.ndarray, left: np.ndarray) -> float:
@@ -227,3 +234,55 @@ def _crossing(time: np.ndarray, left: np.ndarray) -> float:
     ends = np.log(np.maximum(left[last : last + 2], 1e-300) / LEFT)
     share = ends[0] / (ends[0] - ends[1])
     return float(time[last] + share * (time[last + 1] - time[last]))
+
+
+def slow_gains(
+    scenes: Sequence[Scene], *, tolerance: float, device: Device
+) -> list[tuple[float, float]]:
+    """Relative change of the force per relative change of the amplitude, and its error.
+
+    By difference quotients of forces; the scenes' terms must be decided. NaN where an amplitude
+    within 2 % has no force.
+    """
+    factors = 1 + STEP * np.array([0, *AROUND])
+    forces = solve(
+        [replace(scene, hv_m=float(scene.hv_m * each)) for scene in scenes for each in factors],
+        tolerance=min(tolerance, GAIN_TOLERANCE),
+        device=device,
+    )
+    count = len(factors)
+    return [_gain(forces[k * count : (k + 1) * count], each.hv_m) for k, each in enumerate(scenes)]
+
+
+def _gain(solutions: Sequence[Solution], hv_m: float) -> tuple[float, float]:
+    if any(each.status != "ok" for each in solutions):
+        return nan, nan
+    forces, errors = np.array([(each.force_n, each.force_error_n) for each in solutions]).T
+    slope, error = quotient(forces[1:], errors[1:], hv_m)
+    gain = -slope * hv_m / forces[0]
+    return gain, abs(gain) * errors[0] / abs(forces[0]) + error * hv_m / forces[0]
+
+
+def gain_changes(
+    scenes: Sequence[Scene], *, tolerance: float, device: Device
+) -> list[dict[str, float]]:
+    """Changes in % of the gain of slow modulation with each of NEGLECTED, by their columns.
+
+    NaN where a force is not found with it.
+    """
+    choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED)]
+    without = [replace(each, gas=replace(each.gas, inertia="none", heat="none")) for each in scenes]
+    found = slow_gains(
+        [replace(one, gas=replace(one.gas, **choice)) for one in without for choice in choices],
+        tolerance=tolerance,
+        device=device,
+    )
+    changes = []
+    for first in range(0, len(found), len(choices)):
+        (base, doubt), *others = found[first : first + len(choices)]
+        row = {}
+        for name, (gain, error) in zip(NEGLECTED, others, strict=True):
+            row[f"{name}_gain_percent"] = 100 * (gain / base - 1)
+            row[f"{name}_gain_error_percent"] = 100 * (error + doubt) / base
+        changes.append(row)
+    return changes

@@ -22,16 +22,24 @@ from functools import cached_property
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.asymptotics import edge_layer
+from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion
 from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
-from squeezefilm.reynolds.asymptotics.films import Films, films_of
+from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
+from squeezefilm.reynolds.asymptotics.scenes import expansion_numbers
+from squeezefilm.reynolds.terms import terms_of
+from squeezefilm.reynolds.terms.inertia import Inertia
 
 # Step of a difference quotient of the layer's functions, relative to ε.
 STEP = 1e-5
+# Unknowns along each side of the grids that are tried, and what the next must gain.
+POINTS = (11, 15, 21, 31)
+GAIN = 0.9
 
 
 @dataclass(frozen=True)
-class SlowFilm:
+class AveragedFilm:
     """One film on one grid (B = 1 of ``films``), with or without the rim's boundary layer."""
 
     films: Films
@@ -173,7 +181,7 @@ class SlowFilm:
         )
         return np.asarray((thick - thin) / (2 * STEP))
 
-    def thicker(self, ratio: float) -> SlowFilm:
+    def thicker(self, ratio: float) -> AveragedFilm:
         """The same amplitude over a gap that many times as wide."""
         films = self.films
         return replace(
@@ -237,7 +245,7 @@ class SlowFilm:
             atol=1e-8 * np.abs(start).max(),
         )
         if not found.success:
-            raise ArithmeticError(f"the slow film: {found.message}")
+            raise ArithmeticError(f"the averaged film: {found.message}")
         fields = np.repeat(settled[None], len(times), axis=0).reshape(len(times), -1)
         fields[:, self.inner] += found.y.T
         densities = fields.reshape(-1, *settled.shape) / self._root(epsilon) - 1
@@ -270,20 +278,48 @@ class SlowFilm:
         return (total / np.maximum(count, 1)).ravel()
 
 
-def slow_film(
-    *,
-    epsilon: float,
-    sigma: float,
-    amplitude: np.ndarray,
-    aspect: float = 1.0,
-    slip: float = 0.0,
-    layer: bool = True,
-) -> SlowFilm:
-    """The film of a profile on the nodes of ``films.expansion_axis``, shape (nx + 2, ny + 2).
+def refused(scene: Scene) -> str:
+    """Why a scene's response is not known; empty where it is."""
+    if scene.finger.shape != "rectangle":
+        return "the response was derived for rectangular fingers"
+    if not scene.finger.gap.flat:
+        return "the response was derived for a gap that is even at rest, not tilted or bulging"
+    if scene.epsilon == 0:
+        return "the surface is at rest"
+    unknown = [term.label for term in terms_of(scene) if term.expansion_numbers(scene) is None]
+    unknown += [term.label for term in terms_of(scene) if isinstance(term, Inertia)]
+    if unknown:
+        return f"the response is not derived with {', '.join(unknown)}"
+    return ""
 
-    That is s₁ + i s₂ of a vibration in two phases.
+
+def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
+    """The averaged film on a grid that shows all that it can, and its relative error at rest.
+
+    A finer grid is taken as long as it makes the error smaller by a tenth.
     """
+    best = film_on(scene, POINTS[0])
+    for points in POINTS[1:]:
+        finer = film_on(scene, points)
+        if not finer[1] < GAIN * best[1]:
+            break
+        best = finer
+    return best
+
+
+def film_on(scene: Scene, points: int) -> tuple[AveragedFilm, float]:
+    """The averaged film on one grid, and its relative error at rest.
+
+    The error is that of the settled force, by the edge layer's expansion: it may be infinite.
+    """
+    nodes = expansion_axis(points).all_nodes
     films = films_of(
-        np.array([epsilon]), np.array([sigma]), amplitude[None], aspect=aspect, slip=slip
+        np.array([scene.epsilon]),
+        np.array([scene.sigma]),
+        scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))[None],
+        aspect=scene.aspect,
+        slip=expansion_numbers(scene).get("slip", 0.0),
     )
-    return SlowFilm(films, layer)
+    limit = edge_layer_expansion(films)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return AveragedFilm(films), float(np.abs(limit.error / limit.mean)[0])

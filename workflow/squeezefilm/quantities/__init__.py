@@ -1,0 +1,1 @@
+"""Quantities of a film: functions of the periodic states that ``solve`` kept."""

@@ -1,0 +1,368 @@
+"""Periodic films as fields on the host, and how the mean force answers to any source of mass.
+
+With J the Jacobian of the film equation for a mass perturbation w = δ(Hρ), an effect of source S
+(J w = S) changes the mean pressure by ⟨w/(Hρ')⟩ = ⟨λ S⟩, where λ solves J* λ = 1/(Hρ') once for
+all effects. J* is adjoint to J in the quadrature of the grid, and so is its preconditioner, the
+inverse of D Δ − σ ∂/∂T.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from squeezefilm.reynolds.conformal_axis import Around
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.problems import Problems
+from squeezefilm.reynolds.spectral import Axis
+
+Operator = Callable[[np.ndarray], np.ndarray]
+MOST_ITERATIONS = 200
+
+
+@dataclass(frozen=True)
+class AxisWithRim:
+    """One axis with its rim nodes: derivatives and the integral over [0, 1].
+
+    A folded axis holds one rim node and the first half of the others, on which a function even
+    about the middle has an odd derivative and an odd one an even.
+
+    Attributes:
+        of_even, of_odd: first derivative of such functions, shape (m, m), m nodes with the rim;
+            the same on an axis that is not folded.
+        weights: of the integral of an even function, shape (m,), rim included.
+    """
+
+    of_even: np.ndarray
+    of_odd: np.ndarray
+    weights: np.ndarray
+
+
+@lru_cache(maxsize=64)
+def with_rim(axis: Axis) -> AxisWithRim:
+    """An axis with its rim nodes; one for both ends if it is folded."""
+    if not axis.folded:
+        end = (1 - axis.weights.sum()) / 2  # a constant's integral is that constant
+        weights = np.concatenate([[end], axis.weights, [end]])
+        return AxisWithRim(axis.derivative, axis.derivative, weights)
+    half = axis.points + 1
+    near, far = axis.derivative[:half, :half], axis.derivative[:half, : half - 1 : -1]
+    weights = np.concatenate([[1 - axis.weights.sum()], axis.weights])
+    return AxisWithRim(near + far, near - far, weights)
+
+
+class Fields:
+    """Films of like terms on one grid, each with its gap H, pressure P and density ρ.
+
+    Lengths in units of the finger's x side, time of 1/ω, pressure and density of ambient ones.
+    Every field has the shape (scenes, x, y, t), rim nodes included, a vector field (2, scenes, x,
+    y, t). Numbers of scenes come as columns, to go with fields: ``number``.
+    """
+
+    def __init__(self, problems: Problems, grid: Grid, overpressure: np.ndarray) -> None:
+        """Args: overpressure: P − 1 at the unknowns, shape (scenes, nx, ny, nt)."""
+        if not isinstance(grid.y, Axis):
+            raise ValueError("what is beside the force is known of rectangular pads alone")
+        self.problems, self.grid = problems, grid
+        self.aspect = problems.aspect
+        self.along_x, self.along_y = with_rim(grid.x), with_rim(grid.y)
+        self.inner = (slice(None), slice(1, grid.nx + 1), slice(1, grid.ny + 1))
+        seen = (..., slice(len(self.along_x.weights)), slice(len(self.along_y.weights)), None)
+        parts = problems.parts[problems.places].swapaxes(0, 1)[seen]
+        rest = 1 + self.numbers("per_rise", absent=0.0) * sum(parts[2:])
+        moving = self.number(problems.epsilon) * parts[:2]
+        sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
+        self.gap = rest + sum(map(np.multiply, moving, (sine, cosine)))
+        self.gap_rate = sum(map(np.multiply, moving, (cosine, -sine)))
+        self.overpressure = self.on_all_nodes(overpressure)
+
+    def number(self, values: np.ndarray) -> np.ndarray:
+        """One number of each scene, to go with fields."""
+        return np.asarray(values, dtype=float)[:, None, None, None]
+
+    def numbers(self, name: str, *, absent: float) -> np.ndarray:
+        """A number that a term gives the scenes, or what it is without the term."""
+        table = self.problems.numbers
+        known = name in (table.dtype.names or ())
+        return self.number(table[name] if known else np.full(len(table), absent))
+
+    def on_all_nodes(self, values: np.ndarray) -> np.ndarray:
+        """Values at the unknowns with zeros on the rim."""
+        found = np.zeros(self.gap.shape)
+        found[self.inner] = values
+        return found
+
+    @cached_property
+    def sigma(self) -> np.ndarray:
+        return self.number(self.problems.sigma)
+
+    @cached_property
+    def _exponent(self) -> np.ndarray:
+        """That of ρ = P^exponent."""
+        return self.numbers("inverse_exponent", absent=1.0)
+
+    @cached_property
+    def pressure(self) -> np.ndarray:
+        return 1 + self.overpressure
+
+    @cached_property
+    def density(self) -> np.ndarray:
+        isothermal = np.all(self._exponent == 1)
+        return self.pressure if isothermal else np.asarray(self.pressure**self._exponent)
+
+    @cached_property
+    def density_slope(self) -> np.ndarray:
+        """dρ/dP."""
+        return np.asarray(self._exponent * self.density / self.pressure)
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """Hρ, the mass of gas per area."""
+        return np.asarray(self.gap * self.density)
+
+    @cached_property
+    def mass_rate(self) -> np.ndarray:
+        """∂(Hρ)/∂T."""
+        rate = self.gap * self.pressure_rate * self.density_slope
+        return np.asarray(self.gap_rate * self.density + rate)
+
+    @cached_property
+    def pressure_rate(self) -> np.ndarray:
+        """∂P/∂T."""
+        return self.t_derivative(self.overpressure)
+
+    @cached_property
+    def slope(self) -> np.ndarray:
+        """∇P."""
+        return self.gradient(self.overpressure)
+
+    @cached_property
+    def velocity(self) -> np.ndarray:
+        """Mean velocity over the gap by pressure alone, ū = −(1/σ) Σ c_k H^(2−k) ρ^(−k) ∇P."""
+        return self.slope * (self.mobility * (-1 / self.sigma))
+
+    @cached_property
+    def mobility(self) -> np.ndarray:
+        """Σ c_k H^(2−k) ρ^(−k), by which a slope of pressure drives gas; H² without slip."""
+        first, *rest = (self.number(c) for c in self.problems.numbers["flow"].T)
+        factor = first
+        for k, coefficient in enumerate(rest, start=1):
+            factor = factor + coefficient / self.mass**k
+        return np.asarray(factor * self.gap**2)
+
+    @cached_property
+    def flux_coefficients(self) -> list[np.ndarray]:
+        """c_k H^(3−k) of each term of the flow; NumPy is quick at squares alone."""
+        flow = self.problems.numbers["flow"]
+        return [self.number(c) * (self.gap * self.gap ** (2 - k)) for k, c in enumerate(flow.T)]
+
+    def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
+        """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
+        return along_x(self.along_x.of_odd if odd else self.along_x.of_even, values)
+
+    def y_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
+        matrix = self.along_y.of_odd if odd else self.along_y.of_even
+        return along_y(matrix / self.aspect, values)
+
+    def t_derivative(self, values: np.ndarray) -> np.ndarray:
+        return along_t(self.grid.t.derivative, values)
+
+    def gradient(self, values: np.ndarray) -> np.ndarray:
+        return np.stack([self.x_derivative(values), self.y_derivative(values)])
+
+    def divergence(self, flux: np.ndarray) -> np.ndarray:
+        return self.x_derivative(flux[0], odd=True) + self.y_derivative(flux[1], odd=True)
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Mean over film and period, shape (scenes,)."""
+        return np.einsum("si,i->s", values.reshape(len(values), -1), self.weights)
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Of the mean over film and period, shape (nodes,), all of them behind each other."""
+        area = np.outer(self.along_x.weights, self.along_y.weights)
+        return np.repeat(area.ravel() / self.grid.nt, self.grid.nt)
+
+
+def dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Product of two vector fields."""
+    return np.asarray(one[0] * other[0] + one[1] * other[1])
+
+
+def along_x(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix (m, n) along the first axis of fields (scenes, n, y, t)."""
+    scenes, nodes = values.shape[:2]
+    product = matrix @ values.reshape(scenes, nodes, -1)
+    return np.asarray(product.reshape(scenes, len(matrix), *values.shape[2:]))
+
+
+def along_y(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix (m, n) along the second axis of fields (scenes, x, n, t)."""
+    return np.asarray(matrix @ values)
+
+
+def along_t(matrix: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A matrix (m, n) along the last axis of fields (scenes, x, y, n)."""
+    product = values.reshape(len(values), -1, values.shape[-1]) @ matrix.T
+    return np.asarray(product.reshape(*values.shape[:-1], len(matrix)))
+
+
+def total(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Sum of the product of two fields over all nodes, shape (scenes,)."""
+    scenes = len(first)
+    return np.asarray(first.reshape(scenes, 1, -1) @ second.reshape(scenes, -1, 1))[:, 0, 0]
+
+
+def sensitivity(films: Fields, *, tolerance: float | np.ndarray) -> np.ndarray:
+    """λ at the unknowns, shape (scenes, nx, ny, nt): the mean of λ S is what S does.
+
+    Args:
+        tolerance: preconditioned residual over its size at the start, one or one for each scene.
+    """
+    precondition, adjoint = _preconditioner(films, adjoint=True), _adjoint_jacobian(films)
+    right = 1 / (films.gap * films.density_slope)[films.inner]
+    return gmres(
+        lambda values: precondition(adjoint(values)), precondition(right), tolerance=tolerance
+    )
+
+
+def response(films: Fields, source: np.ndarray, *, tolerance: float) -> np.ndarray:
+    """w of J w = ``source``, all at the unknowns, shape (scenes, nx, ny, nt)."""
+    precondition, jacobian = _preconditioner(films, adjoint=False), _jacobian(films)
+    return gmres(
+        lambda values: precondition(jacobian(values)), precondition(source), tolerance=tolerance
+    )
+
+
+def _jacobian(films: Fields) -> Operator:
+    """J w = ∇·Σ c_k H^(3−k) ∇(ρ^(1−k) w/(Hρ')) − σ ∂w/∂T − Λ ∂w/∂X."""
+    speed = films.numbers("bearing", absent=0.0)
+
+    def apply(values: np.ndarray) -> np.ndarray:
+        mass = films.on_all_nodes(values)
+        rise = mass / (films.gap * films.density_slope)
+        flux = sum(
+            films.gradient(films.density ** (1 - k) * rise) * factor
+            for k, factor in enumerate(films.flux_coefficients)
+        )
+        moved = films.sigma * films.t_derivative(mass) + speed * films.x_derivative(mass)
+        return np.asarray((films.divergence(np.asarray(flux)) - moved)[films.inner])
+
+    return apply
+
+
+def _adjoint_jacobian(films: Fields) -> Operator:
+    """J* of ``_jacobian``."""
+    grid, x, y = films.grid, films.along_x, films.along_y
+    rows_x, rows_y = slice(1, grid.nx + 1), slice(1, grid.ny + 1)
+    # Adjoints of gradient and divergence, each between unknowns and all nodes.
+    to_x = _adjoint(x.of_odd[rows_x], x.weights[rows_x], x.weights)
+    to_y = _adjoint(y.of_odd[rows_y], y.weights[rows_y], y.weights) / films.aspect
+    from_x = _adjoint(x.of_even[:, rows_x], x.weights, x.weights[rows_x])
+    from_y = _adjoint(y.of_even[:, rows_y], y.weights, y.weights[rows_y]) / films.aspect
+    slide = _adjoint(x.of_even[rows_x, rows_x], x.weights[rows_x], x.weights[rows_x])
+    speed = films.numbers("bearing", absent=0.0)
+    terms = [
+        (
+            factor[:, :, rows_y],
+            factor[:, rows_x],
+            (films.density ** (1 - k) / (films.gap * films.density_slope))[films.inner],
+        )
+        for k, factor in enumerate(films.flux_coefficients)
+    ]
+
+    def apply(values: np.ndarray) -> np.ndarray:
+        slope_x, slope_y = along_x(to_x, values), along_y(to_y, values)
+        result = films.sigma * films.t_derivative(values)
+        for factor_x, factor_y, response in terms:
+            result += response * (
+                along_x(from_x, factor_x * slope_x) + along_y(from_y, factor_y * slope_y)
+            )
+        if np.any(speed):
+            result -= speed * along_x(slide, values)
+        return result
+
+    return apply
+
+
+def _preconditioner(films: Fields, *, adjoint: bool) -> Operator:
+    """Inverse of D Δ − σ ∂/∂T by diagonalisation, or its adjoint; D is the mean diffusivity."""
+    grid = films.grid
+    diffusivity = films.mobility * films.density / films.density_slope
+    strength = diffusivity[films.inner].mean(axis=(1, 2, 3), keepdims=True)
+    values_x, to_x, from_x = _eigenvectors(grid.x, adjoint=adjoint)
+    values_y, to_y, from_y = _eigenvectors(grid.y, adjoint=adjoint)
+    symbol = strength * np.add.outer(values_x, values_y / films.aspect**2)[..., None]
+    rate = films.sigma * np.arange(grid.nt // 2 + 1)
+    rate[..., -1] = 0  # as the sawtooth has no derivative on the nodes
+    inverse = 1 / (symbol + (1j if adjoint else -1j) * rate)
+
+    def apply(values: np.ndarray) -> np.ndarray:
+        modal = inverse * np.fft.rfft(along_y(to_y, along_x(to_x, values)))
+        return along_x(from_x, along_y(from_y, np.fft.irfft(modal, n=grid.nt)))
+
+    return apply
+
+
+@lru_cache(maxsize=64)
+def _eigenvectors(
+    axis: Axis | Around, *, adjoint: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Eigenvalues, analysis and synthesis of the second derivative, or of its adjoint."""
+    values, vectors, inverse = axis.modes
+    if adjoint:
+        ones = np.ones_like(values)
+        vectors, inverse = (
+            _adjoint(inverse, ones, axis.weights),
+            _adjoint(vectors, axis.weights, ones),
+        )
+    return values, inverse, vectors
+
+
+def _adjoint(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Adjoint of a matrix between spaces with such quadrature weights."""
+    return np.asarray(matrix.T * rows / columns[:, None])
+
+
+def gmres(apply: Operator, right: np.ndarray, *, tolerance: float | np.ndarray) -> np.ndarray:
+    """Solve ``apply(x) = right`` for each scene, first axis, by GMRES without restart.
+
+    A scene's answer does not depend on the others': it is that of the first iteration which is
+    good enough for it, and NaN where none of MOST_ITERATIONS is.
+    """
+    scenes, shape = len(right), right.shape
+    right = right.reshape(scenes, -1)
+    size = np.sqrt(total(right, right))
+    allowed = np.broadcast_to(tolerance * size, scenes)
+    found = np.where(size[:, None] == 0, 0.0, np.full_like(right, np.nan))
+    waiting = np.isfinite(size) & (size > 0)
+    basis = [_unit(right, size, waiting)]
+    hessenberg = np.zeros((scenes, 1, 0))
+    for step in range(1, MOST_ITERATIONS + 1):
+        if not waiting.any():
+            break
+        new = apply(basis[-1].reshape(shape)).reshape(scenes, -1)
+        hessenberg = np.pad(hessenberg, ((0, 0), (0, 1), (0, 1)))
+        for k, known in enumerate(basis):  # modified Gram–Schmidt (Paige et al. 2006)
+            hessenberg[:, k, -1] = part = total(known, new)
+            new -= part[:, None] * known
+        hessenberg[:, step, -1] = left = np.sqrt(total(new, new))
+        waiting &= np.isfinite(left)
+        q, r = np.linalg.qr(hessenberg, mode="complete")
+        goal = size[:, None] * q[:, 0]
+        done = np.flatnonzero(waiting & (np.abs(goal[:, step]) <= allowed))
+        if done.size:
+            shares = np.linalg.solve(r[done, :step], goal[done, :step, None])[..., 0]
+            found[done] = sum(shares[:, k, None] * basis[k][done] for k in range(step))
+            waiting[done] = False
+        basis.append(_unit(new, left, waiting))
+    return found.reshape(shape)
+
+
+def _unit(values: np.ndarray, size: np.ndarray, waiting: np.ndarray) -> np.ndarray:
+    """Values over their sizes; zeros for scenes that wait no more, or are not finite."""
+    scale = np.where(waiting & (size > 0), 1 / np.where(size > 0, size, 1.0), 0.0)
+    return np.where(waiting[:, None], values * scale[:, None], 0.0)

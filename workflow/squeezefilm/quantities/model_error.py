@@ -1,0 +1,494 @@
+"""The modelling error of a force: what the film equation neglects, effect by effect, in % of it.
+
+Every effect is taken at first order about the state of the scene's own equation on a coarse grid:
+one adjoint solve gives what any source of mass does to the mean force (adjoint.py), and the effects
+are such sources (first_order.py). An effect is good to about a fiftieth of itself as a first order;
+what that misses stands beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from math import isfinite, isnan, nan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from squeezefilm.film.finger import GapShape
+from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.validity import THICK_SIGMA
+from squeezefilm.io.tables import THIS_SCENE
+from squeezefilm.quantities import first_order
+from squeezefilm.quantities.adjoint import sensitivity
+from squeezefilm.quantities.first_order import ENTRANCE_LEAST, ENTRANCE_MOST, Answers
+from squeezefilm.quantities.states import alike, fields_of
+from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.solver import solve
+from squeezefilm.reynolds.terms import first_reason, terms_of
+from squeezefilm.reynolds.terms.heat import Heat
+from squeezefilm.reynolds.terms.inertia import Inertia
+from squeezefilm.reynolds.terms.term import Term
+
+# Relative error of the force of the states taken, and of the adjoint.
+GRID_TOLERANCE = 1e-3
+ADJOINT_TOLERANCE = 3e-5
+# By which an effect on such grids may be off, as a share of it; in layers of σ above 2e4 by more.
+OFF_ON_GRIDS = 1 / 50
+# Numbers of a field, all scenes together: more fall out of the caches. Scenes solved together.
+MOST_NUMBERS, MOST_SCENES = 2**15, 1024
+# What the first order misses, as a share of it for each unit of the modified Reynolds number, and
+# the growth of that with ε²: of strips with velocity and temperature resolved, ε 0.05 to 0.8
+# (tests/numerics/test_stored_strip.py).
+INERTIA_MISSED = (0.12, 0.13)
+HEAT_MISSED = (0.33, 0.58)
+# Of slip, for each unit of its coefficient 6 Kn (measured, σ 27–6e4, ε 0.05–0.6, Kn up to 0.07).
+SLIP_MISSED = 1.2
+# Of the rim, for each unit of C Re, and of that times ε: the lesser (strips with the rim's loss at
+# every order, σ 2–2e4, ε 0.05–0.95, up to 0.4 of the force).
+RIM_MISSED, RIM_MISSED_PER_EPSILON = 0.022, 0.04
+# Of the profile that passes, for each unit of the squared bearing number (marched on a strip).
+PASSING_MISSED = 4.0
+# The effects, by their names in tables, and in words.
+CALLED = {
+    "inertia": "inertia",
+    "heat": "heat",
+    "depth_averaged": "the error of depth-averaged terms",
+    "slip": "slip",
+    "kinetic": "what first-order slip lacks",
+    "rim": "the rim's entrance loss",
+    "bearing": "sliding",
+    "passing": "the profile that passes a sliding finger",
+}
+NAMES = tuple(CALLED)
+
+
+class Effect(NamedTuple):
+    """One effect on the mean force.
+
+    Attributes:
+        percent: of the force, at first order, that of a passing profile at second; NaN where it is
+            not known.
+        missed_percent: size of what higher orders add; NaN where that is not known.
+        included: the force has it already.
+        estimate: it is no first order, and may be smaller than what it misses.
+    """
+
+    percent: float
+    missed_percent: float = nan
+    included: bool = False
+    estimate: bool = False
+
+    @property
+    def usable(self) -> bool:
+        """Whether the first order is more than what it misses."""
+        return self.estimate or not abs(self.missed_percent) > abs(self.percent) / 2
+
+    @property
+    def off_percent(self) -> float:
+        """By how much it may be off: what higher orders add, and the coarse grids."""
+        return self.missed_percent + OFF_ON_GRIDS * abs(self.percent)
+
+
+UNKNOWN, NONE = Effect(nan), Effect(0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """The effects on one scene's force.
+
+    Attributes:
+        effects: by NAMES. ``inertia`` of the gas; ``heat`` of compression and friction, between
+            walls at ambient temperature; ``depth_averaged``, error of both as the scene has them;
+            ``slip``, by Fukui and Kaneko's flow factor, or as the scene has it; ``kinetic``, what
+            slip of first order lacks of that factor; ``rim``, entrance loss for the coefficient
+            C = 1, what its first order misses the share at the largest C; ``bearing`` of a finger
+            that slides, for a profile that stands under it; ``passing``, of the profile moving past
+            it.
+        basis: what the numbers are of, if not of the scene itself.
+        status: ``ok``, or why there are none.
+    """
+
+    effects: Mapping[str, Effect] = field(default_factory=lambda: dict.fromkeys(NAMES, UNKNOWN))
+    basis: str = ""
+    status: str = "ok"
+
+    @property
+    def known(self) -> ErrorBudget:
+        """The budget as if what is not known in it were nothing, and another pad this one."""
+        effects = {k: NONE if isnan(each.percent) else each for k, each in self.effects.items()}
+        return replace(self, basis="", effects=effects)
+
+    @property
+    def above_range(self) -> list[str]:
+        """The names of what is neglected and too large for a first order."""
+        effects = self.effects.items()
+        return [name for name, each in effects if not (each.usable or each.included)]
+
+    def sums(self, *, neglected_only: bool) -> tuple[float, float]:
+        """Lower and upper end of all effects together, or of those that the force does not have.
+
+        The band holds both ends of the rim's coefficient and by what the effects may be off, all in
+        one direction. NaN where an effect is not known, or is that of another pad.
+        """
+        if self.basis:
+            return nan, nan
+        some = [each for each in self.effects.values() if not (neglected_only and each.included)]
+        for_one, edge = sum(each.percent for each in some), self.effects["rim"]
+        ends = [for_one + (share - 1) * edge.percent for share in (ENTRANCE_LEAST, ENTRANCE_MOST)]
+        off = sum(each.off_percent for each in some) + (ENTRANCE_MOST - 1) * edge.off_percent
+        return min(ends) - off, max(ends) + off
+
+    @property
+    def modelling_error_percent(self) -> tuple[float, float]:
+        """Lower and upper end of all neglected effects together."""
+        return self.sums(neglected_only=True)
+
+
+NOT_FOUND = "what a source of mass does to the force was not found: GMRES did not converge"
+BASIS = "the flat rectangle inside, not of this pad"
+
+
+def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
+    """The budget of each scene's force.
+
+    A pad that is no rectangle is answered for the flat rectangle inside it, and says so. Every
+    effect is one about the film without inertia and heat, which are two of them.
+    """
+    found: list[ErrorBudget] = []
+    for first in range(0, len(scenes), MOST_SCENES):
+        some = scenes[first : first + MOST_SCENES]
+        found += map(_with_terms_of, _budgets([_plain(each) for each in some], device), some)
+    return found
+
+
+def _budgets(scenes: list[Scene], device: Device | None) -> list[ErrorBudget]:
+    found = {k: ErrorBudget(status="no vibration, no force") for k in range(len(scenes))}
+    moving = [k for k, scene in enumerate(scenes) if scene.epsilon]
+    solutions = solve(
+        [scenes[k] for k in moving],
+        tolerance=GRID_TOLERANCE,
+        method="periodic",
+        device=device,
+        keep_states=True,
+    )
+    found |= {k: ErrorBudget(status=each.status) for k, each in zip(moving, solutions, strict=True)}
+    solved = {k: each for k, each in zip(moving, solutions, strict=True) if each.states}
+    places, states = list(solved), list(solved.values())
+    films = [scenes[k] for k in places]
+    for group in alike(films, states, numbers=MOST_NUMBERS):
+        some = [films[k] for k in group]
+        shares = _shares(some, [states[k] for k in group], device)
+        for n, k in enumerate(group):
+            percent = {name: 100 * float(share[n]) for name, share in shares.items()}
+            found[places[k]] = _budget(some[n], percent)
+    return list(found.values())
+
+
+def _plain(scene: Scene) -> Scene:
+    """The scene without inertia and heat, or one like it with the flat rectangle in its pad."""
+    finger = scene.finger
+    if finger.shape != "rectangle":
+        finger = replace(
+            finger,
+            shape="rectangle",
+            contour=None,
+            length_x_m=finger.rectangle_within * finger.length_x_m,
+            length_y_m=finger.rectangle_within * finger.length_y_m,
+            gap=GapShape(),
+        )
+    return replace(scene, finger=finger, gas=replace(scene.gas, inertia="none", heat="none"))
+
+
+def _with_terms_of(budget: ErrorBudget, scene: Scene) -> ErrorBudget:
+    """The budget with what the scene's own force has of inertia and heat, and their error."""
+    own = {
+        name: budget.effects[name]._replace(included=getattr(scene.gas, name) == "included")
+        for name in OPEN
+    }
+    if budget.status == "ok":
+        own["depth_averaged"] = Effect(*depth_averaging_percent(scene), estimate=True)
+    basis = "" if scene.finger.shape == "rectangle" else BASIS
+    return replace(budget, effects={**budget.effects, **own}, basis=basis)
+
+
+def _shares(
+    scenes: list[Scene], solutions: list[Any], device: Device | None
+) -> dict[str, np.ndarray]:
+    """Change of the mean force by each effect, relative to it, of scenes of like terms."""
+    films = fields_of(scenes, solutions, grid=0)
+    with np.errstate(all="ignore"):
+        answers = Answers(films, sensitivity(films, tolerance=ADJOINT_TOLERANCE))
+        slip, kinetic = first_order.by_slip(scenes, films, answers)
+        changes = {
+            "inertia": first_order.by_inertia(scenes, films, answers),
+            "heat": first_order.by_heat(scenes, films, answers),
+            "slip": slip,
+            "kinetic": kinetic,
+            "rim": first_order.by_entrance(scenes, films, answers),
+        }
+        force = films.mean(films.overpressure)
+        shares = {name: change / force for name, change in changes.items()}
+        if any(scene.bearing_number for scene in scenes):
+            shares["bearing"], shares["passing"] = first_order.by_sliding(
+                scenes, films.grid, device=device or choose_device()
+            )
+    return shares
+
+
+def _budget(scene: Scene, percent: dict[str, float]) -> ErrorBudget:
+    """A scene's budget from its effects; without those that its gas does not allow."""
+    if not all(map(isfinite, percent.values())):
+        return ErrorBudget(status=NOT_FOUND)
+    reynolds, isothermal = scene.modified_reynolds, scene.gas.polytropic_exponent == 1
+    missed = {
+        "inertia": (INERTIA_MISSED[0] + INERTIA_MISSED[1] * scene.epsilon**2) * reynolds,
+        "heat": (HEAT_MISSED[0] + HEAT_MISSED[1] * scene.epsilon**2) * reynolds,
+        "slip": SLIP_MISSED * 6 * scene.knudsen,
+        "kinetic": SLIP_MISSED * 6 * scene.knudsen,
+        "rim": rim_missed(ENTRANCE_MOST * reynolds, scene.epsilon),
+        "bearing": 0.0,
+        "passing": PASSING_MISSED * scene.bearing_number**2,
+    }
+    included = {"slip": scene.gas.rarefaction != "none", "bearing": True}
+    effects = dict.fromkeys(NAMES, NONE) | {
+        name: Effect(each, missed[name] * abs(each), included.get(name, False))
+        for name, each in percent.items()
+    }
+    if not isothermal:  # an exponent stands for heat; a passing profile's is that of such a gas
+        effects |= dict.fromkeys(
+            ("heat", "passing") if "passing" in percent else ("heat",), UNKNOWN
+        )
+    return ErrorBudget(effects)
+
+
+def rim_missed(coefficient_reynolds: float, epsilon: float) -> float:
+    """What the rim's first order misses, as a share of it, for C Re."""
+    return coefficient_reynolds * min(RIM_MISSED, RIM_MISSED_PER_EPSILON * epsilon)
+
+
+# Mean force of a square piston at second order of small motion, over ε² and p0 times the pad's
+# area, with the depth-averaged terms and resolved across the gap: isothermal velocity; or, with
+# heat 1, temperature too (Pr 0.71, γ 1.4, κ 0.7; there the solver's averaged force at ε = 0.005).
+TABLE = Path(__file__).with_name("depth_averaged.csv")
+# Below THICK_SIGMA strips that resolve the profiles were compared up to this Re, and no further.
+MOST_REYNOLDS_THICK = 2.0
+# By how much the change may be off, as a share of the largest at the same Re, for ε → 0 and for
+# each unit of ε: 288 strips that resolve the profiles, piston and sinc, ε 0.02–0.8, σ 0.5–1e4.
+OFF, OFF_PER_EPSILON = 0.7, 1.0
+OFF_THICK, OFF_THICK_PER_EPSILON = 2.0, 5.0
+
+
+def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
+    """Return what resolving the profiles across the gap changes of a scene's force, and its error.
+
+    An estimate for depth-averaged inertia and heat, for which a parabola stands for each profile.
+    The error grows as Re² at first and depends little on the squeeze number. At Re 40 it is 2.9 to
+    11 %, too far from that at 20 to be interpolated: at small σ the force has resonances in Re.
+
+    Returns:
+        The change in per cent of the force, and by how much it may be off: other profiles and
+        amplitudes than the table's. 0 where the scene has neither term; NaN beyond the table's Re,
+        and beyond Re 2 below its σ. Where no sign is known, the change is 0 and may be off by its
+        size: below the table's σ, and for heat without inertia.
+    """
+    inertia, heat = (getattr(scene.gas, name) == "included" for name in OPEN)
+    reynolds, sigma = scene.modified_reynolds, scene.sigma
+    if not (inertia or heat):
+        return 0.0, 0.0
+    from scipy.interpolate import PchipInterpolator
+
+    thick = sigma < THICK_SIGMA
+    nodes, known, changes = _depth_averaging_errors(heat)
+    if reynolds > (MOST_REYNOLDS_THICK if thick else known[-1]):
+        return nan, nan
+    along = reynolds**2 * PchipInterpolator(known, changes)(max(reynolds, known[0]))
+    largest = float(np.abs(along).max())
+    if thick or not inertia:
+        return 0.0, largest * (OFF_THICK + OFF_THICK_PER_EPSILON * scene.epsilon)
+    change = float(np.interp(sigma**-0.5, nodes, along))
+    return change, largest * (OFF + OFF_PER_EPSILON * scene.epsilon)
+
+
+@lru_cache(maxsize=2)
+def _depth_averaging_errors(heat: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes in 1/√σ, rising from 0, Reynolds numbers, and the change in per cent over Re² there.
+
+    For thin layers the change goes by powers of 1/√σ, so that two columns give that of σ → ∞.
+    """
+    table = np.genfromtxt(TABLE, delimiter=",", names=True)
+    table = table[table["heat"] == heat]
+    reynolds, sigma = np.unique(table["reynolds"]), np.unique(table["sigma"])[::-1]
+    change = 100 * (table["resolved"] / table["averaged"] - 1) / table["reynolds"] ** 2
+    change, nodes = change.reshape(len(reynolds), -1)[:, ::-1], sigma**-0.5
+    slope = (change[:, 1] - change[:, 0]) / (nodes[1] - nodes[0])
+    change = np.column_stack([change[:, 0] - slope * nodes[0], change])
+    return np.append(0.0, nodes), reynolds, change
+
+
+# Change of the force, relative, from which on a term that is ``auto`` is included. An effect of
+# this share of it is included too: its first order is good to a few per cent where it is small.
+MODEL_TOLERANCE, NEARLY = 1e-3, 0.8
+# Terms that a study may leave to be decided, in the order in which they are.
+OPEN: dict[str, Term] = {"inertia": Inertia(), "heat": Heat()}
+
+
+def resolve_auto_terms(
+    scenes: Scenes | Sequence[Scene],
+    *,
+    model_tolerance: float = MODEL_TOLERANCE,
+    method: str = "auto",
+    device: Device | None = None,
+) -> Scenes | Sequence[Scene]:
+    """The scenes with each term of OPEN ``included`` or ``none`` in the place of ``auto``.
+
+    It is included where it changes the force by more than the tolerance, relative, or by what is
+    not known, or not by a first order; and excluded where the method or the scene's other terms do
+    not allow it, which the scene's budget shows.
+    """
+    if not any(map(_auto, scenes.films if isinstance(scenes, Scenes) else scenes)):
+        return scenes
+    found = [_closed(scene) for scene in scenes]
+    asked = {
+        k: [name for name in OPEN if name in _auto(scene) and not _refused(scene, name, method)]
+        for k, scene in enumerate(scenes)
+        if _auto(scene)
+    }
+    asked = {k: names for k, names in asked.items() if names}
+    budgets = error_budgets([found[k] for k in asked], device=device)
+    for (k, names), budget in zip(asked.items(), budgets, strict=True):
+        for name in names:
+            if _matters(budget, name, model_tolerance):
+                found[k] = with_term(found[k], name, "included")
+    return found
+
+
+def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
+    """What of a scene is ``auto`` and excluded whatever its size, with the reason, in words."""
+    return [
+        f"gas.{name} is auto and left out: {reason}"
+        for name in _auto(scene)
+        if (reason := _refused(scene, name, method))
+    ]
+
+
+def with_term(scene: Scene, name: str, choice: str) -> Scene:
+    """The scene with a term of OPEN ``included``, ``none`` or ``auto``."""
+    choices: dict[str, Any] = {name: choice}
+    return replace(scene, gas=replace(scene.gas, **choices))
+
+
+def _auto(scene: Any) -> list[str]:
+    return [name for name in OPEN if getattr(scene.gas, name) == "auto"]
+
+
+def _closed(scene: Scene) -> Scene:
+    """The scene without what is to be decided."""
+    for name in _auto(scene):
+        scene = with_term(scene, name, "none")
+    return scene
+
+
+def _refused(scene: Scene, name: str, method: str) -> str:
+    """Why a scene that had a term would not be solved by the method; empty where it would."""
+    scene = with_term(_closed(scene), name, "included")
+    if method == "composite":
+        derived = OPEN[name].expansion_numbers(scene) is not None
+        return "" if derived else "the composite expansion is not derived with it"
+    return first_reason(each.refused_on_grid(scene) for each in terms_of(scene))
+
+
+def _matters(budget: ErrorBudget, name: str, model_tolerance: float) -> bool:
+    if budget.status != "ok":
+        return True
+    effect = budget.effects[name]
+    reach = abs(effect.percent) + effect.missed_percent
+    return not (effect.usable and reach < 100 * NEARLY * model_tolerance)
+
+
+# Per cent of the force, from which on a neglected effect is spoken of, and from which on the error
+# of depth-averaged terms is shown.
+LEAST_PERCENT, LEAST_SHOWN = 0.5, 0.01
+ABOVE = " (first order, above its range)"
+
+
+def notes_of_budget(budget: ErrorBudget) -> list[str]:
+    """What is neglected and moves the force by half a per cent or more; or why that is unknown."""
+    if budget.status != "ok":
+        return [f"what the equation leaves out is not known: {budget.status}"]
+    basis = f"; of {budget.basis}" if budget.basis else ""
+    return [
+        f"left out: {_shown(name, effect)} of the force"
+        + f" (higher orders: {effect.missed_percent:.1g} %)" * (not effect.estimate)
+        + basis
+        for name, effect in budget.effects.items()
+        if not effect.included and _reach(name, effect) >= LEAST_PERCENT
+    ]
+
+
+def budget_text(budget: ErrorBudget) -> str:
+    """Every effect and their sum on one line."""
+    if budget.status != "ok":
+        return f"not known: {budget.status}"
+    shown = [
+        _shown(name, effect)
+        for name, effect in budget.effects.items()
+        if not (_reach(name, effect) < LEAST_SHOWN if effect.estimate else effect.percent == 0)
+    ]
+    lower, upper = budget.modelling_error_percent
+    neglected = "not known" if isnan(lower) else f"{_band(lower, upper)} with higher orders"
+    if budget.above_range:
+        neglected += f" (above the range of first orders: {', '.join(budget.above_range)})"
+    basis = f" (of {budget.basis})" if budget.basis else ""
+    return f"{', '.join(shown)}; left out in all {neglected}{basis}"
+
+
+def budget_row(budget: ErrorBudget) -> dict[str, object]:
+    """A budget as columns of a table, in per cent of the force.
+
+    ``…_missed_percent`` is the size of what higher orders add, where it is known; the rim is for
+    C = 1, and for the largest C in ``rim_most_percent``. The sums' ends are for both, and with all
+    that the effects may be off by. ``in_force`` names what the force has already, ``above_range``
+    what is too large for a first order.
+    """
+    row: dict[str, object] = {}
+    effects = budget.effects.items()
+    for name, effect in effects:
+        row[f"{name}_percent"] = effect.percent
+        if name != "bearing":
+            row[f"{name}_missed_percent"] = effect.missed_percent
+    row["rim_most_percent"] = ENTRANCE_MOST * budget.effects["rim"].percent
+    for what, only in (("sum", False), ("left_out", True)):
+        ends = budget.sums(neglected_only=only)
+        row[f"{what}_least_percent"], row[f"{what}_most_percent"] = ends
+    return row | {
+        "in_force": "; ".join(name for name, each in effects if each.included),
+        "above_range": "; ".join(name for name, each in effects if not each.usable),
+        "basis": budget.basis or THIS_SCENE,
+        "status": budget.status,
+    }
+
+
+def _reach(name: str, effect: Effect) -> float:
+    """Most that an effect may change, in per cent; NaN where it is not known."""
+    size = abs(effect.percent) * (ENTRANCE_MOST if name == "rim" else 1.0)
+    return size + effect.missed_percent * effect.estimate
+
+
+def _shown(name: str, effect: Effect) -> str:
+    label = CALLED[name].removeprefix("the ")
+    if isnan(effect.percent):
+        return f"{label} not known"
+    if effect.estimate:
+        return f"{label} about {effect.percent:+.2g} % ± {effect.missed_percent:.1g} %"
+    above = "" if effect.usable else ABOVE
+    if name == "rim":
+        ends = sorted((each * effect.percent for each in (ENTRANCE_LEAST, ENTRANCE_MOST)), key=abs)
+        return f"{label} {_band(*ends)}{above}"
+    return f"{label} {effect.percent:+.2g} %{', in it' if effect.included else ''}{above}"
+
+
+def _band(first: float, last: float) -> str:
+    return f"{first:+.2g} to {last:+.2g} %"

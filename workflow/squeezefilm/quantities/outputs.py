@@ -1,0 +1,576 @@
+"""Quantities beside the mean force, from the periodic state, each with an error: docs/outputs.md.
+
+All that are means over film and period ask of the pressure no more than p₀ + p₁ sin T + p₂ cos T at
+every point, for the gap that weighs them has no other harmonics: each is ⟨w (P − 1)⟩ of a weight
+w₀ + w₁ sin T + w₂ cos T, shape (3, Q). Forces are those of the gas on the finger; x and y are the
+actuator's axes, z points from the surface to the finger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import unexpected
+from squeezefilm.io.solution import OUTPUTS, Outputs, Solution, checked_outputs
+from squeezefilm.quantities.adjoint import with_rim
+from squeezefilm.quantities.derivatives import with_derivatives
+from squeezefilm.quantities.states import remainder, with_states
+from squeezefilm.reynolds.conformal_axis import Around
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUNDED
+from squeezefilm.reynolds.flux_points import flux_points
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.needs import needs_of
+from squeezefilm.reynolds.periodic.states import State
+from squeezefilm.reynolds.plan import plans_of
+from squeezefilm.reynolds.solver import solve
+from squeezefilm.reynolds.spectral import Axis, axis, period
+from squeezefilm.reynolds.terms.heat import Heat
+from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
+from squeezefilm.units import to_its_error
+
+# Below this, iterations would end in rounding; above, grids tell little of their errors.
+LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
+# A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
+TIGHTER, MOST_REPEATED = 1 / 30, 3
+# Scenes whose states are held at a time.
+TOGETHER = 128
+# No output changes less than this share of the largest change among those alike, each over its
+# size: it may agree by chance, or be small because its parts cancel.
+SHARE_OF_OTHERS = 0.3
+# An extreme is one value of a polynomial, which nothing averages: the worst of 600 random films at
+# 1e-2 needed 2.8 times what its change and the iteration left.
+EXTREMES = 4.0
+# Distance of the points whose gaps' difference is a slope, of the finger's length: waves as long as
+# a tenth of it are missed by 4e-9, and as little is rounded where the surface hardly moves.
+SLOPE_STEP = 3e-4
+# Of a field, what rounding leaves of an odd one that is made even.
+ODD_ROUNDED = 1e-9
+# Motion with cos ωt over ε that counts as none.
+NEGLIGIBLE = 1e-14
+# Cosine moments along each side, and first harmonics of them, that stand by the outputs: the change
+# of an output from grid to grid may be small by chance, that of all these hardly.
+MOMENTS, GUARD, FORCE = 3, "guard", "force"
+FROM_STATE = frozenset(OUTPUTS) - {"static_stiffness"}
+QUARTERS = np.pi / 2 * np.arange(4)
+
+
+def with_outputs(
+    scenes: Sequence[Scene],
+    solutions: Sequence[Solution],
+    *,
+    outputs: Sequence[str],
+    tolerance: float,
+    device: Device | None = None,
+) -> list[Solution]:
+    """The scenes' forces, as ``solve`` gave them, with outputs, by the states if it kept them.
+
+    They are those of the periodic state, by whichever method its force was found. Where their
+    errors are above the tolerance, states to a tighter one are solved for.
+    """
+    asked = checked_outputs(outputs)
+    if not asked:
+        return list(solutions)
+    found = [
+        Outputs(refused={} if isfinite(each.force_n) else dict.fromkeys(OUTPUTS, "no force"))
+        for each in solutions
+    ]
+    known = [k for k, each in enumerate(solutions) if isfinite(each.force_n)]
+    for first in range(0, len(known), TOGETHER):
+        some = known[first : first + TOGETHER]
+        films, forces = [scenes[k] for k in some], [solutions[k] for k in some]
+        parts = [Outputs()] * len(some)
+        if FROM_STATE & set(asked):
+            within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
+            parts = _from_states(films, forces, tolerance=within, device=device)
+        if "static_stiffness" in asked:
+            more = static_stiffness(films, forces, tolerance=tolerance, device=device)
+            parts = [one.beside(other) for one, other in zip(parts, more, strict=True)]
+        for k, part in zip(some, parts, strict=True):
+            found[k] = part
+    return [
+        replace(solution, outputs=each.only(asked))
+        for solution, each in zip(solutions, found, strict=True)
+    ]
+
+
+def outputs_text(outputs: Outputs) -> list[str]:
+    """A line for each number that is known, and one for each output that is refused."""
+    shown = [
+        "{}: {} ± {} {}".format(name, *to_its_error(outputs.value[name], outputs.error[name]), unit)
+        for output in outputs.asked
+        for name, (_, unit) in OUTPUTS[output].items()
+        if name in outputs.value
+    ]
+    return shown + [f"{name}: none, {reason}" for name, reason in outputs.refused.items()]
+
+
+def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
+    """Why outputs will be missing, or parts of them, as far as that is known before solving.
+
+    By their names in OUTPUTS. Inertia must be decided.
+    """
+    within = min(max(tolerance, LEAST_TOLERANCE), MOST_TOLERANCE)
+    plans = plans_of(needs_of(scene), tolerance=within, method="periodic")
+    return dict.fromkeys(OUTPUTS, plans[0].refused) if plans else _without_formula(scene)
+
+
+def _without_formula(scene: Scene) -> dict[str, str]:
+    """Why an output is missing, or a part of it, by its name in OUTPUTS."""
+    found = {}
+    if scene.epsilon == 0:
+        found["harmonics"] = "stiffness and damping are not known of a surface at rest"
+    elif np.abs(gap_motion(scene, *scene.inside())[2]).max() > NEGLIGIBLE * scene.epsilon:
+        found["harmonics"] = "stiffness and damping are of a surface that moves in one phase"
+    if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
+        found["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
+    return found
+
+
+def _from_states(
+    scenes: Sequence[Scene],
+    solutions: Sequence[Solution],
+    *,
+    tolerance: float,
+    device: Device | None,
+) -> list[Outputs]:
+    """All outputs that follow from a periodic state, or why there are none."""
+    found: dict[int, Outputs] = {}
+    waiting, solved = list(range(len(scenes))), list(solutions)
+    for repeated in range(1 + MOST_REPEATED):
+        within = tolerance * TIGHTER**repeated
+        films = [scenes[k] for k in waiting]
+        solved = with_states(films, solved, tolerance=within, device=device)
+        further = []
+        for k, solution in zip(waiting, solved, strict=True):
+            if not solution.states:
+                found.setdefault(k, _refused(solution.status))
+                continue
+            try:
+                found[k], holds = _outputs_of(scenes[k], solution, tolerance=tolerance)
+            except Exception as error:  # that of one film is no one else's
+                found[k], holds = _refused(unexpected(error)), True
+            if not holds:
+                further.append(k)
+        waiting, solved = further, [Solution(status="", method="periodic") for _ in further]
+        if not waiting:
+            break
+    return [found[k] for k in range(len(scenes))]
+
+
+def _refused(reason: str) -> Outputs:
+    return Outputs(refused=dict.fromkeys(FROM_STATE, reason))
+
+
+def _outputs_of(scene: Scene, solution: Solution, *, tolerance: float) -> tuple[Outputs, bool]:
+    """Outputs of a film from its states on two grids, and whether they hold the tolerance."""
+    before, film = (sample_of(scene, state) for state in solution.states)
+    factor, left = remainder(scene, solution, tolerance=tolerance)
+    largest = max(film.largest, -film.least)
+    left += ROUND_OFF * largest
+    # What rounding and the iteration leave is no reason for a finer grid.
+    rounded = ROUNDED * ROUND_OFF * largest / (1 - scene.closure())
+    coarse, fine = weights_of(before), weights_of(film)
+    value = {name: film.mean(weight) for name, weight in fine.items()}
+    size = {name: film.size(weight) for name, weight in fine.items()}
+    error, holds, least = dict.fromkeys(value, 0.0), True, 0.0
+    for first_harmonics in (False, True):
+        # Those that ask for harmonics are of first order in the amplitude, the others of second.
+        alike = [n for n, w in fine.items() if bool(np.any(w[1:])) == first_harmonics and size[n]]
+        change = {n: abs(value[n] - before.mean(coarse[n])) / size[n] for n in alike}
+        scale = max((abs(value[n]) / size[n] for n in alike), default=0.0)
+        most = max(change.values(), default=0.0)
+        least = max(least, SHARE_OF_OTHERS * most)
+        holds &= factor * most <= tolerance * scale + rounded + left
+        for n in alike:
+            error[n] = size[n] * (factor * max(change[n], SHARE_OF_OTHERS * most) + left)
+    refused = _without_formula(scene)
+    _add_extremes(before, film, value, error, left=left, factor=factor, least=least)
+    _add_centre(value, error)
+    if "harmonics" not in refused:
+        speed = scene.hv_m * scene.actuator.angular_frequency_rad_per_s
+        for name, part, per in (
+            ("film_stiffness", "force_sin", scene.hv_m),
+            ("film_damping", "force_cos", speed),
+        ):
+            value[name], error[name] = -value[part] / per, error[part] / per
+    _add_shear(before, film, value, error, factor=factor, least=least)
+    names = {name for output in OUTPUTS if output not in refused for name in OUTPUTS[output]}
+    names |= {"force_sin", "force_cos"}
+    known = [name for name in value if name in names]
+    return Outputs(
+        value={n: value[n] for n in known}, error={n: error[n] for n in known}, refused=refused
+    ), holds
+
+
+def _add_extremes(
+    before: Sample,
+    film: Sample,
+    value: dict[str, float],
+    error: dict[str, float],
+    *,
+    left: float,
+    factor: float,
+    least: float,
+) -> None:
+    ambient = film.scene.gas.ambient_pressure_pa
+    change = max(
+        abs(film.largest - before.largest),
+        abs(film.least - before.least),
+        least * max(film.largest, -film.least),
+    )
+    for name in ("largest", "least"):
+        value[f"{name}_overpressure"] = ambient * getattr(film, name)
+        error[f"{name}_overpressure"] = ambient * EXTREMES * (factor * change + left)
+
+
+def _add_centre(value: dict[str, float], error: dict[str, float]) -> None:
+    """Where the mean force acts; nowhere to be told without a force."""
+    force, doubt = value[FORCE], error[FORCE]
+    for name, moment, sign in (("centre_x", "moment_y", -1), ("centre_y", "moment_x", 1)):
+        if abs(force) > 2 * doubt:
+            value[name] = sign * value[moment] / force
+            error[name] = (error[moment] + abs(value[name]) * doubt) / (abs(force) - doubt)
+
+
+def _add_shear(
+    before: Sample,
+    film: Sample,
+    value: dict[str, float],
+    error: dict[str, float],
+    *,
+    factor: float,
+    least: float,
+) -> None:
+    """To the thrust what a sliding surface drags, and what gas with inertia takes over the rim."""
+    scene = film.scene
+    drag = _couette(film)
+    slip = 2 * scene.slip_knudsen
+    change = max(abs(drag - _couette(before)), least * slip * abs(drag))  # slip goes by the density
+    doubt = factor * change + ROUND_OFF * abs(drag)
+    value["sliding_friction"], error["sliding_friction"] = drag, doubt
+    parts = [(drag, doubt), (0.0, 0.0)]
+    if scene.gas.inertia == "included":  # half of what leaves is taken from the finger
+        # Share of it that warm gas would change: twice its warming where it streams.
+        heats = scene.gas.heat == "included"
+        warm = 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20 if heats else 0
+        for k, (coarse, fine) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
+            doubt = factor * abs(fine - coarse) + warm * abs(fine)
+            parts[k] = parts[k][0] - fine / 2, parts[k][1] + doubt / 2
+    x, y = scene.finger.turned(1.0, 0.0)
+    for (part, doubt), shares in zip(parts, ((x, y), (-y, x)), strict=True):
+        for name, share in zip(("thrust_x", "thrust_y"), shares, strict=True):
+            value[name] += share * part
+            error[name] += abs(share) * doubt
+
+
+def _couette(film: Sample) -> float:
+    """μ U ⟨1/(h + 2 σ λ)⟩ times the area: of a wall that drags the gas, with slip at both walls."""
+    scene = film.scene
+    if scene.bearing_number == 0:
+        return 0.0
+    gap = scene.gap(film.x, film.y, film.phases)
+    if scene.gas.rarefaction == "slip":
+        density = (1 + film.overpressure) ** (1 / scene.gas.polytropic_exponent)
+        gap = gap + 2 * scene.slip_knudsen / density
+    shear = scene.gas.viscosity_pa_s * scene.finger.speed_x_m_per_s / scene.h0_m
+    return float(shear * scene.finger.area_m2 * (film.weights @ (1 / gap)).mean())
+
+
+def weights_of(film: Sample) -> dict[str, np.ndarray]:
+    """By the names in OUTPUTS (io/solution.py); ``force`` and the guards beside them."""
+    scene, finger = film.scene, film.scene.finger
+    force = scene.force_scale_n
+    one, nothing = np.ones_like(film.x), np.zeros_like(film.x)
+    x, y = finger.turned((film.x - 0.5) * finger.length_x_m, (film.y - 0.5) * finger.length_y_m)
+    _, sine, cosine = film.gap
+    speed = scene.h0_m * scene.actuator.angular_frequency_rad_per_s
+    # Shear at the finger's wall by the flow that pressure drives, −(h/2) ∇p, in the mean over the
+    # pad ½ ⟨p ∇h⟩ as p vanishes on the rim; and pressure on the wall's own slope, −⟨p ∇g⟩, g being
+    # the gap at rest.
+    lengths = finger.length_x_m, finger.length_y_m
+    thrust_x, thrust_y = finger.turned(
+        *(
+            slope / length * np.array([-0.5, 0.5, 0.5])[:, None]
+            for slope, length in zip(film.slopes, lengths, strict=True)
+        )
+    )
+    found = {
+        FORCE: force * np.stack([one, nothing, nothing]),
+        "moment_x": force * np.stack([y, nothing, nothing]),
+        "moment_y": force * np.stack([-x, nothing, nothing]),
+        # F₁ of F₀ + F₁ sin T + F₂ cos T is twice the mean with sin T.
+        "force_sin": 2 * force * np.stack([nothing, one, nothing]),
+        "force_cos": 2 * force * np.stack([nothing, nothing, one]),
+        # −p ∂h/∂t, the work that the surface does against the pressure.
+        "power": force * speed * np.stack([nothing, cosine, -sine]),
+        "thrust_x": force * scene.h0_m * thrust_x,
+        "thrust_y": force * scene.h0_m * thrust_y,
+    }
+    for k in range(MOMENTS):
+        for n in range(MOMENTS):
+            wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
+            found |= {f"{GUARD} {k} {n} {part}": unit[:, None] * wave for part, unit in PARTS}
+    return {name: film.symmetric(weight) for name, weight in found.items()}
+
+
+PARTS = tuple(enumerate(np.eye(3)))
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One film at points of quadrature.
+
+    Attributes:
+        x, y: points across the pad in [0, 1], shape (Q,).
+        weights: of the mean over the pad, sum 1.
+        overpressure: P − 1 at the points and equidistant instants from phase 0, (Q, instants).
+        largest, least: of P − 1 over pad and period.
+        images: the places of each point's mirror images among the points, itself included.
+        momentum_n: what leaves over the rim along the finger's x and y, of a gas with inertia.
+    """
+
+    scene: Scene
+    x: np.ndarray
+    y: np.ndarray
+    weights: np.ndarray
+    overpressure: np.ndarray
+    largest: float
+    least: float
+    images: list[np.ndarray]
+    momentum_n: tuple[float, float]
+
+    @cached_property
+    def phases(self) -> np.ndarray:
+        return period(self.overpressure.shape[1]).nodes
+
+    @cached_property
+    def pressure(self) -> np.ndarray:
+        """p₀, p₁, p₂, shape (3, Q)."""
+        phases = self.phases
+        parts = np.stack([np.ones_like(phases), 2 * np.sin(phases), 2 * np.cos(phases)])
+        return np.asarray((self.overpressure @ parts.T).T / len(phases))
+
+    @cached_property
+    def gap(self) -> np.ndarray:
+        """The gap over h0 likewise."""
+        return gap_motion(self.scene, self.x, self.y)
+
+    @cached_property
+    def slopes(self) -> tuple[np.ndarray, np.ndarray]:
+        """The gap's derivatives along the finger's x and y, over its lengths: each (3, Q)."""
+        return self._slope(SLOPE_STEP, 0.0), self._slope(0.0, SLOPE_STEP)
+
+    def _slope(self, in_x: float, in_y: float) -> np.ndarray:
+        """By a difference of fourth order, for which the profile is asked beyond the rim too."""
+        far, near, after, beyond = (
+            gap_motion(self.scene, self.x + k * in_x, self.y + k * in_y) for k in (-2, -1, 1, 2)
+        )
+        return np.asarray((8 * (after - near) - (beyond - far)) / (12 * (in_x + in_y)))
+
+    def symmetric(self, field: np.ndarray) -> np.ndarray:
+        """What a mean with the pressure, even where the film is, has of a field (..., Q)."""
+        seen = np.mean([field[..., image] for image in self.images], axis=0)
+        odd = np.abs(seen).max() < ODD_ROUNDED * np.abs(field).max()
+        return np.zeros_like(field) if odd else np.asarray(seen)
+
+    def mean(self, weight: np.ndarray) -> float:
+        """⟨w (P − 1)⟩ over pad and period, for w₀ + w₁ sin T + w₂ cos T, shape (3, Q)."""
+        return float(_product(weight, self.pressure) @ self.weights)
+
+    def size(self, weight: np.ndarray) -> float:
+        """Root of the mean square of such a weight."""
+        return float(np.sqrt(_product(weight, weight) @ self.weights))
+
+
+def _product(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Mean over the period of two fields of three parts, shape (Q,)."""
+    return np.asarray(one[0] * other[0] + (one[1] * other[1] + one[2] * other[2]) / 2)
+
+
+def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The gap over h0 at rest, its motion with sin T and with cos T, shape (3, ...)."""
+    at_0, at_90, at_180, at_270 = np.moveaxis(scene.gap(x, y, QUARTERS), -1, 0)
+    return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
+
+
+def sample_of(scene: Scene, state: State) -> Sample:
+    """A film at all nodes of its state's grid, those of the rim and of mirror images among them.
+
+    In an outline's coordinates each place lies at two points.
+    """
+    grid, field = state.grid, state.unknowns[0]
+    first, outline = axis(grid.x.full_points, folded=False), grid.outline
+    second: Axis | Around
+    mirrored: list[Any]
+    if grid.x.folded:  # the other half is its image
+        field = np.concatenate([field, np.flip(field, axis=0)])
+    if outline:
+        second = grid.around
+        field = np.pad(field[:, second.unfolded], [(1, 1), (0, 0), (0, 0)])
+        u, v = np.meshgrid(first.all_nodes, second.all_nodes, indexing="ij")
+        density = outline.stretch(outline.rim * (2 * u - 1), v) / outline.mean_stretch
+        weights = with_rim(first).weights[:, None] * density / len(second.all_nodes)
+        x, y = outline.positions(u.ravel(), v.ravel())
+        mirrored = list(second.mirrored)
+    else:
+        second = axis(grid.y.full_points, folded=False)
+        if grid.y.folded:
+            field = np.concatenate([field, np.flip(field, axis=1)], axis=1)
+        field = np.pad(field, [(1, 1), (1, 1), (0, 0)])
+        weights = np.multiply.outer(with_rim(first).weights, with_rim(second).weights)
+        x, y = grid.positions
+        mirrored = [slice(None, None, -1)] * grid.y.folded
+    places = np.arange(weights.size).reshape(weights.shape)
+    images = [places, np.flip(places, axis=0)] if grid.x.folded and not outline else [places]
+    for order in mirrored:
+        images += [each[:, order] for each in images]
+
+    def at(u: np.ndarray, v: np.ndarray, phases: np.ndarray) -> np.ndarray:
+        in_u = np.einsum("pa,abi->pbi", first.to_points(u), field)
+        return np.asarray(second.to_points(v) @ in_u @ grid.t.at(phases).T)
+
+    nodes = first.all_nodes, second.all_nodes, grid.t.nodes
+    return Sample(
+        scene,
+        x=x,
+        y=y,
+        weights=weights.ravel(),
+        overpressure=field.reshape(-1, grid.nt),
+        largest=_extreme(field, nodes, at, around=bool(outline)),
+        least=-_extreme(-field, nodes, lambda *where: -at(*where), around=bool(outline)),
+        images=[image.ravel() for image in images],
+        momentum_n=momentum_out(scene, grid, state.unknowns)
+        if scene.gas.inertia == "included"
+        else (0.0, 0.0),
+    )
+
+
+def _extreme(
+    field: np.ndarray, nodes: tuple[np.ndarray, ...], at: Callable[..., np.ndarray], *, around: bool
+) -> float:
+    """The largest value near the largest at the nodes, of what interpolates them."""
+    from scipy.optimize import minimize
+
+    best = np.unravel_index(int(np.argmax(field)), field.shape)
+    start = np.array([float(each[k]) for each, k in zip(nodes, best, strict=True)])
+    # On the rim of the pad the pressure is ambient: no extreme but that of a film at rest.
+    free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
+    size = np.abs(field).max() or 1.0
+    found = minimize(
+        lambda place: -at(*place[:, None]).item() / size,
+        start,
+        bounds=free,
+        options={"ftol": 1e-13},
+    )
+    return float(max(field[best], -size * found.fun))
+
+
+def momentum_out(scene: Scene, grid: Grid, unknowns: np.ndarray) -> tuple[float, float]:
+    """Momentum ⟨∮ρ h β ū ū·n⟩ that a gas with inertia carries over the rim, in newtons.
+
+    The momentum equation integrated over gap, pad and period says that both walls together give the
+    gas ⟨∫h∇p⟩ and what leaves over the rim, β = 6/5 for a parabola across the gap; and each gives
+    half, for the flow is even about the middle of the gap. On a strip with the velocity resolved
+    across the gap that was true of the shear at the wall to 2e-6, 1e-5 and 3e-4 of it at Re 0.45,
+    1.8 and 7.2, where what leaves is 1.7, 7 and 30 % of the shear (tests/numerics/test_outputs.py
+    at the git tag verification-2026-11).
+
+    Args:
+        unknowns: overpressure and the velocity's deficits along x and y (terms/inertia.py), shape
+            (3, nx, ny, nt).
+    """
+    speed = scene.actuator.angular_frequency_rad_per_s * scene.finger.length_x_m
+    sides_m = scene.finger.length_y_m, scene.finger.length_x_m
+    found = []
+    for which, (along, side_m) in enumerate(zip((grid.y, grid.x), sides_m, strict=True)):
+        if (grid.x, grid.y)[which].folded:
+            found.append(0.0)  # as much leaves on both sides, to both sides
+            continue
+        gap, velocity = at_ends(scene, grid, unknowns, which=which)
+        # Mean square of a velocity across the gap over the square of its mean: with slip it is
+        # ζ(1 − ζ) + Kn/H, ζ across the gap. There the gas has ambient density.
+        slip = _slip(scene) / 6 / gap
+        spread = (1 / 30 + slip / 3 + slip**2) / (1 / 6 + slip) ** 2
+        each = (spread * gap * velocity**2).mean(axis=-1) @ along.weights
+        density = scene.gas.density_kg_per_m3
+        found.append(float(each[1] - each[0]) * density * speed**2 * scene.h0_m * side_m)
+    return found[0], found[1]
+
+
+def at_ends(
+    scene: Scene, grid: Grid, unknowns: np.ndarray, *, which: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gap over h0 and mean velocity over ω l0 at both ends of an axis that is not folded.
+
+    Along the axis ``which``, 0 or 1, at the nodes of the other one: each (2, nodes, nt).
+    """
+    along, other = (grid.x, grid.y) if which == 0 else (grid.y, grid.x)
+    length = 1.0 if which == 0 else scene.aspect
+    pressure, deficit = (np.moveaxis(unknowns[k], which, 0) for k in (0, 1 + which))
+    ends = np.array([0.0, 1.0])
+    slope = np.tensordot(along.derivative[[0, -1], 1:-1] / length, pressure, axes=1)
+    missing = np.tensordot(flux_points(along.points, folded=False).at(ends), deficit, axes=1)
+    places = np.meshgrid(ends, other.nodes, indexing="ij")
+    x, y = places if which == 0 else places[::-1]
+    gap = scene.gap(x, y, grid.t.nodes)
+    return gap, -gap * (gap + _slip(scene)) / scene.sigma * slope - missing
+
+
+def _slip(scene: Scene) -> float:
+    """6 Kn of first-order slip."""
+    return sum(flow_coefficients(scene)[1:])
+
+
+# Half the distance of numbers in a difference quotient, relative; taken once more twice as wide,
+# whose difference bounds what the quotient misses.
+STEP, AROUND = 0.01, (-2, -1, 1, 2)
+
+
+def quotient(forces: Sequence[float], errors: Sequence[float], unit: float) -> tuple[float, float]:
+    """Fall of a force per rise of a number and its error, from forces at unit (1 + k STEP)."""
+    a, b, c, d = forces
+    narrow, wide = (b - c) / (2 * STEP * unit), (a - d) / (4 * STEP * unit)
+    # The wide quotient misses four times what the narrow one does.
+    noise = (errors[1] + errors[2]) / (2 * STEP * unit)
+    return narrow + (narrow - wide) / 3, abs(narrow - wide) / 3 + 4 / 3 * noise
+
+
+def static_stiffness(
+    scenes: Sequence[Scene],
+    solutions: Sequence[Solution],
+    *,
+    tolerance: float,
+    device: Device | None,
+) -> list[Outputs]:
+    """−∂F/∂h0 with the amplitude kept, by the force's derivative, or by a quotient of four forces.
+
+    The scenes' terms must be decided (model_error.py).
+    """
+    name, found = "static_stiffness", []
+    for scene, solution in zip(
+        scenes,
+        with_derivatives(scenes, solutions, tolerance=tolerance, device=device),
+        strict=True,
+    ):
+        known = solution.derivatives
+        if known and known.status == "ok":
+            value, error = -known.value["h0_m"], known.error["h0_m"]
+        else:
+            moved = [replace(scene, h0_m=scene.h0_m * (1 + k * STEP)) for k in AROUND]
+            forces = solve(moved, tolerance=tolerance, device=device)
+            if bad := next((each.status for each in forces if each.status != "ok"), ""):
+                reason = f"no force at a gap within {2 * STEP:.0%}: {bad}"
+                found.append(Outputs(refused={name: reason}))
+                continue
+            errors = [each.force_error_n for each in forces]
+            value, error = quotient([each.force_n for each in forces], errors, scene.h0_m)
+        found.append(Outputs(value={name: value}, error={name: error}))
+    return found

@@ -1,0 +1,85 @@
+"""The pressure under a finger over a period, at wanted places: what a force is the mean of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from squeezefilm.film.finger import Finger
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.errors import RunError
+from squeezefilm.reynolds.device import Device
+from squeezefilm.reynolds.periodic.states import State
+from squeezefilm.reynolds.solver import solve
+from squeezefilm.reynolds.spectral import period
+
+# The pressure at a place is known to about half the digits of its mean: the force is solved for to
+# a power of the tolerance, then to a tenth of that, until no value changes by more than it.
+POWER, LEAST_TOLERANCE, MOST_REPEATED = 1.75, 1e-10, 3
+NO_STATE = "no periodic state was found in which the pressure holds the tolerance at every place"
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Overpressure P − 1 in units of the ambient pressure.
+
+    Attributes:
+        values: at each instant and place, shape (instants, ny, nx); NaN outside the pad.
+        change: largest change of a value by the last refinement, in the same unit.
+    """
+
+    values: np.ndarray
+    change: float
+
+
+def pressure(
+    scene: Scene,
+    *,
+    x: np.ndarray,
+    y: np.ndarray,
+    instants: int,
+    tolerance: float,
+    device: Device,
+) -> Pressure:
+    """The periodic film's overpressure at places x (nx,) and y (ny,) in [0, 1] across the finger.
+
+    ``instants`` are equidistant from phase 0 on. No value changes by more than ``tolerance`` of the
+    largest from the last grid but one to the last. Inertia must be decided (model_error.py).
+    Raises RunError saying why there is no such pressure.
+    """
+    for repeated in range(1 + MOST_REPEATED):
+        (solution,) = solve(
+            [scene],
+            tolerance=max(tolerance**POWER, LEAST_TOLERANCE) * 0.1**repeated,
+            method="periodic",
+            device=device,
+            keep_states=True,
+        )
+        if not solution.states:
+            raise RunError(f"{NO_STATE}: {solution.status}" if repeated else solution.status)
+        before, values = (
+            _at(state, finger=scene.finger, x=x, y=y, instants=instants)
+            for state in solution.states
+        )
+        change = float(np.nanmax(np.abs(values - before)))
+        if change <= tolerance * np.nanmax(np.abs(values)):
+            return Pressure(values, change)
+    raise RunError(NO_STATE)
+
+
+def _at(state: State, *, finger: Finger, x: np.ndarray, y: np.ndarray, instants: int) -> np.ndarray:
+    """A state at other places and instants: (instants, y, x)."""
+    grid, field = state.grid, state.unknowns[0]
+    in_time = period(grid.nt).interpolation_to(period(instants))
+    if grid.outline is None:
+        along_x, along_y = grid.x.at(x), grid.y.at(y)
+        return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, field, optimize=True)
+    across, along = np.meshgrid(x, y)
+    inside = finger.within(across, along)
+    u, v = grid.outline.coordinates(across[inside], along[inside])
+    found = np.einsum("xa,abi->xbi", grid.x.at(u), field)
+    found = np.einsum("xb,xbi->xi", grid.y.at(v), found)
+    values = np.full((instants, *across.shape), np.nan)
+    values[:, inside] = in_time @ found.T
+    return values

@@ -1,1 +1,0 @@
-"""Answers beside the mean force, from the same periodic state: see docs/outputs.md."""
