@@ -67,12 +67,6 @@ def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(table):
     assert value(table, part, judged) > 1.7
 
 
-def test_points_that_the_paper_s_equation_finds_are_as_good_where_theta_is_the_same(table):
-    efficiency = table[table["quantity"].str.startswith("D-efficiency")]
-    assert len(efficiency) == 3
-    assert np.allclose(efficiency[["paper_equation", "with_inertia"]], 1)
-
-
 def test_points_of_one_gap_but_for_rounding_keep_their_order(study, other):
     path = other.folder / "designs/two_factor.csv"
     points = pd.read_csv(path)

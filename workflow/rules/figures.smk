@@ -121,26 +121,6 @@ CATEGORIES = {
 }
 
 
-def in_report(place):
-    """A figure's drawing as the report lists it: the paper's by their numbers."""
-    folder, name = place.split("/")
-    labels = {"shows": FIGURES[place]}
-    if folder == "figures":
-        labels = {"figure": name.replace("fig", "Fig. ").replace("_", " "), **labels}
-    caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
-    return report(
-        f"<results>/{place}.svg",
-        category=CATEGORIES[folder],
-        labels=labels,
-        caption=f"../report/captions/{caption.get(folder, name)}.rst",
-    )
-
-
-def numbered(places):
-    """Those of the paper's numbered figures, which keep the table that they draw."""
-    return [place for place in places if place.startswith("figures/fig")]
-
-
 for page, (places, files) in PAGES.items():
 
     rule:
@@ -193,7 +173,7 @@ for place, files in {
 
     rule:
         name:
-            f"draw_{place.replace('/', '_')}"
+            f"draw_{Path(place).parent}_{Path(place).name}"
         input:
             expand("<results>/{file}", file=files),
         output:

@@ -31,7 +31,7 @@ SOURCES = {
     "solver": [*_library("cli", "designs", "models"), "squeezefilm/designs/box.py"],
     "models": MODELS,
     "verification": [*MODELS, "verification"],
-    "figures": [*MODELS, "paper", "reporting"],
+    "figures": [*MODELS, "paper", "report", "reporting"],
 }
 """The folders and files, below workflow/, that decide the numbers of a stage, but its scripts."""
 

@@ -118,10 +118,8 @@ class Study(Film):
         settings = self._settings(None, None)
         scenes = scenes_in(points, self.config)
         solutions = solve(settings.resolved(scenes, self.device), **settings.how(self.device))
-        columns = {
-            name: [getattr(solution, name) for solution in solutions]
-            for name in ("force_n", "force_error_n", "status", "left_out")
-        }
+        found = solutions.to_frame(points.index)
+        columns = found[["force_n", "force_error_n", "status", "left_out"]]
         return points.assign(**columns), with_limits(points, scenes) if limits else None
 
     def _scan_error(self) -> float:

@@ -22,6 +22,7 @@ that the validation sample gives (`squeezefilm predict`), and where it comes fro
 """
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 
 import pandas as pd
@@ -105,7 +106,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
     """A run as a table's row, a column for each parameter."""
-    plain = fit.to_dict()
+    plain = asdict(fit)
     theta = dict(zip(model.parameter_names, plain.pop("theta"), strict=True))
     search = {f"search_{k}": v for k, v in zip(theta, plain.pop("search_theta"), strict=True)}
     return {**plain, **theta, **search}

@@ -217,7 +217,11 @@ def efficiencies(
 
 
 def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
-    """The local design's sensitivity over the space in two panels, and its points."""
+    """The local design's sensitivity over the space in two panels, and its points.
+
+    Over gap and amplitude it is the largest over positions; over the position that of the smallest
+    gap and the largest amplitude.
+    """
     box = study.space.box
     own = study.derivatives(local.points)
     layers = {"design": local.points}
@@ -257,14 +261,7 @@ def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
             seen = ["layer", *(["h0_um", "hv_um"] if layer == "gap" else ["x_mm", "y_mm"])]
             part = part.groupby(seen)[["sensitivity"]].max().reset_index()
         parts.append(part)
-    note = (
-        f"Model {study.model.name}: sensitivity d(x)/p of the locally D-optimal design, nowhere "
-        "above one and one at its points (circles, their area the weight), as the equivalence "
-        f"theorem asks; D-efficiency at least {np.floor(1e6 * (local.certificate or 0)) / 1e6:.6f}."
-    )
-    if "position" in layers:
-        note += " Left: largest over positions; right: smallest gap, largest amplitude."
-    return pd.concat(parts, ignore_index=True).assign(note=note)
+    return pd.concat(parts, ignore_index=True)
 
 
 def summary_of(

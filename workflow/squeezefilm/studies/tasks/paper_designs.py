@@ -18,12 +18,15 @@ from squeezefilm.designs.paper_design import (
     Criterion,
     Design,
     Gradient,
+    Pattern,
+    augment,
     d_efficiency,
     exchange_design,
+    find_patterns,
+    find_regions,
     search_design,
     spread_on_lines,
 )
-from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_regions
 from squeezefilm.io.parallel import parallel_map
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel

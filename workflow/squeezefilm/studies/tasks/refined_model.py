@@ -71,7 +71,7 @@ class SimulatedSpace:
     def simulate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and their errors; raises RunError for a scene that has no force."""
         settings = solver_settings(self.config, outputs=())
-        scenes = settings.resolved([self.scenes[point] for point in points], self.device)
+        scenes = settings.resolved(self.scenes[points], self.device)
         found = solve(scenes, **settings.how(self.device))
         for point, solution in zip(points, found, strict=True):
             if solution.status != "ok":
