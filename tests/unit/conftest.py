@@ -1,6 +1,6 @@
 """A study's results in small, from reference forces and given parameters: nothing is solved."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 from paper import claims, uncertainty
 from reporting.rooms import described
 from squeezefilm.cli import main as cli
-from squeezefilm.io.solution import Solution
+from squeezefilm.io.solution import SOLUTION_COLUMNS, Solution
 from squeezefilm.io.tables import (
     DESIGN_COLUMNS,
     FACTOR_COLUMNS,
@@ -90,7 +90,10 @@ def _placed(root: Path, inputs: dict[str, str]) -> dict[str, str]:
 def _write_forces(root: Path, plan: str, forces: pd.DataFrame) -> None:
     solved = Solution(status="ok", method="periodic", nx=24, ny=24, nt=16, krylov_iterations=33)
     force_n = forces["force_n"]
-    observed = asdict(solved) | {"force_n": force_n, "force_error_n": 2.4e-7 * force_n}
+    observed = {name: getattr(solved, name) for name in SOLUTION_COLUMNS} | {
+        "force_n": force_n,
+        "force_error_n": 2.4e-7 * force_n,
+    }
     table = forces.assign(**observed)
     folder = root / "simulations" / plan
     write_table(table[list(FORCE_COLUMNS)], folder / "forces.csv")
