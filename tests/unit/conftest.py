@@ -1,5 +1,6 @@
 """A study's results in small, from reference forces and given parameters: nothing is solved."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -63,14 +64,14 @@ class Study:
 
 
 @pytest.fixture(scope="session")
-def study(tmp_path_factory, repository):
+def study(tmp_path_factory, repository, script):
     """A study with every result that figures, tables and claims are made from."""
     root = tmp_path_factory.mktemp("study")
     config = repository / "config" / "paper.yaml"
     _write_simulations(root, repository / "tests" / "reference")
     _write_fits(root)
     _write_designs(root)
-    _write_validations(root, config)
+    _write_validations(root, config, script)
     _write_extras(root, config)
     figures = {path.stem: described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"))}
     tables = {path.stem: described(path) for path in WORKFLOW.glob("paper/tables/[!_]*.py")}
@@ -238,7 +239,7 @@ def _write_design(path: Path, points: list[tuple[Any, ...]]) -> None:
     write_table(table, path)
 
 
-def _write_validations(root: Path, config: Path) -> None:
+def _write_validations(root: Path, config: Path, script: Callable[..., None]) -> None:
     for fit, plans in (
         ("screen", ["screen"]),
         ("two_factor_design", ["screen", "error_map"]),
@@ -246,12 +247,8 @@ def _write_validations(root: Path, config: Path) -> None:
         ("four_factor_design_distinct", ["four_factor", "four_factor_control"]),
     ):
         stems = [f"{root}/validation/{fit}_on_{plan}" for plan in plans]
-        arguments = [
-            "validate",
-            f"{root}/fits/{fit}.json",
-            *(f"{root}/simulations/{plan}/forces.csv" for plan in plans),
-            f"--config={config}",
-            *("--output", *(f"{stem}.csv" for stem in stems)),
-            *("--summary", *(f"{stem}.json" for stem in stems)),
-        ]
-        assert cli.main(arguments) == 0
+        forces = [f"{root}/simulations/{plan}/forces.csv" for plan in plans]
+        output = {"errors": [f"{stem}.csv" for stem in stems]}
+        output["summary"] = [f"{stem}.json" for stem in stems]
+        given = {"fit": f"{root}/fits/{fit}.json", "forces": forces}
+        script("validate", config, input=given, output=output)

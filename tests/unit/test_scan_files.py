@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import pyuff
 
-from squeezefilm.cli.main import main
 from squeezefilm.film.measured import smooth
 from squeezefilm.film.measured.read import UNIVERSAL, Scan, column_of, read_scan
 from squeezefilm.film.measured.smooth import smoothed_scan
@@ -377,13 +376,13 @@ def measured(repository, tmp_path):
     return tmp_path / "vibrometer.yaml"
 
 
-def test_a_scan_is_smoothed_once_and_read_as_it_was(measured, tmp_path, monkeypatch):
+def test_a_scan_is_smoothed_once_and_read_as_it_was(measured, tmp_path, monkeypatch, script):
     config = load_config(measured)
     fresh = studies.smoothed_scan_of(config)
     assert fresh is not None
     files = [tmp_path / name for name in ("one.npz", "two.npz")]
     for file in files:
-        assert main(["smooth", "--config", str(measured), "--output", str(file)]) == 0
+        script("smooth", measured, input={}, output=file)
     assert files[0].read_bytes() == files[1].read_bytes()
     monkeypatch.setenv(studies.SMOOTHED_VARIABLE, str(files[0]))
     monkeypatch.setattr(smooth, "smoothed", None)  # whoever smooths again fails

@@ -95,7 +95,7 @@ def checked_study():
     kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())
-    from squeezefilm.models.library import check_models
+    from squeezefilm.models.force_model import check_models
     from squeezefilm.studies.chunks import chunk_counts
     from squeezefilm.studies.study import check_study
 
@@ -122,7 +122,6 @@ pathvars:
 SMOOTHED = "<results>/profile/smoothed.npz" if SCAN else []
 # What a scan leaves open is part of a fit's error.
 SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
-WITH_SCAN = "--scan {input.scan:q} " if SCAN else ""
 
 
 PLAN = "<results>/simulations/{plan}"

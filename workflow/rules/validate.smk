@@ -11,7 +11,6 @@ VALIDATIONS_FOUR_FACTOR = validations("four-factor", PLANS_FOUR_FACTOR)
 # Of one fit on all its sets of points: a process takes longer to start than to judge.
 rule validate_two_factor:
     input:
-        config=ancient(CONFIG_FILE),
         fit="<results>/fits/{fit}.json",
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=PLANS_TWO_FACTOR),
     output:
@@ -19,28 +18,22 @@ rule validate_two_factor:
         summary=expand("<results>/validation/{{fit}}_on_{plan}.json", plan=PLANS_TWO_FACTOR),
     log:
         "<logs>/validate/{fit}.log",
-    localrule: True
-    conda:
-        "../../envs/tables.yaml"
     params:
         code=CODE["models"],
         study=sections("validation"),
     message:
         "Judge the fit {wildcards.fit}"
-    shell:
-        "python -m squeezefilm validate {input.fit:q} {input.forces:q} --config {input.config:q} "
-        "--output {output.errors:q} --summary {output.summary:q} >{log:q} 2>&1"
+    script:
+        "../scripts/validate.py"
 
 
 use rule validate_two_factor as validate_four_factor with:
     input:
-        config=ancient(CONFIG_FILE),
         fit="<results>/fits/{fit}.json",
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=PLANS_FOUR_FACTOR),
     output:
         errors=expand("<results>/validation/{{fit}}_on_{plan}.csv", plan=PLANS_FOUR_FACTOR),
         summary=expand("<results>/validation/{{fit}}_on_{plan}.json", plan=PLANS_FOUR_FACTOR),
-    localrule: True
 
 
 rule two_factor:

@@ -16,8 +16,6 @@ rule work_precision:
         "<logs>/numerics/work_precision.log",
     benchmark:
         "<benchmarks>/numerics/work_precision.tsv"
-    conda:
-        "../../envs/numerics.yaml"
     threads: ALONE
     resources:
         mem_mb=2000,
@@ -42,8 +40,6 @@ rule stability:
         "<logs>/numerics/stability.log",
     benchmark:
         "<benchmarks>/numerics/stability.tsv"
-    conda:
-        "../../envs/simulate.yaml"
     resources:
         mem_mb=2000,
         runtime=30,
@@ -68,8 +64,6 @@ rule ablation:
         "<logs>/numerics/ablation.log",
     benchmark:
         "<benchmarks>/numerics/ablation.tsv"
-    conda:
-        "../../envs/simulate.yaml"
     threads: ALONE
     resources:
         mem_mb=2000,

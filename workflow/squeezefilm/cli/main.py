@@ -23,7 +23,7 @@ from squeezefilm import __version__
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.found import modules_in
 
-LIBRARY = ("squeezefilm.cli.use", "squeezefilm.cli.study", "squeezefilm.cli.steps")
+LIBRARY = ("squeezefilm.cli.use", "squeezefilm.cli.study")
 ENTRY_POINTS = "squeezefilm.commands"
 NEGATIVE = re.compile(r"-\.?\d")
 OPTION = re.compile(r"--[a-z][a-z0-9-]*")
