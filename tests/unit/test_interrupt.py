@@ -15,7 +15,7 @@ COMMANDS = {
     "squeezefilm": "simulate",
     "reporting": "figure",
     "paper": "claims",
-    "verification": "stability",
+    "verification": "random-studies",
 }
 
 

@@ -197,6 +197,8 @@ def validations(model, plans):
 # are shared by nodes that may differ, over a network that may not lock.
 shell.prefix(
     "set -euo pipefail; "
+    # Threads of BLAS that wait for work count as processor time, and a job has its own processes.
+    "export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1; "
     + ("export SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}}; " if workflow.remote_exec else "")
     + f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
     f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}} "
