@@ -25,7 +25,7 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_row
-from squeezefilm.studies.config import load_config
+from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import scene_of
 
 
@@ -40,9 +40,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
-    table = read_scenes(options.scenes)
+    table = budget_table(read_scenes(options.scenes), config, device_name=options.device)
+    write_table(table, options.output)
+
+
+def budget_table(
+    table: pd.DataFrame, config: Config, *, device_name: str | None = None
+) -> pd.DataFrame:
+    """A table of scenes with the budget of each."""
     scenes = [scene_of(point, config) for point in scene_points(table)]
-    device = choose_device(config["solver"]["device"], option=options.device)
+    device = choose_device(config["solver"]["device"], option=device_name)
     solver = config["solver"]
     scenes = decided(
         scenes,
@@ -54,4 +61,4 @@ def run(options: argparse.Namespace) -> None:
         budget_row(budget) | {"validity": validity(scene)}
         for scene, budget in zip(scenes, budgets(scenes, device=device), strict=True)
     ]
-    write_table(pd.concat([table, pd.DataFrame(rows)], axis=1), options.output)
+    return pd.concat([table, pd.DataFrame(rows)], axis=1)

@@ -51,6 +51,7 @@ from squeezefilm.reynolds.dynamics.response import (
     steps_of,
 )
 from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes
+from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of
 
@@ -105,16 +106,21 @@ def run(options: argparse.Namespace) -> None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.output is options.gains is options.steps is None:
         raise InputError("a table of scenes needs --output, --gains or --steps")
-    table = read_scenes(options.scenes)
-    with naming(options.scenes):
-        scenes = [scene_of(point, config) for point in scene_points(table)]
-    table = table.assign(validity=list(map(_validity, scenes)))
+    table, scenes = scenes_in(options.scenes, config)
     if options.output is not None:
-        write_table(_summaries(table, scenes, settings, device), options.output)
+        write_table(summaries(table, scenes, settings, device), options.output)
     if options.gains is not None:
-        write_table(_all_gains(table, scenes, frequency_hz), options.gains)
+        write_table(all_gains(table, scenes, frequency_hz), options.gains)
     if options.steps is not None:
         write_table(_all_steps(table, scenes), options.steps)
+
+
+def scenes_in(path: str, config: Config) -> tuple[pd.DataFrame, list[Scene]]:
+    """A table of scenes with their validity, and the scenes."""
+    table = read_scenes(path)
+    with naming(path):
+        scenes = [scene_of(point, config) for point in scene_points(table)]
+    return table.assign(validity=list(map(_validity, scenes))), scenes
 
 
 def _neglected(
@@ -172,9 +178,10 @@ def _neglected_lines(scene: Scene, changes: dict[str, float]) -> list[str]:
     return lines
 
 
-def _summaries(
+def summaries(
     table: pd.DataFrame, scenes: list[Scene], settings: SolverSettings, device: Device
 ) -> pd.DataFrame:
+    """The table with the response of each scene, or the reason why there is none."""
     rows: list[dict[Any, Any]] = []
     with progress_bar(len(scenes), unit="scene", name="response") as bar:
         for scene in scenes:
@@ -195,7 +202,8 @@ def _or_reason(find: Callable[[], Any], **unknown: Any) -> dict[Any, Any]:
         return {**unknown, "status": str(error)}
 
 
-def _all_gains(table: pd.DataFrame, scenes: list[Scene], frequency_hz: np.ndarray) -> pd.DataFrame:
+def all_gains(table: pd.DataFrame, scenes: list[Scene], frequency_hz: np.ndarray) -> pd.DataFrame:
+    """The table with a row for each scene and frequency: gain and phase."""
     parts = []
     for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
         slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz
