@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.problems import problems_on
 from squeezefilm.reynolds.self_test import ITERATION_TOLERANCE, films
+from squeezefilm.reynolds.terms import terms_of
 
 KERNELS = tuple(films())
 # What is made wrong in vectors.cl on demand, to see that it is found.
@@ -30,8 +31,9 @@ def means(device: Device, kernel: str) -> list[float]:
     """Mean overpressures in units of p0: two films, each on two grids."""
     scene, grid = films()[kernel]
     grids = [Grid(points, 4, 8, grid.fold_x, grid.fold_y) for points in (4, 8)]
-    problems = problems_on(_two(scene), dict.fromkeys(grids, ITERATION_TOLERANCE))
-    (states,) = launch([Batch(grids, problems)], device=device).states()
+    scenes = Scenes.of(_two(scene))
+    batch = Batch(scenes, terms_of(scene), grids, [ITERATION_TOLERANCE] * 2)
+    (states,) = launch([batch], device=device).states()
     return np.concatenate([state.mean for state in states]).tolist()
 
 

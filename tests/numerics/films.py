@@ -11,13 +11,14 @@ from squeezefilm.film.finger import Finger
 from squeezefilm.film.profiles import Piston, Profile, Sinc
 from squeezefilm.film.scene import Actuator, Gas, Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.reynolds.asymptotics.composite import AsymptoticForces
+from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
+from squeezefilm.reynolds.asymptotics.scenes import expanded
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.limits.films import Films, films_of, limit_axis
-from squeezefilm.reynolds.limits.forces import LimitForces
+from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.states import States
-from squeezefilm.reynolds.problems import problems_of
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
@@ -75,8 +76,7 @@ def periodic_state(
     """The scene solved on one given grid: ``points`` across the finger in both directions."""
     unknowns = points // 2 if fold else points
     grid = Grid(nx=unknowns, ny=unknowns, nt=instants, fold_x=fold, fold_y=fold)
-    problems = problems_of([scene], grid, tolerance=tolerance)
-    return grid, solve_batch(problems=problems, grid=grid, device=choose_device())
+    return grid, solve_batch([scene], grid, tolerance=tolerance, device=choose_device())
 
 
 def mean_overpressure(
@@ -91,21 +91,29 @@ def mean_overpressure(
 
 
 def limit(
-    method: Callable[[Films], LimitForces],
+    method: Callable[[Films], AsymptoticForces],
     *,
     epsilon: list[float] | np.ndarray,
     sigma: list[float] | np.ndarray,
     points: int = 31,
     slip: float = 0.0,
     **place: Any,
-) -> LimitForces:
+) -> AsymptoticForces:
     """A method applied to films under one finger."""
-    nodes = limit_axis(points).all_nodes
+    nodes = expansion_axis(points).all_nodes
     scene = film(epsilon=0.1, sigma=1.0, **place)
     s = scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij"))
     profiles = np.repeat(s[None], len(epsilon), axis=0)
     numbers = np.array(epsilon), np.array(sigma)
     return method(films_of(*numbers, profiles, aspect=scene.aspect, slip=slip))
+
+
+def expansion_of(
+    expand: Callable[[Films], AsymptoticForces], scene: Scene, *, tolerance: float
+) -> tuple[float, float]:
+    """A scene's force by an expansion and its error, in newtons."""
+    found = expanded(expand, needs_of(scene), [0], tolerance=tolerance)[0]
+    return found.mean * scene.force_scale_n, found.error * scene.force_scale_n
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ equation is one equation for X between the rim, where P = 1, and the middle, whe
 
 import numpy as np
 
-from squeezefilm.reynolds.limits.boundary_layer import all_weights
+from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
 from squeezefilm.reynolds.spectral import axis, period
 
 SINC_ALONG = 1.098

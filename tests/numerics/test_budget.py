@@ -174,9 +174,8 @@ def test_the_adjoint_answers_as_the_equation_itself(rarefaction: str, exponent: 
         polytropic_exponent=exponent,
     )
     grid = Grid(nx=16, ny=16, nt=12, fold_x=False, fold_y=True)
-    problems = problems_of([scene], grid, tolerance=1e-8)
-    states = solve_batch(problems=problems, grid=grid, device=choose_device())
-    films = Fields(problems, grid, states.overpressure)
+    states = solve_batch([scene], grid, tolerance=1e-8, device=choose_device())
+    films = Fields(problems_of([scene], grid, tolerance=1e-8), grid, states.overpressure)
     source = np.random.default_rng(1).normal(size=(1, *grid.shape))
     change = response(films, source, tolerance=1e-12)
     rise = films.with_rim(change) / (films.gap * films.density_slope)
@@ -319,8 +318,8 @@ def test_a_profile_that_passes_against_a_march_along_it(place: float) -> None:
         grid = Grid(nx=24, ny=40, nt=12, fold_x=False, fold_y=False)
         films = []
         for each in sliding.line(scene):
+            states = solve_batch([each], grid, tolerance=1e-9, device=choose_device())
             problems = problems_of([each], grid, tolerance=1e-9)
-            states = solve_batch(problems=problems, grid=grid, device=choose_device())
             films.append(Fields(problems, grid, states.overpressure))
         orders = sliding.change_by_passing(films, bearing=np.array([-rate * sigma / 2]))
         found.append(aspect * np.array(orders)[:, 0])

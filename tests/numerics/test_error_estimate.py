@@ -23,12 +23,11 @@ from squeezefilm.reynolds.error_estimate import (
 )
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic import refinement
+from squeezefilm.reynolds.periodic import refinement, resolution
 from squeezefilm.reynolds.periodic.resolution import first_grids, grid_for, profile_fall
 
 DISC = Disc(0.012)
 JUDGED = pd.read_csv(Path(__file__).parent / "data" / "judged_films.csv", comment="#")
-FIRST_GRID = "squeezefilm.reynolds.periodic.resolution.first_grid"
 
 
 def quarter(points: int) -> Grid:
@@ -68,7 +67,7 @@ def test_a_kink_in_the_profile_is_known_to_converge_slowly():
     kink = Formula("1-0.5*abs(0.9*x+0.4*y-0.001)/0.015", surface=Disc(0.015))
     kinked = replace(scene, actuator=replace(scene.actuator, profile=kink))
     across = (40, 40), (48, 48)
-    falls = [profile_fall(needs_of(each), *across, tolerance=1e-3) for each in (scene, kinked)]
+    falls = profile_fall(needs_of([scene, kinked]), *across, tolerance=1e-3)
     assert falls[0] == 0
     assert 0.6 < falls[1] < 1
 
@@ -93,9 +92,10 @@ def test_a_kink_along_an_axis_is_within_the_estimate(at, sigma, tolerance):
 
 def test_the_first_grid_knows_the_layer_that_a_sliding_surface_makes():
     slow, fast = (film(epsilon=0.5, sigma=10.0, bearing=b, profile=PISTON) for b in (0.1, 200.0))
-    grids = [grid_for(each, needs_of(each), tolerance=1e-4) for each in (slow, fast)]
+    grids = grid_for(needs_of([slow, fast]), tolerance=1e-4)
     assert grids[1].nx > 2 * grids[0].nx
-    last = [first_grids(each, needs_of(each), tolerance=1e-3)[-1] for each in (slow, fast)]
+    sequences, which = first_grids(needs_of([slow, fast]), tolerance=1e-3)
+    last = [sequences[each][-1] for each in which]
     assert last[1].nx > 2 * last[0].nx
 
 
@@ -104,14 +104,15 @@ def test_the_first_grids_have_instants_enough(epsilon):
     """With 8 the error in time led such films on to another grid."""
     scene = film(epsilon=epsilon, sigma=900.0)
     (solution,) = solve([scene], tolerance=1e-6, method="periodic")
-    last = first_grids(scene, needs_of(scene), tolerance=1e-6)[-1]
+    ((*_, last),), _ = first_grids(needs_of(scene), tolerance=1e-6)
     assert (solution.nx, solution.ny, solution.nt) == (*last.across, last.nt)
 
 
 def test_a_grid_on_which_newton_fails_is_refined(monkeypatch):
     """So coarse a grid has no state for this film, whose layers are thin."""
     coarse = Grid(12, 8, 8, fold_x=False, fold_y=True)
-    monkeypatch.setattr(FIRST_GRID, lambda **numbers: coarse)
+    monkeypatch.setattr(resolution, "_with_room", lambda *wanted: coarse)
+    monkeypatch.setattr(resolution, "_with_finer", resolution._with_finer.__wrapped__)
     scene = film(epsilon=0.9, sigma=2400.0, bearing=76.0, profile=PISTON)
     (solution,) = solve([scene], tolerance=1e-1, method="periodic")
     assert solution.status == "ok"

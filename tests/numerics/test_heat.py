@@ -176,7 +176,7 @@ def test_the_mirror_halves_are_left_out_with_heat_too() -> None:
         ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
         ({"bearing": 0.1}, {}, "auto", "heat is not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "heat is not known under this finger"),
-        ({}, {}, "boundary-layer", "boundary-layer does not know heat"),
+        ({}, {}, "composite", "the composite expansion is not derived with heat"),
     ],
 )
 def test_what_does_not_know_heat_refuses_it(
@@ -222,4 +222,4 @@ def test_what_is_auto_and_kept_out_by_the_finger_is_named(scene: Scene) -> None:
         "gas.heat is auto and left out",
     ]
     assert all("not known under this finger" in each for each in said)
-    assert kept_out(scene, method="closed-form") != []
+    assert kept_out(scene, method="composite") != []

@@ -209,7 +209,7 @@ def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
         ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
         ({"bearing": 0.1}, {}, "auto", "not derived for a sliding finger"),
         ({}, {"shape": "ellipse"}, "auto", "inertia is not known under this finger"),
-        ({"profile": PISTON}, {}, "closed-form", "closed-form does not know inertia"),
+        ({}, {"shape": "ellipse"}, "composite", "derived for rectangular pads"),
     ],
 )
 def test_what_does_not_know_inertia_refuses_it(
@@ -241,9 +241,8 @@ def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(
     half = instants // 2
     near = 10 ** (round(20 * np.log10(lag)) / 20) if lag else 0.0
     one = np.ones(1)
-    (steps,) = steps_of(
-        variation=variation * one, lagging=lagging * one, lag=lag * one, slow=0.5 * one
-    )
+    motion = np.array([[variation], [lagging]])
+    (steps,) = steps_of(motion, lag=lag * one, slow=0.5 * one)
     modes = time_modes(instants, steps)
     rate = period(instants).derivative
     nodes = period(instants).nodes
@@ -380,7 +379,7 @@ def test_the_number_of_a_scene_is_that_of_its_gas() -> None:
 def test_grids_that_agree_by_chance_are_not_believed() -> None:
     """Steep waves over a thin layer: 24 and 28 points gave a force 1.8e-4 off, 9e-5 estimated."""
     scene = moving(2.183283, epsilon=0.764803, sigma=2173.302, x=0.159629, y=0.048217)
-    rough, fine = solve([scene], tolerance=1e-4) + solve([scene], tolerance=5e-5)
+    (rough,), (fine,) = (solve([scene], tolerance=each) for each in (1e-4, 5e-5))
     assert rough.status == fine.status == "ok"
     assert abs(rough.force_n - fine.force_n) < rough.force_error_n
     assert rough.force_error_n < 1e-4 * rough.force_n

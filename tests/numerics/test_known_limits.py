@@ -7,7 +7,7 @@ from films import PISTON, SINC, film, limit, mean_overpressure
 from physics_facts import SINC_FAST, SINC_SECOND_ORDER, slow_piston
 
 from squeezefilm.film.profiles import Profile
-from squeezefilm.reynolds.limits.forces import fast_limit, small_amplitude
+from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit, small_amplitude_expansion
 from verification import analytic
 from verification.films import Film
 from verification.numpy_periodic import periodic_state
@@ -40,7 +40,7 @@ SECOND_ORDER: dict[str, Callable[[float], float]] = {
     "periodic state": lambda sigma: at_rest(lambda e: on_grid(e, sigma, points=40, instants=12)),
     "NumPy": lambda sigma: at_rest(lambda e: in_numpy(e, sigma, nx=28, ny=28, tolerance=1e-13)),
     "small amplitude": lambda sigma: (
-        1e4 * limit(small_amplitude, epsilon=[0.01], sigma=[sigma], points=47).mean[0]
+        1e4 * limit(small_amplitude_expansion, epsilon=[0.01], sigma=[sigma], points=47).mean[0]
     ),
     "two linear solves": lambda sigma: analytic.small_amplitude(
         epsilon=1.0, sigma=sigma, amplitude=Film("", 1.0, sigma).amplitude
@@ -60,7 +60,10 @@ FAST: dict[str, tuple[Callable[[float], float], float]] = {
         3e-6,
     ),
     "NumPy": (lambda epsilon: at_speed(lambda s: in_numpy(epsilon, s, nx=36, ny=36), 2500), 2e-4),
-    "fast limit": (lambda epsilon: limit(fast_limit, epsilon=[epsilon], sigma=[1e9]).mean[0], 1e-6),
+    "high-squeeze limit": (
+        lambda epsilon: limit(high_squeeze_limit, epsilon=[epsilon], sigma=[1e9]).mean[0],
+        1e-6,
+    ),
     "a Laplace solve": (
         lambda epsilon: analytic.fast(epsilon=epsilon, amplitude=Film("", epsilon, 1.0).amplitude),
         1e-8,

@@ -10,21 +10,31 @@ import numpy as np
 import pytest
 from strip_with_inertia import SINC_ALONG, strip_mean
 
-from squeezefilm.reynolds.limits import boundary_layer, inertial_layer
-from squeezefilm.reynolds.limits.films import Films, films_of, limit_axis
-from squeezefilm.reynolds.limits.forces import (
-    LimitForces,
-    boundary_layer_limit,
-    fast_limit,
-    matched_limit,
-    small_amplitude,
+from squeezefilm.reynolds.asymptotics import edge_layer, edge_layer_with_inertia
+from squeezefilm.reynolds.asymptotics.composite import (
+    AsymptoticForces,
+    composite_expansion,
+    edge_layer_expansion,
+    high_squeeze_limit,
+    small_amplitude_expansion,
 )
-from squeezefilm.reynolds.limits.inertial import core_coefficient
-from squeezefilm.reynolds.limits.inertial_layer import rim_values
-from squeezefilm.reynolds.limits.layer_state import Layer, LayerGrid, Seen
+from squeezefilm.reynolds.asymptotics.core import core_coefficient
+from squeezefilm.reynolds.asymptotics.edge_layer_with_inertia import (
+    Layer,
+    LayerGrid,
+    Seen,
+    rim_values,
+)
+from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm.reynolds.spectral import period
 
-Method = Callable[[Films], LimitForces]
+Method = Callable[[Films], AsymptoticForces]
+EXPANSIONS = (
+    high_squeeze_limit,
+    edge_layer_expansion,
+    small_amplitude_expansion,
+    composite_expansion,
+)
 
 
 def seen_by_core(a: float, reynolds: float, *, nodes: int = 56, instants: int = 20) -> Seen:
@@ -41,7 +51,7 @@ def at(a: float, reynolds: float) -> list[float]:
 
 def sinc(points: tuple[int, int], *, aspect: float = 1.0, along_y: bool = True) -> np.ndarray:
     """The paper's sinc under the centred finger, or one that changes along x alone."""
-    x, y = (limit_axis(count).all_nodes - 0.5 for count in points)
+    x, y = (expansion_axis(count).all_nodes - 0.5 for count in points)
     far = np.hypot(x[:, None], aspect * y * along_y)
     return np.sinc(SINC_ALONG * far)
 
@@ -68,7 +78,7 @@ def on_strip(
 
 def on_square(
     method: Method, *, epsilon: float, sigma: float, reynolds: float, points: int = 47
-) -> LimitForces:
+) -> AsymptoticForces:
     s = sinc((points, points))
     return method(films_of(np.array([epsilon]), np.array([sigma]), s[None], reynolds=reynolds))
 
@@ -76,7 +86,7 @@ def on_square(
 @pytest.mark.parametrize("a", [0.2, 0.6])
 def test_layer_without_inertia_is_the_viscous_one(a: float) -> None:
     found = seen_by_core(a, 0.0)
-    d, g = boundary_layer.integrals(np.array([a]))
+    d, g = edge_layer.integrals(np.array([a]))
     assert found.mass_square == pytest.approx(1 + 1.5 * a**2, rel=1e-9)
     assert (found.d, found.g) == pytest.approx((d[0], g[0]), rel=1e-6)
     assert found.h == pytest.approx(0, abs=1e-7)
@@ -97,10 +107,10 @@ def test_rim_of_small_excursions(reynolds: float) -> None:
 
 @pytest.mark.parametrize("row", [(5, 6)])
 def test_stored_table_can_be_made_again(row: tuple[int, int]) -> None:
-    table = inertial_layer.read_table()
-    assert table[:, :, :2] == pytest.approx(inertial_layer.table_nodes(), rel=1e-13)
+    table = edge_layer_with_inertia.read_table()
+    assert table[:, :, :2] == pytest.approx(edge_layer_with_inertia.table_nodes(), rel=1e-13)
     reynolds, a = table[row][:2]
-    made = inertial_layer.compute(reynolds, np.array([a]))
+    made = edge_layer_with_inertia.compute(reynolds, np.array([a]))
     assert made[0] == pytest.approx(table[row], rel=1e-7)
 
 
@@ -119,10 +129,10 @@ def test_table_says_where_it_ends() -> None:
 
 
 def test_a_layer_whose_waves_the_instants_do_not_show_is_refused(monkeypatch) -> None:
-    monkeypatch.setattr(inertial_layer, "NODES", 40)
-    monkeypatch.setattr(inertial_layer, "INSTANTS", (12, 12))
+    monkeypatch.setattr(edge_layer_with_inertia, "NODES", 40)
+    monkeypatch.setattr(edge_layer_with_inertia, "INSTANTS", (12, 12))
     with pytest.raises(ArithmeticError, match=r"a = 0\.4, Re = 9 is not resolved"):
-        inertial_layer.compute(9.0, np.array([0.4]))
+        edge_layer_with_inertia.compute(9.0, np.array([0.4]))
 
 
 def test_layer_converges_like_a_spectral_method() -> None:
@@ -147,7 +157,8 @@ def test_mean_mobility_of_the_core(a: float, rate: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("method", "order", "slack"), [(fast_limit, 0.5, 0.04), (boundary_layer_limit, 1.0, 0.08)]
+    ("method", "order", "slack"),
+    [(high_squeeze_limit, 0.5, 0.04), (edge_layer_expansion, 1.0, 0.08)],
 )
 @pytest.mark.parametrize(("epsilon", "reynolds"), [(0.4, 0.45), (0.2, 1.81)])
 def test_order_of_the_limits_on_a_strip(
@@ -175,9 +186,9 @@ def test_limits_on_the_strip_of_the_reference(
     film = {"epsilon": epsilon, "sigma": sigma, "reynolds": reynolds}
     exact = strip_mean(**film)
     assert exact == pytest.approx(reference, abs=1.1e-6)
-    assert on_strip(boundary_layer_limit, **film) == pytest.approx(exact, rel=layer)
+    assert on_strip(edge_layer_expansion, **film) == pytest.approx(exact, rel=layer)
     points = (95, 189) if sigma < 1000 else (151, 301)
-    assert on_strip(matched_limit, **film, points=points) == pytest.approx(exact, rel=matched)
+    assert on_strip(composite_expansion, **film, points=points) == pytest.approx(exact, rel=matched)
 
 
 @pytest.mark.parametrize(
@@ -194,7 +205,7 @@ def test_inertia_at_small_amplitude_on_the_square(
 ) -> None:
     """At 5, 7, 10 and 20 µm of the paper's actuator."""
     still, moved = (
-        on_square(small_amplitude, epsilon=0.01, sigma=sigma, reynolds=each).mean[0]
+        on_square(small_amplitude_expansion, epsilon=0.01, sigma=sigma, reynolds=each).mean[0]
         for each in (0.0, reynolds)
     )
     assert moved / still - 1 == pytest.approx(effect, abs=6e-5 if effect < 0.1 else 5e-4)
@@ -214,7 +225,7 @@ def test_limits_of_the_papers_scenes_with_inertia(
     rate, viscosity, pressure, side = 2 * np.pi * 43.27e3, 1.81e-5, 101325.0, 0.01
     sigma = 12 * viscosity * rate * side**2 / (pressure * h0_m**2)
     film = {"epsilon": hv_m / h0_m, "sigma": sigma, "reynolds": 1.204 * rate * h0_m**2 / viscosity}
-    methods = {fast_limit: fast, boundary_layer_limit: layer, matched_limit: matched}
+    methods = {high_squeeze_limit: fast, edge_layer_expansion: layer, composite_expansion: matched}
     for method, error in methods.items():
         forces = on_square(method, **film, points=61)
         found_n = forces.mean[0] * pressure * side**2
@@ -234,13 +245,14 @@ def test_slip_and_inertia_together(epsilon: float, sigma: float, reynolds: float
     product = strip_mean(**film, **moved) * strip_mean(**film, **still, **slip)
     product /= strip_mean(**film, **still)
     points = (95, 189) if sigma < 1000 else (151, 301)
-    found = on_strip(matched_limit, **film, **moved, **slip, points=points)
+    found = on_strip(composite_expansion, **film, **moved, **slip, points=points)
     assert found == pytest.approx(exact, rel=1e-3)
     assert abs(found - exact) < 0.5 * abs(product - exact)
 
 
 @pytest.mark.parametrize(
-    "method", [fast_limit, boundary_layer_limit, small_amplitude, matched_limit]
+    "method",
+    EXPANSIONS,
 )
 def test_little_inertia_changes_little(method: Method) -> None:
     film = {"epsilon": 0.4, "sigma": 600.0}
@@ -250,7 +262,7 @@ def test_little_inertia_changes_little(method: Method) -> None:
 
 
 @pytest.mark.parametrize(
-    ("method", "largest_median"), [(fast_limit, 4), (boundary_layer_limit, 12)]
+    ("method", "largest_median"), [(high_squeeze_limit, 4), (edge_layer_expansion, 12)]
 )
 def test_error_estimates_hold_on_random_films_of_small_amplitude(
     method: Method, largest_median: float
@@ -261,12 +273,12 @@ def test_error_estimates_hold_on_random_films_of_small_amplitude(
     for wave_number in (0.0, 0.5, SINC_ALONG, 1.8, 2.5) * 4:
         sigma, reynolds = 10 ** generator.uniform((1.5, -1.3), (2.8, 0.95))
         (x, y), aspect = generator.uniform(-0.3, 0.3, 2), 10 ** generator.uniform(-0.3, 0.3)
-        nodes = limit_axis(71).all_nodes - 0.5
+        nodes = expansion_axis(71).all_nodes - 0.5
         s = np.sinc(wave_number * np.hypot(nodes[:, None] - x, aspect * nodes - y))
         film = films_of(
             np.array([0.01]), np.array([sigma]), s[None], aspect=aspect, reynolds=reynolds
         )
-        exact, forces = small_amplitude(film).mean[0], method(film)
+        exact, forces = small_amplitude_expansion(film).mean[0], method(film)
         ratios.append(forces.error[0] / abs(forces.mean[0] - exact))
     assert min(ratios) > 1
     # Honest, but not by despair.
@@ -275,7 +287,9 @@ def test_error_estimates_hold_on_random_films_of_small_amplitude(
 
 def test_composite_is_second_order_at_small_amplitude() -> None:
     film = {"epsilon": 1e-3, "sigma": 300.0, "reynolds": 3.0}
-    small, matched = (on_square(each, **film).mean for each in (small_amplitude, matched_limit))
+    small, matched = (
+        on_square(each, **film).mean for each in (small_amplitude_expansion, composite_expansion)
+    )
     assert matched == pytest.approx(small, rel=2e-6)
 
 
@@ -283,7 +297,7 @@ def test_films_with_and_without_inertia_may_share_a_batch() -> None:
     s = np.repeat(sinc((21, 21))[None], 3, axis=0)
     epsilon, sigma = np.array([0.2, 0.3, 0.4]), np.array([600.0, 900.0, 1200.0])
     films = films_of(epsilon, sigma, s, reynolds=np.array([1.8, 0.0, 0.9]))
-    for method in (fast_limit, boundary_layer_limit, small_amplitude, matched_limit):
+    for method in EXPANSIONS:
         together = method(films)
         for k in range(3):
             alone = method(films.take(np.arange(3) == k))
@@ -293,6 +307,8 @@ def test_films_with_and_without_inertia_may_share_a_batch() -> None:
 
 def test_limits_with_inertia_say_where_they_do_not_hold() -> None:
     film = {"epsilon": 0.3, "sigma": 800.0}
-    assert np.isfinite(on_square(matched_limit, **film, reynolds=9.0).error).all()
-    assert np.isinf(on_square(fast_limit, **film, reynolds=11.0).error).all()
-    assert np.isinf(on_square(fast_limit, epsilon=0.9, sigma=800.0, reynolds=8.0).error).all()
+    assert np.isfinite(on_square(composite_expansion, **film, reynolds=9.0).error).all()
+    assert np.isinf(on_square(high_squeeze_limit, **film, reynolds=11.0).error).all()
+    assert np.isinf(
+        on_square(high_squeeze_limit, epsilon=0.9, sigma=800.0, reynolds=8.0).error
+    ).all()

@@ -63,9 +63,9 @@ class WithUnknowns(Fields):
 def on_nodes(scene: Scene, *, points: int, instants: int) -> WithUnknowns:
     """The film's own fields on one grid, whole."""
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
-    problems = problems_of([scene], grid, tolerance=1e-10)
-    state = solve_batch(problems=problems, grid=grid, device=choose_device())
+    state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     assert state.status[0] == 0
+    problems = problems_of([scene], grid, tolerance=1e-10)
     fields = WithUnknowns(problems, grid, state.overpressure)
     fields.unknowns = state.unknowns[0]
     return fields

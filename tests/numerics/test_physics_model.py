@@ -49,7 +49,7 @@ def test_the_limits_error_is_that_of_the_better_limit(paper, monkeypatch):
     """Whichever limit is computed last."""
     table = reference_table("four_factor").head(3)
     wanted = limits_of(table, paper)
-    monkeypatch.setattr(limits, "METHODS", dict(reversed(limits.METHODS.items())))
+    monkeypatch.setattr(limits, "EXPANSIONS", dict(reversed(limits.EXPANSIONS.items())))
     found = limits_of(table, paper)
     pd.testing.assert_frame_equal(found[list(wanted)], wanted)
 

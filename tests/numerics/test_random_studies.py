@@ -11,10 +11,10 @@ from verification.random_campaign import coverages, statements, summary
 from verification.random_studies import KINDS, drawn, random_study
 
 # Of those that take a second or two: plates, discs, pistons, small pads, every flow model.
-SEEDS = (2, 3, 11, 22, 24, 29, 36, 38, 46, 57)
+SEEDS = (2, 3, 11, 22, 24, 29, 36, 38, 43, 46, 57)
 
 
-def test_nothing_stated_of_ten_random_studies_is_sure_and_wrong():
+def test_nothing_stated_of_random_studies_is_sure_and_wrong():
     table = statements(SEEDS, points=1)
     wrong = table[table["outcome"] == "sure and wrong"]
     assert wrong.empty, wrong[["seed", "command", "quantity", "note"]].to_string()

@@ -15,6 +15,8 @@ from squeezefilm.film.profiles import make_profile
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
+from squeezefilm.reynolds.asymptotics.films import expansion_axis
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.dynamics.response import (
     CHANGED,
@@ -26,8 +28,6 @@ from squeezefilm.reynolds.dynamics.response import (
 )
 from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
 from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes, slow_gains
-from squeezefilm.reynolds.limits.boundary_layer import all_weights
-from squeezefilm.reynolds.limits.films import limit_axis
 
 DEVICE = choose_device()
 PERIODS = np.array([1, 3, 6, 11, 21, 41, 81, 120])
@@ -40,7 +40,7 @@ STRIP = 1.098
 
 def strip(aspect: float, *, layer: bool) -> SlowFilm:
     """A finger 1 by ``aspect`` with a profile along x alone."""
-    nodes = limit_axis(15).all_nodes - 0.5
+    nodes = expansion_axis(15).all_nodes - 0.5
     s = np.repeat(np.sinc(STRIP * nodes)[:, None], 33, axis=1)
     return slow_film(epsilon=0.4, sigma=2331.0, amplitude=s, aspect=aspect, layer=layer)
 
@@ -87,7 +87,7 @@ def test_a_moving_finger_over_a_vibration_feels_what_the_full_equation_says(
     dies_away = np.sqrt(1 - damping**2) + 1j * damping
     rates = rates * dies_away
     full = PeriodicStrip(epsilon, sigma, profile, instants=25).stiffness(rates)
-    nodes = limit_axis(15).all_nodes
+    nodes = expansion_axis(15).all_nodes
     s = np.repeat(profile(nodes)[:, None], len(nodes), axis=1)
     films = {
         aspect: slow_film(epsilon=epsilon, sigma=sigma, amplitude=s, aspect=aspect)
@@ -137,7 +137,7 @@ def test_a_mass_on_a_film_at_rest_oscillates_as_on_blechs_spring_and_damper():
 
 def test_a_mass_on_the_averaged_film_moves_in_time_as_its_root_says():
     """Film of any ψ and moving mass, integrated together after a kick; ε 0.4, σ 500, with slip."""
-    nodes = limit_axis(9).all_nodes - 0.5
+    nodes = expansion_axis(9).all_nodes - 0.5
     s = np.sinc(STRIP * np.hypot(*np.meshgrid(nodes, nodes, indexing="ij")))
     film = slow_film(epsilon=0.4, sigma=500.0, amplitude=s, slip=0.05)
     at_rest, fast = film.stiffness(np.array([0.0, np.inf])).real
@@ -277,7 +277,7 @@ class Strip:
     """A long film in two phases by the full equation, in a column of Chebyshev nodes across it."""
 
     def __init__(self, *, epsilon: float, sigma: float, nodes: int = 31) -> None:
-        self.epsilon, self.sigma, self.line = epsilon, sigma, limit_axis(nodes)
+        self.epsilon, self.sigma, self.line = epsilon, sigma, expansion_axis(nodes)
         self.parts = self.profile(self.line.all_nodes)
 
     @staticmethod
@@ -339,7 +339,7 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
 
 
 def test_two_phases_that_are_one_turned_have_its_response():
-    nodes = limit_axis(11).all_nodes
+    nodes = expansion_axis(11).all_nodes
     s = np.repeat(np.sinc(STRIP * (nodes - 0.3))[:, None], 13, axis=1)
     turned = [
         slow_film(epsilon=0.4, sigma=900.0, amplitude=each).response(np.array([0.0, 0.01]))

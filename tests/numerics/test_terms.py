@@ -174,8 +174,8 @@ def test_a_new_term_is_one_module_and_a_place_in_the_list(tmp_path, monkeypatch)
     assert without.force_n != pytest.approx(exact.force_n, rel=1e-3)
     assert without.left_out == found.left_out + "; drift"
     assert explain([drifting], tolerance=1e-7)[0].terms == ("squeeze", "bearing", "drift")
-    (limit,) = solve([drifting], tolerance=1e-2, method="boundary-layer")
-    assert limit.status == "boundary-layer does not know bearing and drift"
+    (found,) = solve([drifting], tolerance=1e-2, method="composite")
+    assert found.status == "the composite expansion is not derived with bearing and drift"
 
 
 def test_scenes_of_unlike_terms_are_no_batch():

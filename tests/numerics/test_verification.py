@@ -10,12 +10,10 @@ import pytest
 from films import saying
 from physics_facts import SINC_CONVERGED, SPRING_AT_20
 
-from squeezefilm.reynolds import solve
+from squeezefilm.reynolds import problems, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.layout import Joined
 from squeezefilm.reynolds.periodic import launch as periodic
-from squeezefilm.reynolds.periodic import profiles
 from squeezefilm.reynolds.periodic.states import States
 from squeezefilm.reynolds.terms import Terms
 from verification.cases import SAMPLE, beyond, cases
@@ -100,7 +98,7 @@ def test_a_sound_solver_fails_no_case():
 
 def spoil_fields(change: Callable[[Fields], None]) -> Callable[..., Fields]:
     """The profile's fields by name, changed before the kernel sees them."""
-    sound = profiles.profile_fields
+    sound = problems.profile_fields
 
     def spoilt(*args: Any, **options: Any) -> Fields:
         fields = sound(*args, **options)
@@ -140,19 +138,17 @@ def turn_slope(fields: Fields) -> None:
     ids=["dropped term", "wrong sign", "one phase", "even gap"],
 )
 def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
-    monkeypatch.setattr(profiles, "profile_fields", spoil_fields(change))
-    monkeypatch.setattr(profiles, "_kept", {})
+    monkeypatch.setattr(problems, "profile_fields", spoil_fields(change))
+    monkeypatch.setattr(problems, "_kept_profiles", problems._profiles)  # kept no longer
     assert red() == expected
 
 
 def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch):
     sound = periodic.grid_matrices
 
-    def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+    def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.ndarray]:
         matrices = sound(grid, aspect=aspect, terms=terms)
-        values, at = matrices.values.copy(), matrices.starts[matrices.names.index("sine")]
-        values[at : at + grid.nt] *= -1
-        return replace(matrices, values=values)
+        return matrices | {"sine": -matrices["sine"]}
 
     monkeypatch.setattr(periodic, "grid_matrices", spoilt)
     monkeypatch.setattr(periodic, "_of_grids", periodic._of_grids.__wrapped__)  # kept no longer

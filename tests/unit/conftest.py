@@ -1,5 +1,6 @@
 """A study's results in small, from reference forces and given parameters: nothing is solved."""
 
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,8 @@ import pandas as pd
 import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
-from paper import claims, uncertainty
-from reporting.rooms import described
+from paper import uncertainty
+from reporting.results import Results
 from squeezefilm.cli import main as cli
 from squeezefilm.io.solution import SOLUTION_COLUMNS, Solution
 from squeezefilm.io.tables import (
@@ -25,7 +26,6 @@ from squeezefilm.io.tables import (
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel
 from squeezefilm.models.prediction_interval import measured_interval
-from squeezefilm.provenance import WORKFLOW
 from squeezefilm.studies.config import load_config
 
 THETA = {
@@ -50,17 +50,20 @@ FOUR_FACTOR_POINTS = [
 
 @dataclass(frozen=True)
 class Study:
-    """Where the results lie, and which of them figures, tables and claims are made from."""
+    """Where the results of a study lie, and its configuration."""
 
     root: Path
     config: Path
-    figures: dict[str, dict[str, str]]
-    tables: dict[str, dict[str, str]]
-    claims: dict[str, str]
 
-    def words(self, inputs: dict[str, str]) -> list[str]:
-        """The inputs as NAME=PATH."""
-        return [f"{name}={path}" for name, path in inputs.items()]
+    @property
+    def results(self) -> Results:
+        return Results.of(self.root, self.config)
+
+    def changed(self, folder: Path, file: str, edit: Callable[[pd.DataFrame], pd.DataFrame]):
+        """The results in another folder, with one table changed."""
+        shutil.copytree(self.root, folder, dirs_exist_ok=True)
+        edit(pd.read_csv(folder / file)).to_csv(folder / file, index=False)
+        return Results.of(folder, self.config)
 
 
 @pytest.fixture(scope="session")
@@ -73,19 +76,9 @@ def study(tmp_path_factory, repository, script):
     _write_designs(root)
     _write_validations(root, config, script)
     _write_extras(root, config)
-    figures = {path.stem: described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"))}
-    tables = {path.stem: described(path) for path in WORKFLOW.glob("paper/tables/[!_]*.py")}
-    return Study(
-        root,
-        config,
-        {name: _placed(root, room.inputs) for name, room in figures.items() if room.builds},
-        {name.removeprefix("table"): _placed(root, room.inputs) for name, room in tables.items()},
-        _placed(root, claims.INPUTS),
-    )
-
-
-def _placed(root: Path, inputs: dict[str, str]) -> dict[str, str]:
-    return {name: str(root / file) for name, file in inputs.items()}
+    scenes = root / "simulations/extrapolation/scenes.csv"
+    script("cross_section", config, input={"scenes": scenes}, output=scenes.parent / "film.csv")
+    return Study(root, config)
 
 
 def _write_forces(root: Path, plan: str, forces: pd.DataFrame) -> None:
@@ -220,9 +213,6 @@ def _write_extras(root: Path, config: Path) -> None:
     assert cli.main(["response", f"{screen}/scenes.csv", f"--config={config}", *out]) == 0
     out = [f"--like={screen}/forces.csv", f"--output={screen}/levitation.csv", "--tolerance=1e-3"]
     assert cli.main(["levitate", f"--config={config}", *out]) == 0
-    scenes = root / "simulations/extrapolation/scenes.csv"
-    film = f"--output={scenes.parent}/film.csv"
-    assert cli.main(["cross-section", str(scenes), f"--config={config}", film]) == 0
     table, curves = uncertainty.compare(
         load_config(config),
         force=lambda scene: 4.97 * scene.epsilon**2 * scene.gas.ambient_pressure_pa / 101_325,

@@ -1,205 +1,174 @@
-"""Figures: every one is drawn from its own table, whole, labelled, and the same each time."""
+"""Figures: every one is drawn from a study's results, whole, labelled, and the same each time."""
 
-import ast
-from pathlib import Path
-from types import ModuleType
-from xml.etree import ElementTree
+import json
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.text import Text
 
-from reporting.figures import figure_module, installed
-from reporting.figures.parts import style
-from reporting.pages.notes import one_digit, rounded_up
-from reporting.rooms import described
-from squeezefilm.cli import main as cli
+from paper.figures import FIGURES as OF_THE_PAPER
+from reporting.figures import FIGURES as OF_ANY_STUDY
+from reporting.figures import save, style
+from reporting.notes import one_digit, rounded_up
+from reporting.results import Results
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.sources import parse_sources
-from squeezefilm.provenance import WORKFLOW
 from squeezefilm.studies.config import load_config
 from verification import work_precision as measured
 
-PACKAGES = ("squeezefilm", "verification", "reporting", "paper")
-ROOMS = {path.stem: described(path) for path in sorted(WORKFLOW.glob("*/figures/[!_]*.py"))}
-FIGURES = [name for name, room in ROOMS.items() if room.builds]
+FIGURES = OF_ANY_STUDY | OF_THE_PAPER
+STUDYS = ("overview", "error_map", "force_map", "budget", "response", "levitation")
+NAMES = (*STUDYS, *(place.removeprefix("figures/") for place in OF_THE_PAPER))
 UNITS = {"fig05": "(mm)", "fig06": "(mm)", "fig15": "(mm)", "fig14": "(%)", "uncertainty": "(N)"}
-SHOWN = ("amplitude_ratio", "force_n", "relative_error_percent", "hv_um", "phi_r_mm")
+KNOWN_UNITS = ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)", "(Hz)", "(N/µm)")
 
 
-@pytest.fixture(scope="module")
-def tables(study):
-    """The table of each figure, as the command line makes it."""
-    paths = {name: study.root / "figures" / f"{name}.csv" for name in FIGURES}
-    for name, path in paths.items():
-        words = study.words(study.figures[name])
-        arguments = ["figure", name, *words, f"--config={study.config}", f"--output={path}"]
-        assert cli.main(arguments) == 0
-    return paths
-
-
-def drawn(name: str, data: pd.DataFrame):
+def drawn(name: str, results: Results):
     with style.settings():
-        figure = figure_module(name).draw(data)
+        found = FIGURES[f"figures/{name}"](results)
+        figure = found[0] if isinstance(found, tuple) else found
         figure.draw_without_rendering()
     return figure
 
 
-def saved(name: str, data: pd.DataFrame, path: Path) -> bytes:
-    with style.settings():
-        style.save(figure_module(name).draw(data), [path])
-    return path.read_bytes()
+def texts(figure) -> list[Text]:
+    return [text for text in figure.findobj(match=Text) if text.get_text()]
 
 
-@pytest.mark.parametrize("name", ROOMS)
-def test_what_is_read_of_a_figure_is_what_its_module_has(name):
-    room, module = ROOMS[name], figure_module(name)
-    assert installed()[name] == room.module == module.__name__
-    assert room.inputs == module.INPUTS
-    assert room.builds == hasattr(module, "build")
-    assert callable(module.draw)
-
-
-def test_table_and_drawing_come_from_one_command_or_the_drawing_from_the_table(
-    study, tables, tmp_path
-):
-    words = study.words(study.figures["fig08"])
-    made = [tmp_path / f"fig08.{kind}" for kind in ("csv", "svg", "png")]
-    named = ["paper.figures.fig08", *words, f"--config={study.config}"]
-    assert cli.main(["figure", *named, "--output", *map(str, made)]) == 0
-    again = [tmp_path / f"again.{kind}" for kind in ("svg", "png")]
-    assert cli.main(["plot", "fig08", str(made[0]), "--output", *map(str, again)]) == 0
-    assert made[0].read_bytes() == tables["fig08"].read_bytes()
-    assert [path.read_bytes() for path in made[1:]] == [path.read_bytes() for path in again]
-
-
-@pytest.mark.parametrize("name", FIGURES)
-def test_a_figure_is_whole_legible_as_wide_as_a_journal_s_and_has_units(name, tables):
-    figure = drawn(name, pd.read_csv(tables[name]))
+@pytest.mark.parametrize("name", NAMES)
+def test_a_figure_is_whole_legible_as_wide_as_a_journal_s_and_has_units(name, study):
+    figure = drawn(name, study.results)
     page, inside = figure.bbox, figure.get_tightbbox().transformed(figure.dpi_scale_trans)
     assert page.x0 <= inside.x0 < inside.x1 <= page.x1
     assert page.y0 <= inside.y0 < inside.y1 <= page.y1
     for axes in figure.axes:
         for label in (axes.get_xlabel(), axes.get_ylabel()):
-            assert label == "" or label.endswith(
-                ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)", "(Hz)", "(N/µm)")
-            )
+            assert label == "" or label.endswith(KNOWN_UNITS)
     assert figure.get_figwidth() in (style.SINGLE_COLUMN_IN, style.DOUBLE_COLUMN_IN)
-    sizes = [text.get_fontsize() for text in figure.findobj(match=Text) if text.get_text()]
-    assert min(sizes) >= 6
+    assert min(text.get_fontsize() for text in texts(figure)) >= 6
     assert any(UNITS.get(name, "(µm)") in axes.get_ylabel() for axes in figure.axes)
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_a_drawing_is_its_tables_and_nothing_elses(name, tables, tmp_path):
-    """The same table gives the same bytes, another number in it another drawing."""
-    data = pd.read_csv(tables[name])
-    svg = saved(name, data, tmp_path / "a.svg")
-    assert svg == saved(name, data, tmp_path / "b.svg")
-    assert data["note"].iloc[0].split()[0].encode() in svg  # text stays text
-    ElementTree.fromstring(svg)
-    data.loc[len(data) // 2, next(column for column in SHOWN if column in data)] *= 0.9
-    assert saved(name, data, tmp_path / "c.svg") != svg
+def test_the_same_results_give_the_same_files_and_others_do_not(study, tmp_path):
+    kinds = ("svg", "png", "plain.png", "csv")
+    paths = {run: [tmp_path / f"{run}.{kind}" for kind in kinds] for run in "abc"}
+    other = study.changed(
+        tmp_path / "other",
+        "simulations/screen/forces.csv",
+        lambda table: table.assign(force_n=table["force_n"] * (1 + 0.1 * (table.index == 7))),
+    )
+    for run, results in {"a": study.results, "b": study.results, "c": other}.items():
+        save(FIGURES["figures/fig08"], results, paths[run])
+    a, b, c = ([path.read_bytes() for path in paths[run]] for run in "abc")
+    assert a == b
+    assert not any(same == changed for same, changed in zip(a, c, strict=True))
+    assert b"Fit on 60 points" in a[0]  # text stays text
+    table = pd.read_csv(paths["a"][3])
+    assert list(table[table["layer"] == "simulation"]["force_n"]) == list(
+        study.results.forces("screen")["force_n"]
+    )
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_a_table_without_a_column_is_refused(name, tables, tmp_path, capsys):
-    data, path = pd.read_csv(tables[name]), tmp_path / "t.csv"
-    missing = next(column for column in SHOWN if column in data)
-    data.drop(columns=missing).to_csv(path, index=False)
-    assert cli.main(["plot", name, str(path), "--output", str(tmp_path / "t.png")]) == 2
-    message = capsys.readouterr().err
-    assert "t.csv" in message
-    assert repr(missing) in message
+def test_a_study_beyond_its_equation_says_so_below_its_figures(study, repository):
+    thick = Results(study.root, load_config(repository / "config/levitation.yaml"))
+    for name in ("error_map", "budget"):
+        assert any("Beyond Re" in text.get_text() for text in texts(drawn(name, thick)))
 
 
-def names_in(node: ast.AST) -> set[str]:
-    return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
-
-
-@pytest.mark.parametrize("name", ROOMS)
-def test_a_drawing_knows_nothing_of_physics(name):
-    """What draws uses nothing of ours but what draws: it has its table and no other knowledge."""
-    tree = ast.parse(Path(str(figure_module(name).__file__)).read_text(encoding="utf-8"))
-    functions = {node.name: names_in(node) for node in tree.body if hasattr(node, "body")}
-    used, waiting = set(), {"draw"}
-    while waiting:
-        used |= waiting
-        waiting = set().union(*(functions.get(each, ()) for each in waiting)) - used
-    drawing = {"reporting.figures.parts", "paper.figures.parts.patterns"}
-    for node in tree.body:
-        if isinstance(node, ast.ImportFrom) and node.module.split(".")[0] in PACKAGES:
-            assert node.module in drawing or not used & {each.name for each in node.names}
-
-
-def test_the_second_pattern_may_be_missing(study, tables, tmp_path):
-    module, inputs = data_of("fig11", study)
-    summary = pd.read_json(inputs["summary"], typ="series")
-    one = summary.to_dict()
-    one["scalings"]["unit"] = one["scalings"]["unit"][:1]
-    inputs["summary"] = tmp_path / "one.json"
-    pd.Series(one).to_json(inputs["summary"])
-    data = module.build(inputs, load_config(study.config))
-    figure = drawn("fig11", data)
-    said = " ".join(text.get_text() for text in figure.findobj(match=Text))
+def test_the_second_pattern_may_be_missing(study, tmp_path):
+    results = study.changed(tmp_path, "designs/two_factor.csv", lambda table: table)
+    path = tmp_path / "designs/two_factor.json"
+    summary = json.loads(path.read_text())
+    summary["scalings"]["unit"] = summary["scalings"]["unit"][:1]
+    path.write_text(json.dumps(summary))
+    said = " ".join(text.get_text() for text in texts(drawn("fig11", results)))
     assert "no such pattern" in said
-    assert "All 20 searches ended in other patterns: A (15)" in data["note"].iloc[0]
+    assert "All 20 searches ended in other patterns: A (15)" in said
 
 
-def test_black_dots_lie_outside_the_band(tables):
-    data = pd.read_csv(tables["fig14"])
-    assert data["in_band"].all()
-    data.loc[[3, 7], ["relative_error_percent", "in_band"]] = [[40.0, False], [-40.0, False]]
-    lines = drawn("fig14", data).axes[0].lines
+def test_black_dots_lie_outside_the_band(study, tmp_path):
+    def off(table: pd.DataFrame) -> pd.DataFrame:
+        table.loc[[3, 7], "relative_error"] = [0.4, -0.4]
+        return table
+
+    results = study.changed(tmp_path, "validation/two_factor_design_on_screen.csv", off)
+    lines = drawn("fig14", results).axes[0].lines
     black = [line for line in lines if line.get_marker() == "o" and line.get_color() == "black"]
-    np.testing.assert_array_equal(np.sort(black[0].get_ydata()), [-40.0, 40.0])
+    np.testing.assert_allclose(np.sort(black[0].get_ydata()), [-40.0, 40.0])
 
 
-def test_the_error_map_states_global_and_worst_error(tables):
-    note = pd.read_csv(tables["error_map"])["note"].iloc[0]
-    assert "global error 0.98" in note
-    assert "largest relative error −6.4" in note
-    assert "no point outside ±15 %" in note
-    assert "test device" in note
-    assert "≤ 3e-7 of the force" in note
+@pytest.mark.parametrize("name", ["fig15", "fig16"])
+@pytest.mark.parametrize(("factor", "ticks"), [(1, [0, 15, 30, 45]), (4, [0, 45, 90, 135, 180])])
+def test_all_positions_of_a_study_lie_on_the_axes(name, factor, ticks, study, tmp_path):
+    def moved(table: pd.DataFrame) -> pd.DataFrame:
+        return table.assign(phi_deg=table["phi_deg"] * factor)
+
+    results = study.changed(tmp_path, "simulations/four_factor/scenes.csv", moved)
+    axes = drawn(name, results).axes[-1]
+    left, right = axes.get_xlim()
+    assert left <= 0 < 45 * factor <= right
+    assert set(ticks) <= {tick for tick in axes.get_xticks() if left <= tick <= right}
+
+
+@pytest.mark.parametrize("shown", [True, False])
+def test_without_a_pressure_the_overview_has_no_place_for_one(shown, study, tmp_path):
+    file = "simulations/extrapolation/film.csv"
+    results = study.results
+    if not shown:
+        results = study.changed(tmp_path, file, lambda film: film.assign(overpressure_kpa=np.nan))
+    labels = [axes.get_ylabel() for axes in drawn("overview", results).axes]
+    assert ("p − p₀ (kPa)" in labels) == shown
+
+
+@pytest.mark.parametrize("known", [0, 1, 3])
+def test_a_response_that_few_films_have_is_numbers_and_never_an_empty_scale(known, study, tmp_path):
+    def unknown(table: pd.DataFrame) -> pd.DataFrame:
+        gaps = sorted(table["h0_m"].unique())
+        few = table["h0_m"].isin(gaps[known:])
+        return table.assign(
+            **{name: table[name].mask(few) for name in ("corner_hz", "prompt_share")}
+        )
+
+    file = "simulations/screen/response.csv"
+    results = study.changed(tmp_path, file, unknown)
+    axes = drawn("response", results).axes[0]
+    shown = [text.get_text().strip() for text in axes.texts]
+    films = pd.read_csv(tmp_path / file).dropna(subset="corner_hz").sort_values("hv_m")
+    if known == 1:
+        assert shown == [f"{value:.3g}" for value in films["corner_hz"]]
+    elif known == 0:
+        assert shown == ["not known"]
+    else:
+        assert axes.collections
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("place", "file", "row"),
     [
-        (["forces"], "not NAME=PATH"),
-        (["forces=a", "forces=b"], "twice"),
-        (["strange=a"], "no input 'strange'"),
-        (["forces=a"], "fit is missing"),
+        ("numerics/stability", "numerics/stability.csv", {"verdict": "magic"}),
+        ("numerics/work_precision", "numerics/work_precision.csv", {"method": "magic"}),
+        ("figures/fig09", "designs/two_factor_searches.csv", {"scaling": "magic"}),
     ],
 )
-def test_inputs_are_checked_by_name(words, message):
-    with pytest.raises(InputError, match=message):
-        parse_sources(words, names=("forces", "fit"), user="fig08")
-
-
-def test_an_unknown_figure_is_refused():
-    with pytest.raises(InputError, match=r"no figure 'fig99'; the figures are .*, fig05, .*"):
-        figure_module("fig99")
-
-
-@pytest.mark.parametrize(
-    ("name", "row"),
-    [
-        ("stability", {"verdict": "magic"}),
-        ("fig09", {"scaling": "magic"}),
-        ("work_precision", {"method": "magic"}),
-    ],
-)
-def test_what_has_no_style_is_refused_and_not_left_out(name, row):
+def test_what_has_no_style_is_refused_and_not_left_out(place, file, row, study, tmp_path):
+    columns = ("film", "relative_error", "worst_over_allowed")
+    source = study.root / file
+    results = study.changed(tmp_path, "designs/two_factor.csv", lambda table: table)
+    table = (
+        pd.read_csv(source)
+        if source.exists()
+        else pd.DataFrame([[1] * len(columns)], columns=columns)
+    )
+    (tmp_path / file).parent.mkdir(exist_ok=True)
+    table.assign(**row).to_csv(tmp_path / file, index=False)
     with pytest.raises(InputError, match=r"no style is known for .*magic"):
-        figure_module(name).draw(pd.DataFrame([row]))
+        FIGURES[place](results)
 
 
 def test_every_method_that_is_measured_has_a_style():
-    styles = figure_module("work_precision").STYLES
-    assert {measured.SOLVER, measured.BATCH, *measured.METHODS} == set(styles)
+    from reporting.figures.verification import STYLES
+
+    assert {measured.SOLVER, measured.BATCH, *measured.METHODS} == set(STYLES)
 
 
 def test_error_estimates_are_never_rounded_down():
@@ -208,55 +177,9 @@ def test_error_estimates_are_never_rounded_down():
     assert one_digit(5.2e-06) == "5e-6"
 
 
-def data_of(name: str, study) -> tuple[ModuleType, dict[str, Path]]:
-    return figure_module(name), {k: Path(v) for k, v in study.figures[name].items()}
-
-
-@pytest.mark.parametrize(
-    ("factor", "ticks"),
-    [(1, [0, 15, 30, 45]), (2, [0, 30, 60, 90]), (4, [0, 45, 90, 135, 180]), (0, [0])],
-)
-@pytest.mark.parametrize("name", ["fig15", "fig16"])
-def test_all_positions_of_a_study_lie_on_the_axes(name, factor, ticks, tables):
-    data = pd.read_csv(tables[name])
-    data[[key for key in data if key in ("phi_deg", "phi_max_deg")]] *= factor
-    data[[key for key in data if key.startswith("phi_r_")]] *= 0.01  # a small disc
-    axes = drawn(name, data).axes[-1]
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    assert data["phi_deg"].between(left, right).all()
-    assert data["phi_r_mm"].between(low, high).all()
-    assert high - low < 2 * data["phi_r_mm"].max()
-    inside = [tick for tick in axes.get_xticks() if left <= tick <= right]
-    assert set(ticks) <= set(inside)
-
-
-def test_without_a_pressure_the_overview_has_no_place_for_one(study, tmp_path):
-    module, inputs = data_of("overview", study)
-    film = pd.read_csv(inputs["film"])
-    config = load_config(study.config)
-    for shown in (True, False):
-        if not shown:
-            inputs["film"] = tmp_path / "film.csv"
-            film.assign(overpressure_kpa=np.nan).to_csv(inputs["film"], index=False)
-        data = module.build(inputs, config)
-        labels = [axes.get_ylabel() for axes in drawn("overview", data).axes]
-        assert ("p − p₀ (kPa)" in labels) == shown
-        assert ("pressure" in data["note"].iloc[0]) == shown
-        assert "16 times of a period" in data["note"].iloc[0]
-
-
-@pytest.mark.parametrize("known", [0, 1, 3])
-def test_a_response_that_few_films_have_is_numbers_and_never_an_empty_scale(known, tables):
-    data = pd.read_csv(tables["response"])
-    gaps = sorted(data.loc[data["layer"] == "plane", "h0_um"].unique())
-    unknown = (data["layer"] == "plane") & data["h0_um"].isin(gaps[known:])
-    data.loc[unknown, ["corner_hz", "prompt_percent"]] = np.nan
-    axes = drawn("response", data).axes[0]
-    texts = [text.get_text().strip() for text in axes.texts]
-    films = data[(data["layer"] == "plane") & data["corner_hz"].notna()]
-    if known == 1:
-        assert texts == [f"{value:.3g}" for value in films.sort_values("hv_um")["corner_hz"]]
-    elif known == 0:
-        assert texts == ["not known"]
-    else:
-        assert axes.collections
+def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path, refused):
+    words = ["plot", "fig99", study.root, "--config", study.config]
+    assert "figures are overview, error_map" in refused(*words, "--output", tmp_path / "a.png")
+    assert "name ends in .png" in refused(*words, "--output", tmp_path / "a.mp4")
+    words[1] = "models/two_factor_errors"
+    assert "two_factor_errors.csv" in refused(*words, "--output", tmp_path / "a.png")

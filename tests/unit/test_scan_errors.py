@@ -137,11 +137,6 @@ def test_an_unsigned_scan_without_a_node_that_matters_is_taken(settings):
         assert not smooth(unsigned(scan_of(profile(settings), noise=noise, seed=seed))).folded
 
 
-def test_an_unsigned_scan_of_few_points_is_taken():
-    few = scan_of(profile(DOME), noise=0.01, seed=1, step_mm=3.0)
-    assert not smooth(unsigned(few)).folded
-
-
 def test_a_fold_that_is_accepted_is_named():
     scan = unsigned(scan_of(profile(RING), noise=0.05, seed=1))
     assert smooth(scan, sign="unknown").folded
@@ -203,9 +198,14 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     again = read_smoothed(tmp_path / "smoothed.npz", path, settings={"surface": Disc(RADIUS_M)})
     assert scan.profile.is_complex
     assert again.profile == scan.profile
+    assert again.scan.notes == scan.scan.notes
+    assert np.array_equal(again.measured_m, scan.measured_m)
     first, second = (each.residual_bootstrap(count=3, seed=1) for each in (scan, again))
     assert first == second
     assert len({*first, scan.profile}) == 4
+    path.write_text("measured again")
+    with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
+        read_smoothed(tmp_path / "smoothed.npz", path, settings={"surface": Disc(RADIUS_M)})
 
 
 def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene):

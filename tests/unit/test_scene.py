@@ -50,16 +50,11 @@ def test_the_profile_is_seen_from_where_the_finger_is(scene):
     ("changes", "message"),
     [
         ({"hv_m": 5e-6}, "surface and finger touch"),
-        ({"hv_m": 6e-6}, "surface and finger touch"),
         ({"hv_m": -1e-6}, "hv_m = -1e-06 must not be negative"),
         ({"h0_m": 0.0}, "h0_m = 0 must"),
-        ({"h0_m": -5e-6}, "h0_m = -5e-06 must"),
-        ({"h0_m": 1e-300, "hv_m": 0.0}, "h0_m = 1e-300 must"),
         ({"h0_m": 1.0}, "h0_m = 1 must"),
         ({"h0_m": nan}, "h0_m is not a finite number"),
-        ({"x_m": nan}, "x_m is not a finite number"),
         (cartesian(2.94e-3, 45.0), "off the actuator's 10.00 mm disc"),
-        (cartesian(3.7e-3, 0.0), "off the actuator's 10.00 mm disc"),
     ],
 )
 def test_a_scene_without_a_film_is_refused(scene, changes, message):

@@ -433,7 +433,7 @@ def test_a_damaged_table_of_limits_is_refused(damage, message, limit_table, writ
 
 def test_where_the_limit_does_not_hold_the_table_says_so(edited):
     values = limit_table_values(load_config(edited(finger={"speed_x_m_per_s": 2})))
-    assert "boundary-layer does not know bearing" in values["refused"]
+    assert "not derived with bearing" in values["refused"]
 
 
 @pytest.mark.parametrize(

@@ -1,148 +1,271 @@
 """The paper's claims beside ours, each with a verdict by a rule that is written down.
 
-papers_claims.csv says what the paper claims, and of which interval our value agrees with it. The
-intervals were set from what the paper states and with how many digits, and reviewed; nothing was
-tuned to make a claim agree. The reasons in ``because`` are what we know; a guess is called a guess.
+papers_claims.csv says what the paper claims, of which interval our value agrees with it, how our
+value is shown, and what a reader should know of it: texts in which the names in braces are values
+of the results. The intervals were set from what the paper states and with how many digits, and
+reviewed; nothing was tuned to make a claim agree. The reasons in ``because`` are what we know; a
+guess is called a guess.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
+import math
+import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from paper.findings import BUDGET_COLUMNS, FINDINGS, Results
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.markdown import markdown_table
-from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import (
-    FACTOR_COLUMNS,
-    read_design,
-    read_json,
-    read_ok_forces,
-    read_timings,
-)
-from squeezefilm.models.fit_file import number, read_fit
+from reporting.results import Results
+from squeezefilm.io.tables import read_timings
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import FittedModel
 
 COLUMNS = ("claim_id", "claim", "paper", "ours", "unit", "verdict", "explanation")
+CLAIMS = pd.read_csv(
+    Path(__file__).with_name("papers_claims.csv"),
+    dtype={"paper": str},
+    keep_default_na=False,
+    index_col="claim_id",
+)
+TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
-
-@dataclass(frozen=True)
-class Claim:
-    """What the paper says; which values agree with it; why ours may not.
-
-    least and largest are the ends of the closed interval of values that agree, within says what it
-    is in words.
-    """
-
-    claim_id: str
-    claim: str
-    paper: str
-    unit: str
-    least: float
-    largest: float
-    within: str
-    because: str
-
-
-_TABLE = pd.read_csv(Path(__file__).with_name("papers_claims.csv"), dtype={"paper": str})
-CLAIMS = tuple(Claim(*row) for row in _TABLE.itertuples(index=False))
+Values = dict[str, Any]
+"""Our ``value`` in a claim's unit, and others that its texts name."""
 
 
 def judge(results: Results) -> pd.DataFrame:
-    """Every claim with our value and the verdict, as strings; columns COLUMNS."""
-    return pd.DataFrame([_row(claim, results) for claim in CLAIMS], columns=COLUMNS)
+    """Every claim with our value and the verdict, as strings; columns COLUMNS.
 
-
-def to_markdown(claims: pd.DataFrame) -> str:
-    """The claims for people."""
-    agreeing = int(claims["verdict"].str.startswith("agrees").sum())
-    shown = claims.drop(columns="claim_id")
-    return f"{agreeing} of {len(claims)} claims agree.\n\n{markdown_table(shown)}"
-
-
-def _row(claim: Claim, results: Results) -> tuple[str, ...]:
-    found = FINDINGS[claim.claim_id](results)
-    agrees = claim.least <= found.value <= claim.largest
-    verdict = f"agrees {claim.within}" if agrees else f"differs because {claim.because}"
-    about = (claim.claim_id, claim.claim, claim.paper)
-    return (*about, found.ours, claim.unit, verdict, found.explanation)
-
-
-INPUTS = {
-    "screen": "simulations/screen/forces.csv",
-    "screen_timings": "simulations/screen/timings.csv",
-    "screen_fit": "fits/screen.json",
-    "screen_runs": "fits/screen_runs.csv",
-    "design": "designs/two_factor.csv",
-    "design_summary": "designs/two_factor.json",
-    "design_fit": "fits/two_factor_design.json",
-    "screen_on_screen": "validation/screen_on_screen.json",
-    "design_on_screen": "validation/two_factor_design_on_screen.json",
-    "design_errors": "validation/two_factor_design_on_screen.csv",
-    "extrapolation": "simulations/extrapolation/forces.csv",
-    "extrapolation_budget": "simulations/extrapolation/budget.csv",
-    "four_factor": "simulations/four_factor/forces.csv",
-    "four_factor_design": "designs/four_factor.csv",
-    "four_factor_design_on_plan": "validation/four_factor_design_on_four_factor.json",
-    "four_factor_distinct_on_plan": ("validation/four_factor_design_distinct_on_four_factor.json"),
-    "four_factor_distinct_on_control": (
-        "validation/four_factor_design_distinct_on_four_factor_control.json"
-    ),
-}
-"""The files that claims rest on, by name, each with its place among a study's results."""
-
-
-def _read_summary(path: Path) -> dict[str, Any]:
-    summary = read_json(path)
-    for key in ("points", "global_error", "sum_of_squares"):
-        number(summary, key, path)
-    return summary
-
-
-def _read_searches(path: Path) -> dict[str, Any]:
-    summary = read_json(path)
-    for key in ("scaling", "searches", "scalings"):
-        if key not in summary:
-            raise InputError(f"{path}: {key!r} is missing")
-    return summary
-
-
-def _read_extrapolation(path: Path) -> pd.DataFrame:
-    table = read_ok_forces(path)
-    for point_id in ("operating_point", "two_factor_design"):
-        if point_id not in set(table["point_id"]):
-            raise InputError(f"{path}: there is no point {point_id!r}")
-    return table
-
-
-READERS: dict[str, Callable[[Path], Any]] = {
-    "screen": read_ok_forces,
-    "screen_timings": read_timings,
-    "screen_fit": read_fit,
-    "screen_runs": partial(read_columns, columns=("bound", "sum_of_squares")),
-    "design": read_design,
-    "design_summary": _read_searches,
-    "design_fit": read_fit,
-    "screen_on_screen": _read_summary,
-    "design_on_screen": _read_summary,
-    "design_errors": partial(read_columns, columns=(*FACTOR_COLUMNS, "relative_error")),
-    "extrapolation": _read_extrapolation,
-    "extrapolation_budget": partial(read_columns, columns=BUDGET_COLUMNS),
-    "four_factor": read_ok_forces,
-    "four_factor_design": read_design,
-    "four_factor_design_on_plan": _read_summary,
-    "four_factor_distinct_on_plan": _read_summary,
-    "four_factor_distinct_on_control": _read_summary,
-}
-"""The results that the claims are about, and how each is read."""
-
-
-def read_results(inputs: Mapping[str, Path]) -> Results:
-    """Read what the claims need, by the names of READERS.
-
-    Raises InputError naming the file and what it lacks.
+    Raises InputError naming a result that is missing or lacks what it must have.
     """
-    return Results(**{name: read(inputs[name]) for name, read in READERS.items()})
+    values = claim_values(results)
+    return pd.DataFrame(
+        [_row(claim, values[str(claim.name)]) for _, claim in CLAIMS.iterrows()], columns=COLUMNS
+    )
+
+
+def _row(claim: pd.Series, values: Values) -> tuple[str, ...]:
+    agrees = claim["least"] <= values["value"] <= claim["largest"]
+    reason = f"agrees {claim['within']}" if agrees else f"differs because {claim['because']}"
+    ours, explanation = (
+        re.sub(r"-(?=\d)", "−", claim[text].format(**values)) for text in ("ours", "explanation")
+    )
+    return (
+        str(claim.name),
+        claim["claim"],
+        claim["paper"],
+        ours,
+        claim["unit"],
+        reason,
+        explanation,
+    )
+
+
+def claim_values(results: Results) -> dict[str, Values]:
+    """Our values by the claim's id; lengths in m, forces in N, errors in percent."""
+    return {
+        **_two_factor_values(results),
+        **_design_values(results),
+        **_extrapolated_values(results),
+        **_four_factor_values(results),
+    }
+
+
+def _two_factor_values(results: Results) -> dict[str, Values]:
+    """Of the screen, its fit, its forces and their times."""
+    screen, fit = results.forces("screen"), results.fit("screen")
+    h0_um, hv_um = 1e6 * screen["h0_m"], 1e6 * screen["hv_m"]
+    limits = {
+        "hv_min": hv_um.min(),
+        "hv_max": hv_um.max(),
+        "h0_min": h0_um.min(),
+        "h0_max": h0_um.max(),
+    }
+    runs = results.table("fits/screen_runs.csv", "bound", "sum_of_squares")
+    bounds = sorted(runs["bound"].unique())
+    spread = float(runs["sum_of_squares"].max() / runs["sum_of_squares"].min() - 1)
+    same = "the same" if spread < 1e-6 else f"sum of squares up to {spread:.1g} apart"
+    smallest = screen.sort_values("force_n", kind="stable").iloc[0]
+    ppm = 1e6 * float(smallest["force_n"])
+    seconds = read_timings(results.folder / "simulations/screen/timings.csv")["solve_seconds"].max()
+    bound = next((name for limit, name in TIME_BOUNDS if seconds < limit), None)
+    return {
+        "space": {
+            "value": np.abs(np.array([*limits.values()]) - [0.2, 2.0, 5.0, 10.0]).max(),
+            **{name: round(value, 6) for name, value in limits.items()},
+        },
+        "screen_points": {
+            "value": len(screen),
+            "gaps": screen["h0_m"].nunique(),
+            "amplitudes": screen["hv_m"].nunique(),
+        },
+        "bounds": {
+            "value": spread if len(bounds) > 1 else math.inf,
+            "shown": same if len(bounds) > 1 else "one bound only",
+            "runs": len(runs),
+            "bounds": ", ".join(f"±{bound:g}" for bound in bounds),
+        },
+        "theta": {
+            "value": math.log10(max(map(abs, fit.theta)) / 10),
+            "theta": ", ".join(f"{value:.4g}" for value in fit.theta),
+        },
+        "screen_error": {"value": 100 * results.validation("screen", "screen")["global_error"]},
+        "smallest_force": {
+            "value": ppm,
+            **_place(smallest),
+            "needed_um": 1e6 * smallest["hv_m"] * math.sqrt(90 / ppm) if ppm > 0 else math.nan,
+        },
+        "seconds": {
+            "value": float(seconds) / 86400,
+            "shown": f"below {bound}" if bound else "a day or more",
+        },
+    }
+
+
+def _design_values(results: Results) -> dict[str, Values]:
+    """Of the searches for a design, the design, and the fit to its points."""
+    screen, design = results.forces("screen"), results.design("two_factor")
+    fit, judged = (
+        results.fit("two_factor_design"),
+        results.validation("two_factor_design", "screen"),
+    )
+    found = design[design["origin"] != "augmentation"]
+    summary = results.searches()
+    scalings, own = summary["scalings"], summary["scaling"]
+    patterns = scalings[own]
+    counts = "; ".join(
+        f"{name}: " + ", ".join(f"{pattern['pattern']} {pattern['count']}" for pattern in each)
+        for name, each in sorted(scalings.items(), key=lambda item: item[0] != own)
+    )
+    excess = max(pattern["objective_excess"] for pattern in patterns)
+    errors = results.errors("two_factor_design", "screen")
+    least_m = float(errors["hv_m"].min())
+    smallest = errors["hv_m"] <= least_m * (1 + 1e-9)
+    error = 100 * errors["relative_error"].abs()
+    rest_n = _expected_n(fit, h0_m=float(screen["h0_m"].min()), hv_m=0.0)
+    return {
+        "design_error": {
+            "value": 100 * judged["global_error"],
+            "fitted": fit.points,
+            "judged": round(judged["points"]),
+        },
+        "sum_of_squares": {
+            "value": judged["sum_of_squares"] / results.fit("screen").sum_of_squares
+        },
+        "patterns": {
+            "value": len(patterns),
+            "searches": summary["searches"],
+            "counts": counts,
+            "behind": excess / patterns[0]["objective"],
+        },
+        "union": {
+            "value": len(found),
+            "extended": len(design),
+        },
+        "reduction": {
+            "value": len(screen) / len(design),
+            "screen": len(screen),
+            "design": len(design),
+            "saved": len(screen) - len(design),
+            "together": len(screen) + len(design),
+        },
+        "band": {"value": error[~smallest].max()},
+        "band_small": {"value": error[smallest].max(), "least_um": 1e6 * least_m},
+        "limit": {"value": rest_n, "shown": f"{rest_n:.1e}".replace("e-0", "e-")},
+    }
+
+
+def _extrapolated_values(results: Results) -> dict[str, Values]:
+    """Of the forces at the paper's operating point, and what the equation leaves out there."""
+    file = "simulations/extrapolation/forces.csv"
+    table = results.forces("extrapolation").set_index("point_id")
+    point = results.row(table, "operating_point", file)
+    wanted = results.row(table, "two_factor_design", file)
+    expected_n = _expected_n(
+        results.fit("two_factor_design"), h0_m=point["h0_m"], hv_m=point["hv_m"]
+    )
+    file = "simulations/extrapolation/budget.csv"
+    columns = ("point_id", "rim_percent", "rim_most_percent", "in_force")
+    budgets = results.table(file, *columns).set_index("point_id")
+    budget = results.row(budgets, "operating_point", file)
+    present = str(budget["in_force"]).split("; ") if pd.notna(budget["in_force"]) else []
+    effects = ", ".join(
+        f"{name} {budget[f'{name}_percent']:+.1f} %"
+        for name in ("inertia", "slip", "heat")
+        if name not in present
+    )
+    included = f"With {' and '.join(present)} in it, which eq. (1) has not; left out are"
+    return {
+        "model_at_2.2": {
+            "value": expected_n,
+            "of_ours": 100 * expected_n / point["force_n"],
+            **_place(point),
+        },
+        "simulation_at_2.2": {
+            "value": point["force_n"],
+            "of_paper": 100 * point["force_n"] / 0.99,
+            **_place(point),
+            "wanted_um": 1e6 * wanted["hv_m"],
+            "wanted_n": wanted["force_n"],
+            "equation": included if present else "Eq. (1) leaves out",
+            "effects": effects,
+            "rim": budget["rim_percent"],
+            "rim_most": budget["rim_most_percent"],
+            "low": point["force_n"] * (1 + budget["left_out_least_percent"] / 100),
+            "high": point["force_n"] * (1 + budget["left_out_most_percent"] / 100),
+        },
+        "amplitude": {"value": 1e6 * wanted["hv_m"], "force_n": wanted["force_n"]},
+    }
+
+
+def _four_factor_values(results: Results) -> dict[str, Values]:
+    """Of the plan, the designs and the fits with four factors.
+
+    locus: largest distance of hv/h0 of an optimum from the nearest of the two-factor design, in
+    percent of the largest hv/h0. The model knows h0 and hv by their ratio alone, so that all
+    points on a line of equal hv/h0 are as good.
+    """
+    plan, designs = (
+        results.forces("four_factor"),
+        [results.design(name) for name in ("two_factor", "four_factor")],
+    )
+    two, four = ((design["hv_m"] / design["h0_m"]).to_numpy() for design in designs)
+    distance = np.abs(four[:, None] - two[None, :]).min(axis=1) / two.max()
+    judged = results.validation("four_factor_design", "four_factor")
+    distinct = results.validation("four_factor_design_distinct", "four_factor")
+    control = results.validation("four_factor_design_distinct", "four_factor_control")
+    return {
+        "four_factor_points": {
+            "value": len(plan),
+            "positions": len(plan[["phi_r_m", "phi_deg"]].drop_duplicates()),
+            "points": len(two),
+        },
+        "locus": {"value": 100 * distance.max(), "four": _ratios(four), "two": _ratios(two)},
+        "four_factor_error": {
+            "value": 100 * judged["global_error"],
+            "points": len(plan),
+            "distinct": 100 * distinct["global_error"],
+            "control": 100 * control["global_error"],
+            "random": round(control["points"]),
+        },
+        "four_factor_reduction": {
+            "value": len(plan) / len(four),
+            "plan": len(plan),
+            "design": len(four),
+            "saved": len(plan) - len(four),
+            "screen": len(results.forces("screen")) + len(two),
+        },
+    }
+
+
+def _place(point: pd.Series) -> Values:
+    return {"h0_um": 1e6 * point["h0_m"], "hv_um": 1e6 * point["hv_m"]}
+
+
+def _expected_n(fit: FittedModel, *, h0_m: float, hv_m: float) -> float:
+    """The force that a fit expects with the finger centred."""
+    return float(fit.force_model.evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))[0])
+
+
+def _ratios(values: np.ndarray) -> str:
+    return ", ".join(f"{value:.3f}" for value in sorted(set(values.round(3))))

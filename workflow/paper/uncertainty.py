@@ -5,8 +5,8 @@ difference if a plausible value of it brings the force to the paper's, as far as
 tell it. What is plausible was set from what the paper states, with how many digits, and from air.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,6 @@ from scipy.optimize import brentq
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.markdown import markdown_table
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import scene_of
@@ -33,16 +32,12 @@ PLAUSIBLE_POINTS = 5
 
 @dataclass(frozen=True)
 class Difference:
-    """A force of the paper beside ours; low and high are what its digits may stand for.
-
-    All in newtons; the point is where the force is taken.
-    """
+    """A force of the paper in newtons, half a unit of its last digit, and where it is taken."""
 
     claim_id: str
     claim: str
     paper_n: float
-    low_n: float
-    high_n: float
+    half_digit_n: float
     point: ScenePoint
 
 
@@ -77,30 +72,24 @@ ASSUMPTIONS = tuple(Assumption(**entry) for entry in yaml.safe_load(_TABLE))
 
 
 def differences(config: Config) -> tuple[Difference, ...]:
-    """The forces in which the paper's simulations and ours differ; sections as commands name them.
-
-    The bounds are half a unit of the last digit that the paper gives.
-    """
+    """The forces in which the paper's simulations and ours differ."""
     beyond, screen = config["extrapolation"], config["screen"]
-    smallest = (screen["h0_m"]["stop"], screen["hv_m"]["start"])
+    operating = ScenePoint("operating_point", beyond["h0_m"], beyond["hv_m"])
+    smallest = ScenePoint("smallest", screen["h0_m"]["stop"], screen["hv_m"]["start"])
     return (
-        Difference(
-            "simulation_at_2.2",
-            "force at {}",
-            0.99,
-            0.985,
-            0.995,
-            ScenePoint("operating_point", beyond["h0_m"], beyond["hv_m"]),
-        ),
+        Difference("simulation_at_2.2", f"force at {_place(operating)}", 0.99, 0.005, operating),
         Difference(
             "smallest_force",
-            "smallest force of the screen, at {}",
+            f"smallest force of the screen, at {_place(smallest)}",
             90e-6,
-            85e-6,
-            95e-6,
-            ScenePoint("smallest", *smallest),
+            5e-6,
+            smallest,
         ),
     )
+
+
+def _place(point: ScenePoint) -> str:
+    return f"h0 = {1e6 * point.h0_m:g} µm, hv = {1e6 * point.hv_m:g} µm"
 
 
 @dataclass(frozen=True)
@@ -110,6 +99,7 @@ class Trial:
     config: Config
     difference: Difference
     assumption: Assumption
+    force: Force
 
     @property
     def assumed(self) -> float | None:
@@ -133,19 +123,24 @@ class Trial:
         half = 0.5 * 10.0 ** -len(f"{value:g}".partition(".")[2])
         return (value - half) * self.assumption.scale, (value + half) * self.assumption.scale
 
-    def force_n(self, value: float, *, force: Force) -> float:
+    def force_n(self, value: float) -> float:
         """The force with another value of the assumption; NaN where there is no such film."""
-        if value == self.assumption.rest:
-            return force(scene_of(self.difference.point, self.config))
-        values = self._values()
-        settings: dict[str, Any] = dict.fromkeys(self.assumption.places, value)
-        for place, setting in {**settings, **self.assumption.switch}.items():
-            values = _changed(values, place.split("."), setting)
-        point = ScenePoint(**(vars(self.difference.point) | values.pop("point")))
+        point, config = self.difference.point, self.config
+        if value != self.assumption.rest:
+            values = self._values()
+            settings: dict[str, Any] = dict.fromkeys(self.assumption.places, value)
+            for place, setting in {**settings, **self.assumption.switch}.items():
+                values = _changed(values, place.split("."), setting)
+            point = replace(point, **values.pop("point"))
+            config = Config(path=config.path, sections=values)
         try:
-            return force(scene_of(point, Config(path=self.config.path, sections=values)))
+            return self.force(scene_of(point, config))
         except InputError:
             return float("nan")
+
+    def forces_n(self, values: np.ndarray) -> np.ndarray:
+        """The forces with other values."""
+        return np.array([self.force_n(float(value)) for value in values])
 
     def _values(self) -> dict[str, Any]:
         return {**self.config.sections, "point": {"hv_m": self.difference.point.hv_m}}
@@ -161,12 +156,10 @@ def _changed(values: dict[str, Any], place: Sequence[str], setting: Any) -> dict
 def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The table, a row for each difference and assumption, and curves of force over change.
 
-    The table's columns: claim_id, claim, paper_n, paper_low_n, paper_high_n, ours_n, assumption,
-    unit, assumed, plausible_low, plausible_high (in the unit), force_low_n, force_high_n (over the
-    plausible values), needed (nearest value that gives the paper's force; NaN if none was found),
-    needed_change_percent, reached_low_n, reached_high_n (over all values tried), verdict, because.
-    The curves': claim_id, assumption, change_percent, plausible, force_n, for assumptions that
-    can change both ways.
+    The table has, in the assumption's unit, what is assumed and plausible; the forces over the
+    plausible values and over all that were tried; and ``needed``, the nearest value that gives the
+    paper's force, NaN if none was found. Curves are of assumptions that can change both ways.
+
     Raises RunError when a film cannot be simulated even with everything as assumed.
     """
     rows, curves = [], []
@@ -175,33 +168,30 @@ def compare(config: Config, *, force: Force) -> tuple[pd.DataFrame, pd.DataFrame
         if not np.isfinite(ours_n):
             raise RunError(f"point {difference.point.point_id}: the film could not be simulated")
         for assumption in ASSUMPTIONS:
-            trial = Trial(config, difference, assumption)
+            trial = Trial(config, difference, assumption, force)
             if trial.assumed is not None:
-                rows.append(_row(trial, trial.assumed, ours_n, force))
-                curves.append(_curve(trial, trial.assumed, force))
+                rows.append(_row(trial, trial.assumed, ours_n))
+                curves.append(_curve(trial, trial.assumed))
     return pd.DataFrame(rows), pd.concat(curves, ignore_index=True)
 
 
-def _row(trial: Trial, assumed: float, ours_n: float, force: Force) -> dict[str, Any]:
+def _row(trial: Trial, assumed: float, ours_n: float) -> dict[str, Any]:
     difference, assumption = trial.difference, trial.assumption
+    paper_n, half_n = difference.paper_n, difference.half_digit_n
     low, high = trial.plausible
     points = PLAUSIBLE_POINTS if high > low else 1
-    plausible = np.append(_forces(trial, np.linspace(low, high, points), force), ours_n)
-    values = _searched(assumption, assumed)
-    reached = _forces(trial, values, force)
-    needed = _nearest_crossing(trial, values, reached, assumed, force)
+    plausible = np.append(trial.forces_n(np.linspace(low, high, points)), ours_n)
     low_n, high_n = np.nanmin(plausible), np.nanmax(plausible)
-    explains = low_n <= difference.high_n and high_n >= difference.low_n
-    change = needed / assumed - 1 if assumed else np.nan
-    point = difference.point
+    values = _searched(assumption, assumed)
+    reached = trial.forces_n(values)
+    needed = _nearest_crossing(trial, values, reached, assumed)
+    explains = low_n <= paper_n + half_n and high_n >= paper_n - half_n
     return {
         "claim_id": difference.claim_id,
-        "claim": difference.claim.format(
-            f"h0 = {1e6 * point.h0_m:g} µm, hv = {1e6 * point.hv_m:g} µm"
-        ),
-        "paper_n": difference.paper_n,
-        "paper_low_n": difference.low_n,
-        "paper_high_n": difference.high_n,
+        "claim": difference.claim,
+        "paper_n": paper_n,
+        "paper_low_n": paper_n - half_n,
+        "paper_high_n": paper_n + half_n,
         "ours_n": ours_n,
         "assumption": assumption.name,
         "unit": assumption.unit,
@@ -211,7 +201,7 @@ def _row(trial: Trial, assumed: float, ours_n: float, force: Force) -> dict[str,
         "force_low_n": low_n,
         "force_high_n": high_n,
         "needed": needed / assumption.scale,
-        "needed_change_percent": 100 * change,
+        "needed_change_percent": 100 * (needed / assumed - 1) if assumed else np.nan,
         "reached_low_n": np.nanmin([*reached, *plausible]),
         "reached_high_n": np.nanmax([*reached, *plausible]),
         "verdict": "explains" if explains else "cannot explain",
@@ -221,43 +211,31 @@ def _row(trial: Trial, assumed: float, ours_n: float, force: Force) -> dict[str,
 
 def _searched(assumption: Assumption, assumed: float) -> np.ndarray:
     """Values to try, from small to large, with that assumed among them."""
-    low, high = assumption.search
     if assumption.rest is not None:
-        return np.linspace(low, high, SEARCH_POINTS)
-    some = assumed * np.geomspace(low, high, SEARCH_POINTS)
+        return np.linspace(*assumption.search, SEARCH_POINTS)
+    some = assumed * np.geomspace(*assumption.search, SEARCH_POINTS)
     return np.unique(np.append(some, assumed))
 
 
-def _forces(trial: Trial, values: Iterable[float], force: Force) -> np.ndarray:
-    return np.array([trial.force_n(float(value), force=force) for value in values])
-
-
 def _nearest_crossing(
-    trial: Trial, values: np.ndarray, forces: np.ndarray, assumed: float, force: Force
+    trial: Trial, values: np.ndarray, forces: np.ndarray, assumed: float
 ) -> float:
     """The value nearest to the assumed one at which the force is the paper's; NaN if none is."""
     paper_n = trial.difference.paper_n
     off = forces - paper_n
     found = [
-        brentq(
-            lambda value: trial.force_n(value, force=force) - paper_n,
-            values[i],
-            values[i + 1],
-            rtol=1e-6,
-        )
-        for i in range(len(values) - 1)
-        if off[i] * off[i + 1] <= 0
+        brentq(lambda value: trial.force_n(value) - paper_n, *values[i : i + 2], rtol=1e-6)
+        for i in np.flatnonzero(off[:-1] * off[1:] <= 0)
     ]
     return float(min(found, key=lambda value: abs(value - assumed), default=np.nan))
 
 
-def _curve(trial: Trial, assumed: float, force: Force) -> pd.DataFrame:
+def _curve(trial: Trial, assumed: float) -> pd.DataFrame:
     """Force over a change of a few percent; without rows where only one direction has a sense."""
-    share = np.linspace(-CURVE_REACH, CURVE_REACH, CURVE_POINTS)
-    if trial.assumption.rest is not None:
-        share = share[:0]
     low, high = trial.plausible
-    values = assumed * (1 + share)
+    values = assumed * (1 + np.linspace(-CURVE_REACH, CURVE_REACH, CURVE_POINTS))
+    if trial.assumption.rest is not None:
+        values = values[:0]
     ends = [each for each in (low, high) if values.size and values[0] < each < values[-1]]
     values = np.unique(np.append(values, ends))
     return pd.DataFrame(
@@ -266,59 +244,37 @@ def _curve(trial: Trial, assumed: float, force: Force) -> pd.DataFrame:
             "assumption": trial.assumption.name,
             "change_percent": 100 * (values / assumed - 1) if values.size else values,
             "plausible": (values >= low) & (values <= high),
-            "force_n": _forces(trial, values, force),
+            "force_n": trial.forces_n(values),
         }
     )
 
 
-def to_markdown(table: pd.DataFrame) -> str:
-    """The table for people."""
-    shown = pd.DataFrame(
+def shown(table: pd.DataFrame) -> pd.DataFrame:
+    """The table as texts for people."""
+    unit = table["unit"].where(table["unit"] != "–", "").map(lambda unit: f" {unit}".rstrip())
+    change = table["needed_change_percent"].map(
+        lambda value: "" if np.isnan(value) else f" ({value:+.2g} %)".replace("-", "−")
+    )
+    needed = table["needed"].map("{:.5g}".format) + unit + change
+    reached = "no value: " + _ranges(table, "reached_low_n", "reached_high_n", "{:.4g}")
+    return pd.DataFrame(
         {
             "force": table["claim"],
             "paper (N)": table["paper_n"].map("{:g}".format),
             "ours (N)": table["ours_n"].map("{:.4g}".format),
             "what if another": table["assumption"],
-            "assumed": _values(table, "assumed"),
+            "assumed": table["assumed"].map("{:.5g}".format) + unit,
             "plausible": _ranges(table, "plausible_low", "plausible_high", "{:.5g}")
-            + _unit(table)
+            + unit
             + ", "
             + table["because"],
             "force over that (N)": _ranges(table, "force_low_n", "force_high_n", "{:.4g}"),
-            "needed for the paper's": _needed(table),
+            "needed for the paper's": needed.where(table["needed"].notna(), reached + " N at all"),
             "verdict": table["verdict"],
         }
     )
-    explaining = table.groupby("claim", sort=False)["verdict"].agg(
-        lambda verdicts: int((verdicts == "explains").sum())
-    )
-    said = "; ".join(f"{claim}: {count or 'none'}" for claim, count in explaining.items())
-    return (
-        "**What would explain a difference from the paper?** One assumption changed at a time, "
-        f"each force simulated anew. Assumptions that explain – {said}.\n\n{markdown_table(shown)}"
-    )
-
-
-def _unit(table: pd.DataFrame) -> pd.Series:
-    return table["unit"].map(lambda unit: "" if unit == "–" else f" {unit}")
-
-
-def _values(table: pd.DataFrame, column: str) -> pd.Series:
-    return table[column].map("{:.5g}".format) + _unit(table)
 
 
 def _ranges(table: pd.DataFrame, low: str, high: str, form: str) -> pd.Series:
-    pairs = zip(table[low], table[high], strict=True)
-    texts = [(form.format(least), form.format(most)) for least, most in pairs]
-    return pd.Series(
-        [least if least == most else f"{least}–{most}" for least, most in texts], index=table.index
-    )
-
-
-def _needed(table: pd.DataFrame) -> pd.Series:
-    reached = _ranges(table, "reached_low_n", "reached_high_n", "{:.4g}")
-    change = table["needed_change_percent"].map("{:+.2g} %".format).str.replace("-", "−")
-    value = _values(table, "needed") + np.where(
-        table["needed_change_percent"].isna(), "", " (" + change + ")"
-    )
-    return value.where(table["needed"].notna(), "no value: " + reached + " N at all")
+    least, most = table[low].map(form.format), table[high].map(form.format)
+    return least.where(least == most, least + "–" + most)

@@ -162,10 +162,9 @@ def files_of_fits(model):
     return expand(["<results>/fits/{fit}.json", "<results>/fits/{fit}_runs.csv"], fit=fits)
 
 
-def files_of_figures(places):
-    """All that figures leave: table, pictures, and the one that the check compares."""
-    shown = expand("<results>/{place}.{format}", place=places, format=["csv", "png", "svg"])
-    return shown + expand("<results>/check/{place}.plain.png", place=places)
+def results_folder(wildcards, output):
+    """The folder of the study's results, of which any output is a part."""
+    return f"{str(output[0]).partition(f'results/{STUDY}/')[0]}results/{STUDY}"
 
 
 def limit_tables(space):

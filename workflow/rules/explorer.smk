@@ -10,9 +10,7 @@ EXPLORER_FITS = [
 ]
 # Physics and the study's own formulas, with the finger anywhere: what has no fit of its own above.
 EXPLORER_CANDIDATES = [
-    model
-    for model in CONFIG["comparison"]["four_factor"]
-    if model.replace("-", "_") != "four_factor"
+    model for model in CONFIG["comparison"]["four_factor"] if model != "four_factor"
 ]
 EXPLORER_PLANS = ["screen", "error_map", "two_factor_design", "four_factor", "four_factor_design"]
 EXPLORER_PLANS += ["four_factor_design_distinct"]
@@ -20,24 +18,22 @@ EXPLORER_PLANS += ["four_factor_design_distinct"]
 
 rule explorer:
     input:
-        config=ancient(CONFIG_FILE),
-        fits=expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
-        candidates=expand("<results>/models/four_factor/{model}.json", model=EXPLORER_CANDIDATES),
-        forces=expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
-        modulation=expand("<results>/simulations/screen/{table}.csv", table=["response", "gains"]),
+        expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
+        expand("<results>/models/four_factor/{model}.json", model=EXPLORER_CANDIDATES),
+        expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
+        expand("<results>/simulations/screen/{table}.csv", table=["response", "gains"]),
     output:
         "<results>/explorer.html",
     log:
         "<logs>/explorer.log",
-    localrule: True
-    conda:
-        "../../envs/tables.yaml"
     params:
         code=CODE["figures"],
         study=sections(*CONFIG),
-        forces=lambda wildcards, input: named(input.forces, names=EXPLORER_PLANS),
+        results=results_folder,
+        fits=EXPLORER_FITS,
+        candidates=EXPLORER_CANDIDATES,
+        plans=EXPLORER_PLANS,
     message:
         "The explorer: a page to play with the models"
-    shell:
-        "python -m reporting explorer {input.fits:q} {input.candidates:q} --forces {params.forces} "
-        "--modulation {input.modulation:q} --config {input.config:q} --output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/explorer.py"

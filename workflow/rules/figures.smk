@@ -1,130 +1,257 @@
-# From results to figures, tables and claims. A figure is a module, found in `figures` of a package.
+# From results to figures, tables and claims. A page of figures is one job; `snakemake fig08` draws
+# the page that the figure is on.
+
+# What a figure shows, by its place among the results.
+FIGURES = {
+    "figures/overview": "what the whole study does",
+    "figures/error_map": "relative error over the whole space",
+    "figures/force_map": "the force, and the amplitude for the wanted force",
+    "figures/budget": "what the film equation itself leaves out of the force",
+    "figures/response": "how the force follows an amplitude that changes",
+    "figures/levitation": "the gap that carries a load, and the film's stiffness there",
+    "figures/profile": "the measured profile and its residuals",
+    "figures/uncertainty": "what would explain the difference from the paper's force",
+    "figures/fig05": "the model of the vibration over the surface",
+    "figures/fig06": "the same as a mesh",
+    "figures/fig07": "the screen: the simulations of the first plan",
+    "figures/fig08": "the model fitted to the screen",
+    "figures/fig09": "where the searches for an optimal design end",
+    "figures/fig10": "the first pattern of optimal points",
+    "figures/fig11": "the second pattern of optimal points",
+    "figures/fig12": "the optimal design in the space of the experiment",
+    "figures/fig13": "the model fitted to the optimal design",
+    "figures/fig14": "relative error of that model on the screen",
+    "figures/fig15": "the positions of the finger with four factors",
+    "figures/fig16": "the optimal design with four factors",
+    "numerics/work_precision": "error against run time",
+    "numerics/stability": "stiff and extreme films",
+    **{f"models/{space}_errors": f"models compared, {of}" for space, of in MODEL_SPACES.items()},
+    **{
+        f"designs/optimal_{space}_sensitivity": f"where to simulate, {of}"
+        for space, of in MODEL_SPACES.items()
+    },
+    **{f"refine/{space}_figure": f"models refined, {of}" for space, of in MODEL_SPACES.items()},
+}
+TWO_FACTOR_DESIGN = [
+    "simulations/screen/forces.csv",
+    "simulations/two_factor_design/forces.csv",
+    "fits/screen.json",
+    "fits/two_factor_design.json",
+]
+ON_ERROR_MAP = [f"validation/two_factor_design_on_error_map.{kind}" for kind in ("csv", "json")]
+ON_SCREEN = [f"validation/two_factor_design_on_screen.{kind}" for kind in ("csv", "json")]
+OF_PLAN = expand(
+    "validation/{pair}.json",
+    pair=[
+        "four_factor_design_on_four_factor",
+        "four_factor_design_distinct_on_four_factor",
+        "four_factor_design_distinct_on_four_factor_control",
+    ],
+)
+# The figures of each page, and the files that they are drawn from.
+PAGES = {
+    "study": (
+        ["overview", "error_map", "budget", "response", "levitation"],
+        [
+            *TWO_FACTOR_DESIGN,
+            *ON_ERROR_MAP,
+            "simulations/error_map/forces.csv",
+            *expand("simulations/extrapolation/{name}.csv", name=["film", "forces"]),
+            *expand(
+                "simulations/screen/{name}.csv",
+                name=["scenes", "budget", "response", "gains", "levitation"],
+            ),
+            "simulations/four_factor/budget.csv",
+        ],
+    ),
+    "force_map": (["force_map"], ["simulations/error_map/forces.csv", "models/recommended.csv"]),
+    "uncertainty": (
+        ["uncertainty"],
+        ["tables/uncertainty.csv", "tables/uncertainty_curves.csv"],
+    ),
+    "two_factor": (
+        [f"fig{number:02}" for number in range(5, 15)],
+        [
+            *TWO_FACTOR_DESIGN,
+            *ON_SCREEN,
+            "simulations/screen/scenes.csv",
+            *expand(
+                "designs/{name}",
+                name=["two_factor.csv", "two_factor.json", "two_factor_searches.csv"],
+            ),
+        ],
+    ),
+    "four_factor": (
+        ["fig15", "fig16"],
+        [
+            *expand("simulations/{plan}/scenes.csv", plan=["screen", "four_factor"]),
+            *expand("designs/{name}.csv", name=["four_factor", "four_factor_distinct"]),
+        ],
+    ),
+}
+PAGES = {
+    page: ([f"figures/{name}" for name in names], files)
+    for page, (names, files) in PAGES.items()
+    if page not in (["force_map"] if PAPER else ["uncertainty", "two_factor", "four_factor"])
+}
+# Tables and claims of the paper rest on nearly everything.
+OF_THE_PAPER = [
+    *expand("simulations/{plan}/forces.csv", plan=["screen", "four_factor", "extrapolation"]),
+    *expand("simulations/{plan}/scenes.csv", plan=["screen", "four_factor"]),
+    "simulations/screen/timings.csv",
+    "simulations/extrapolation/budget.csv",
+    *expand("fits/{fit}.json", fit=FITS),
+    "fits/screen_runs.csv",
+    *expand("designs/{name}", name=["two_factor.csv", "two_factor.json", "four_factor.csv"]),
+    *ON_SCREEN,
+    "validation/screen_on_screen.json",
+    *OF_PLAN,
+]
+TABLES = {
+    "1": "parameters of the two-factor model",
+    "2": "the space of the experiment with four factors",
+    "3": "parameters of the four-factor model",
+}
+CATEGORIES = {
+    "figures": "3 Figures",
+    "numerics": "4 Numerics",
+    "models": "6 Models",
+    "designs": "7 Designs and refinement",
+    "refine": "7 Designs and refinement",
+}
 
 
-wildcard_constraints:
-    number="|".join(TABLES),
+def in_report(place):
+    """A figure's drawing as the report lists it: the paper's by their numbers."""
+    folder, name = place.split("/")
+    labels = {"shows": FIGURES[place]}
+    if folder == "figures":
+        labels = {"figure": name.replace("fig", "Fig. ").replace("_", " "), **labels}
+    caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
+    return report(
+        f"<results>/{place}.svg",
+        category=CATEGORIES[folder],
+        labels=labels,
+        caption=f"../report/captions/{caption.get(folder, name)}.rst",
+    )
 
 
-rule figure:
-    input:
-        unpack(lambda wildcards: among_results(FIGURES[wildcards.place].inputs)),
-        config=ancient(CONFIG_FILE),
-        profile=SMOOTHED,
-    output:
-        csv="<results>/{place}.csv",
-        png="<results>/{place}.png",
-        svg=report(
-            "<results>/{place}.svg",
-            category=report_category,
-            labels=report_labels,
-            caption="../report/figure.rst",
-        ),
-        plain="<results>/check/{place}.plain.png",
-    log:
-        "<logs>/plot/{place}.log",
-    wildcard_constraints:
-        place="|".join(OWN),
-    localrule: True
-    conda:
-        "../../envs/figures.yaml"
-    params:
-        code=CODE["figures"],
-        study=sections(*CONFIG),
-        module=lambda wildcards: FIGURES[wildcards.place].module,
-        caption=lambda wildcards: "**{0.title}.** {0.caption}".format(FIGURES[wildcards.place]),
-        tables=lambda wildcards, input: named_inputs(FIGURES[wildcards.place].inputs, input),
-    message:
-        "Draw {wildcards.place}"
-    shell:
-        "python -m reporting figure {params.module} {params.tables} "
-        "--config {input.config:q} --output {output:q} >{log:q} 2>&1"
+def numbered(places):
+    """Those of the paper's numbered figures, which keep the table that they draw."""
+    return [place for place in places if place.startswith("figures/fig")]
 
 
-use rule figure as plot with:
-    output:
-        png="<results>/{place}.png",
-        svg=report(
-            "<results>/{place}.svg",
-            category=report_category,
-            labels=report_labels,
-            caption="../report/figure.rst",
-        ),
-    wildcard_constraints:
-        place="|".join(STAGES),
-    localrule: True
-
-
-rule table:
-    input:
-        unpack(lambda wildcards: among_results(TABLES[wildcards.number].inputs)),
-    output:
-        csv="<results>/tables/table{number}.csv",
-        markdown="<results>/tables/table{number}.md",
-    log:
-        "<logs>/table/table{number}.log",
-    localrule: True
-    conda:
-        "../../envs/tables.yaml"
-    params:
-        code=CODE["figures"],
-        tables=lambda wildcards, input: named_inputs(TABLES[wildcards.number].inputs, input),
-    message:
-        "Table {wildcards.number}"
-    shell:
-        "python -m paper table {wildcards.number} {params.tables} "
-        "--output {output.csv:q} --markdown {output.markdown:q} >{log:q} 2>&1"
-
-
-rule compare_claims:
-    input:
-        **among_results(CLAIM_INPUTS),
-    output:
-        csv="<results>/claims.csv",
-        markdown="<results>/claims.md",
-    log:
-        "<logs>/claims.log",
-    localrule: True
-    conda:
-        "../../envs/tables.yaml"
-    params:
-        code=CODE["figures"],
-        tables=lambda wildcards, input: named_inputs(CLAIM_INPUTS, input),
-    message:
-        "The paper's claims beside ours"
-    shell:
-        "python -m paper claims {params.tables} "
-        "--output {output.csv:q} --markdown {output.markdown:q} >{log:q} 2>&1"
-
-
-# One short target a figure: `snakemake fig08` makes what Figure 8 needs and nothing else.
-for place in OWN:
+for page, (places, files) in PAGES.items():
 
     rule:
         name:
-            Path(place).name
+            f"draw_{page}"
         input:
-            files_of_figures([place]),
+            expand("<results>/{file}", file=files),
+            profile=SMOOTHED,
+        output:
+            [in_report(place) for place in places],
+            expand("<results>/{place}.png", place=places),
+            expand("<results>/check/{place}.plain.png", place=places),
+            expand("<results>/{place}.csv", place=numbered(places)),
+        log:
+            f"<logs>/plot/{page}.log",
+        params:
+            code=CODE["figures"],
+            study=sections(*CONFIG),
+            results=results_folder,
         message:
-            "{rule} is drawn"
+            f"Draw the figures of the page {page}"
+        script:
+            "../scripts/draw_figures.py"
+
+    # One short target a figure.
+    for place in places:
+
+        rule:
+            name:
+                Path(place).name
+            input:
+                getattr(rules, f"draw_{page}").output,
+
+
+# Figures of other stages, each from the tables of its own.
+for place, files in {
+    "numerics/work_precision": ["numerics/work_precision.csv"],
+    "numerics/stability": ["numerics/stability.csv"],
+    **{f"models/{space}_errors": [f"models/{space}_errors.csv"] for space in MODEL_SPACES},
+    **{
+        f"designs/optimal_{space}_sensitivity": [f"designs/optimal_{space}_sensitivity.csv"]
+        for space in MODEL_SPACES
+    },
+    **{f"refine/{space}_figure": [f"refine/{space}.csv"] for space in MODEL_SPACES},
+    **({"figures/profile": ["figures/profile.csv", "profile/summary.json"]} if SCAN else {}),
+}.items():
+
+    rule:
+        name:
+            f"draw_{place.replace('/', '_')}"
+        input:
+            expand("<results>/{file}", file=files),
+        output:
+            in_report(place),
+            f"<results>/{place}.png",
+        log:
+            f"<logs>/plot/{place}.log",
+        params:
+            code=CODE["figures"],
+            study=sections("screen", *FILM),
+            results=results_folder,
+        message:
+            f"Draw {place}"
+        script:
+            "../scripts/draw_figures.py"
 
 
 rule figures:
     input:
-        files_of_figures(OWN),
+        [getattr(rules, f"draw_{page}").output for page in PAGES],
     message:
         "The study's figures are drawn"
 
 
-rule tables:
-    input:
-        expand("<results>/tables/table{number}.{format}", number=TABLES, format=["csv", "md"]),
-    message:
-        "The paper's tables are made"
+if PAPER:
 
+    rule paper_tables:
+        input:
+            expand("<results>/{file}", file=OF_THE_PAPER),
+        output:
+            report(
+                "<results>/report/claims.html",
+                category="1 Summary and claims",
+                labels={"page": "2 Claims: the paper beside ours, each with a verdict"},
+                caption="../report/captions/claims.rst",
+            ),
+            [
+                report(
+                    f"<results>/report/table{number}.html",
+                    category="2 Tables",
+                    labels={"table": number, "shows": shows},
+                    caption="../report/captions/table.rst",
+                )
+                for number, shows in TABLES.items()
+            ],
+            expand("<results>/claims.{format}", format=["csv", "md"]),
+            expand("<results>/tables/table{number}.{format}", number=TABLES, format=["csv", "md"]),
+        log:
+            "<logs>/paper_tables.log",
+        params:
+            code=CODE["figures"],
+            results=results_folder,
+        message:
+            "The paper's tables and claims beside ours"
+        script:
+            "../scripts/paper_tables.py"
 
-rule claims:
-    input:
-        "<results>/claims.csv",
-        "<results>/claims.md",
-    message:
-        "The paper's claims are judged"
+    rule tables:
+        input:
+            rules.paper_tables.output,
+
+    rule claims:
+        input:
+            rules.paper_tables.output,

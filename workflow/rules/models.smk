@@ -68,7 +68,6 @@ rule fit_candidate:
 
 rule compare:
     input:
-        config=ancient(CONFIG_FILE),
         fits=lambda wildcards: [
             f"<results>/models/{wildcards.space}/{model}.json"
             for model in CONFIG["comparison"][wildcards.space]
@@ -79,24 +78,28 @@ rule compare:
         table="<results>/models/{space}.csv",
         text="<results>/models/{space}.md",
         errors="<results>/models/{space}_errors.csv",
+        page=report(
+            "<results>/models/{space}.html",
+            category="6 Models",
+            labels={"shows": "table, {space}"},
+            caption="../report/captions/models.rst",
+        ),
     log:
         "<logs>/models/compare_{space}.log",
     params:
         code=CODE["figures"],
-        study=sections("comparison"),
+        study=sections("comparison", "screen", *FILM),
+        results=results_folder,
     message:
         "Candidates side by side on {wildcards.space} points"
-    shell:
-        "python -m reporting compare {wildcards.space} {input.fits:q} --config {input.config:q} "
-        "--forces {input.forces:q} --limits {input.limits:q} --output {output.table:q} --report {output.text:q} "
-        "--errors {output.errors:q} >{log:q} 2>&1"
+    script:
+        "../scripts/compare_models.py"
 
 
 rule recommend:
     input:
-        config=ancient(CONFIG_FILE),
-        tables=expand("<results>/models/{space}.csv", space=MODEL_SPACES),
-        forces=expand("<results>/simulations/{plan}/forces.csv", plan=RECOMMENDED_BY),
+        expand("<results>/models/{space}.csv", space=MODEL_SPACES),
+        expand("<results>/simulations/{plan}/forces.csv", plan=RECOMMENDED_BY),
     output:
         "<results>/models/recommended.csv",
     log:
@@ -104,43 +107,15 @@ rule recommend:
     params:
         code=CODE["figures"],
         study=sections("extrapolation"),
-        results=lambda wildcards, output: str(Path(output[0]).parent.parent),
-        forces=lambda wildcards, input: named(input.forces, names=RECOMMENDED_BY),
+        results=results_folder,
     message:
         "The best model, and the amplitude for the wanted force at each position"
-    shell:
-        "python -m reporting recommend {params.results:q} --config {input.config:q} "
-        "--forces {params.forces} --output {output:q} >{log:q} 2>&1"
-
-
-rule models_page:
-    input:
-        config=ancient(CONFIG_FILE),
-        tables=expand("<results>/models/{space}.md", space=MODEL_SPACES),
-    output:
-        [
-            report(
-                f"<results>/models/{space}.html",
-                category="6 Models",
-                labels={"shows": f"table, {shows}"},
-                caption="../report/models.rst",
-            )
-            for space, shows in MODEL_SPACES.items()
-        ],
-    log:
-        "<logs>/models/pages.log",
-    params:
-        code=CODE["figures"],
-        study=sections("screen", *FILM),
-    message:
-        "The comparison of models as pages"
-    shell:
-        "python -m reporting pages {input.tables:q} --config {input.config:q} --output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/recommend.py"
 
 
 rule models:
     input:
-        rules.models_page.output,
         rules.limit_table.output,
         rules.recommend.output,
         [limit_tables(space) for space in MODEL_SPACES],
@@ -149,7 +124,9 @@ rule models:
             for space in MODEL_SPACES
             for model in CONFIG["comparison"][space]
         ],
-        expand("<results>/models/{space}.{format}", space=MODEL_SPACES, format=["csv", "md"]),
+        expand(
+            "<results>/models/{space}.{format}", space=MODEL_SPACES, format=["csv", "md", "html"]
+        ),
         expand(
             "<results>/models/{space}_errors.{format}",
             space=MODEL_SPACES,

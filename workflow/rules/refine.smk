@@ -87,56 +87,37 @@ rule refine_model:
 
 rule refine_report:
     input:
-        refined=lambda wildcards: refined_files(wildcards.space),
+        lambda wildcards: refined_files(wildcards.space),
         forces="<results>/simulations/validation_{space}/forces.csv",
         limits="<results>/simulations/validation_{space}/limits.csv",
     output:
         table="<results>/refine/{space}.csv",
         text="<results>/refine/{space}.md",
-        figure="<results>/refine/{space}_figure.csv",
+        page=report(
+            "<results>/refine/{space}.html",
+            category="7 Designs and refinement",
+            labels={"shows": "table, {space}"},
+            caption="../report/captions/refine.rst",
+        ),
     log:
         "<logs>/refine/report_{space}.log",
     params:
         code=CODE["figures"],
-        folders=lambda wildcards, input: [
-            str(Path(path).parent) for path in input.refined if Path(path).name == "verdict.json"
-        ],
+        study=sections("refine", "screen", *FILM),
+        results=results_folder,
     message:
         "What was estimated over the {wildcards.space} space, and the truth"
-    shell:
-        "python -m reporting refine-report {params.folders:q} --forces {input.forces:q} "
-        "--limits {input.limits:q} --output {output.table:q} --report {output.text:q} "
-        "--figure {output.figure:q} >{log:q} 2>&1"
-
-
-use rule models_page as refine_page with:
-    input:
-        config=ancient(CONFIG_FILE),
-        tables=expand("<results>/refine/{space}.md", space=MODEL_SPACES),
-    output:
-        [
-            report(
-                f"<results>/refine/{space}.html",
-                category="7 Designs and refinement",
-                labels={"shows": f"table, {shows}"},
-                caption="../report/refine.rst",
-            )
-            for space, shows in MODEL_SPACES.items()
-        ],
-    log:
-        "<logs>/refine/pages.log",
-    message:
-        "The refinement as pages"
+    script:
+        "../scripts/refine_report.py"
 
 
 rule refine:
     input:
         [refined_files(space) for space in MODEL_SPACES],
-        rules.refine_page.output,
         expand(
             "<results>/refine/{space}{file}",
             space=MODEL_SPACES,
-            file=[".csv", ".md", "_figure.csv", "_figure.png", "_figure.svg"],
+            file=[".csv", ".md", ".html", "_figure.png", "_figure.svg"],
         ),
     message:
         "Models are refined until they are good enough, or their limit is known"

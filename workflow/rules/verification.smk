@@ -70,7 +70,7 @@ rule verification:
     input:
         expand(
             "<results>/{place}.{format}",
-            place=[place for place in STAGES if place.startswith("numerics/")],
+            place=["numerics/work_precision", "numerics/stability"],
             format=["csv", "png", "svg"],
         ),
         "<results>/numerics/ablation.csv",

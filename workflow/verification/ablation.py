@@ -24,7 +24,6 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import TERMS
 from verification.numpy_periodic import periodic_state
 from verification.timing import measure
@@ -103,18 +102,15 @@ def _solved(
 
 
 def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
-    needs = [replace(needs_of(scene), fold_x=False, fold_y=False) for scene in scenes]
-    return _forces(solve_periodic(scenes, needs, tolerance=tolerance, device=device))
+    whole = np.zeros(len(scenes), dtype=bool)
+    needs = replace(needs_of(scenes), fold_x=whole, fold_y=whole)
+    return _forces(solve_periodic(needs, tolerance=tolerance, device=device))
 
 
 def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
     """Every scene on the same two grids over the whole finger, each solved from rest."""
     coarse, fine = (
-        solve_batch(
-            problems=problems_of(scenes, grid, tolerance=ITERATION_SHARE * tolerance),
-            grid=grid,
-            device=device,
-        )
+        solve_batch(scenes, grid, tolerance=ITERATION_SHARE * tolerance, device=device)
         for grid in ONE_FOR_ALL
     )
     scale = np.array([scene.force_scale_n for scene in scenes])

@@ -21,7 +21,6 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import finer_grid
 from squeezefilm.reynolds.periodic.states import States
-from squeezefilm.reynolds.problems import problems_of
 from verification import analytic
 from verification.cases import Case, beyond
 from verification.films import Film
@@ -162,8 +161,7 @@ def _more(points: int) -> int:
 
 def _on_grid(film: Film, grid: Grid, *, tolerance: float, device: Device) -> States:
     """The periodic state; the tolerance is of the force, for what Newton's method may leave."""
-    problems = problems_of([film.scene], grid, tolerance=tolerance)
-    return solve_batch(problems=problems, grid=grid, device=device)
+    return solve_batch([film.scene], grid, tolerance=tolerance, device=device)
 
 
 def analytic_limit(film: Film) -> tuple[float, float] | None:

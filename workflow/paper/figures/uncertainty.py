@@ -1,9 +1,4 @@
-"""Uncertainty: what would explain the difference from the paper's force.
-
-The force for which the paper states 0.99 N, with each assumption of the simulation changed alone.
-Left: over its relative change; thick where a value is plausible. Right: over the plausible values.
-Grey: what the paper's digits may stand for.
-"""
+"""What would explain the difference from the paper's force, each assumption changed alone."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,55 +6,22 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reporting.figures.parts import style
-from reporting.figures.parts.tables import Inputs
-from squeezefilm.io.sources import read_columns
-from squeezefilm.studies.config import Config
+from reporting.figures import style
+from reporting.results import Results
 
-INPUTS = {
-    "table": "tables/uncertainty.csv",
-    "curves": "tables/uncertainty_curves.csv",
-}
 SHOWN = "simulation_at_2.2"
 COLOURS = (style.VERMILLION, style.BLUE, style.GREEN, style.ORANGE, style.PURPLE, "black")
 
 
-def build(inputs: Inputs, config: Config) -> pd.DataFrame:
-    """Layers curve (force over the change of one assumption) and range (over plausible values)."""
+def uncertainty(results: Results) -> Figure:
+    """Left, force over the change of an assumption; right, over its plausible values."""
     columns = ("claim_id", "claim", "assumption", "verdict", "force_low_n", "force_high_n")
-    table = read_columns(inputs["table"], columns=columns)
-    curves = read_columns(inputs["curves"], columns=("claim_id", "assumption", "change_percent"))
-    table = table[table["claim_id"] == SHOWN]
-    curves = curves[curves["claim_id"] == SHOWN]
-    first = table.iloc[0]
-    explaining = list(table.loc[table["verdict"] == "explains", "assumption"])
-    data = pd.concat(
-        [
-            curves[["assumption", "change_percent", "plausible", "force_n"]].assign(layer="curve"),
-            table[["assumption", "force_low_n", "force_high_n", "verdict"]].assign(layer="range"),
-        ],
-        ignore_index=True,
-    )
-    note = (
-        f"{first['claim'].capitalize()}, each assumption changed alone and the force simulated "
-        f"anew: {first['ours_n']:.3f} N with those of this study, {first['paper_n']:g} N in the "
-        "paper (grey: what rounds to that). Thick, and on the right: plausible values. "
-        + (
-            f"What explains the difference: {', '.join(explaining)}."
-            if explaining
-            else "None of them explains the difference."
-        )
-    )
-    limits = {name: first[name] for name in ("paper_n", "paper_low_n", "paper_high_n", "ours_n")}
-    return data.assign(**limits, note=note)
-
-
-def draw(data: pd.DataFrame) -> Figure:
-    """Left, layer curve: force over change; right, layer range: force over plausible values."""
+    ranges = results.table("tables/uncertainty.csv", *columns)
+    curves = results.table("tables/uncertainty_curves.csv", "claim_id", "assumption", "force_n")
+    ranges, curves = (table[table["claim_id"] == SHOWN] for table in (ranges, curves))
+    first = ranges.iloc[0]
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.1)
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.05))
-    first = data.iloc[0]
-    ranges, curves = style.rows(data, "range"), style.rows(data, "curve")
     names = list(ranges["assumption"])
     shown = [name for name in names if name in set(curves["assumption"])]
     colours = dict(zip(shown, COLOURS, strict=False))
@@ -105,7 +67,11 @@ def draw(data: pd.DataFrame) -> Figure:
     right.set_ylim(len(ranges) - 0.5, -0.5)
     right.set_xlabel("force over the plausible values (N)")
     right.grid(True, axis="x")
-    style.add_note(figure, data)
+    note = (
+        f"{first['claim'].capitalize()}: {first['ours_n']:.3f} N here, {first['paper_n']:g} N in "
+        "the paper (grey: what rounds to that). Thick, and on the right: plausible values."
+    )
+    style.add_note(figure, note, results.beyond)
     return figure
 
 

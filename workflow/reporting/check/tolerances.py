@@ -1,10 +1,12 @@
-"""How closely a number must be met, and the few degrees of closeness that a study has.
+"""How closely a quantity must be met.
 
-They follow from the tolerance that the solver was asked for. On any machine and device a force
-lies within it of the truth, so that two machines differ by no more than twice as much. What
-follows from forces differs in proportion (docs/numerics.md, "How accurate must a simulation be?").
+The degrees of closeness follow from the tolerance that the solver was asked for. On any machine and
+device a force lies within it of the truth, so that two machines differ by no more than twice as
+much. What follows from forces differs in proportion (docs/numerics.md, "How accurate must a
+simulation be?").
 """
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,19 +14,24 @@ from typing import Protocol
 
 import numpy as np
 
+from squeezefilm.designs.paper_design import d_efficiency
+from squeezefilm.io.errors import InputError
+from squeezefilm.models.force_model import get_model
+
 Cells = Mapping[str, str]
+_NUMBER = re.compile(r"[-−]?\d+(?:\.(\d+))?(?:e([-−+]?\d+))?")
 
 
 @dataclass(frozen=True)
 class Worst:
     """The cell that is farthest off, in units of what is allowed there: at most one passes.
 
-    ``shown`` is what is expected and got, where that is not the cell's text.
+    ``got`` is shown where that is not the cell's text.
     """
 
     cell: str
     distance: float
-    shown: tuple[str, str] | None = None
+    got: str | None = None
 
 
 class Tolerance(Protocol):
@@ -36,48 +43,69 @@ class Tolerance(Protocol):
 
 
 @dataclass(frozen=True)
-class Same:
-    """Texts that must be equal."""
-
-    def __str__(self) -> str:
-        return "equal"
-
-    def worst(self, expected: Cells, got: Cells) -> Worst:
-        """The first cell that differs, or the first of all."""
-        for cell, text in expected.items():
-            if got[cell] != text:
-                return Worst(cell, np.inf)
-        return Worst(next(iter(expected)), 0.0)
-
-
-@dataclass(frozen=True)
 class Close:
-    """Numbers within a share of each value, of the column's largest magnitude, or an amount."""
+    """Texts of equal words, and numbers in them within the sum of what is given.
+
+    Attributes:
+        relative: a share of each value.
+        of_largest: a share of the largest magnitude in the column.
+        absolute: an amount.
+        digits: units of the last digit that is shown.
+    """
 
     relative: float = 0.0
     of_largest: float = 0.0
     absolute: float = 0.0
+    digits: float = 0.0
 
     def __str__(self) -> str:
-        parts = (
-            (self.relative, "of the value"),
-            (self.of_largest, "of the column's largest"),
-            (self.absolute, "absolute"),
-        )
-        return " + ".join(f"{size:.2g} {of}" for size, of in parts if size) or "equal"
+        parts = {
+            "of the value": self.relative,
+            "of the column's largest": self.of_largest,
+            "absolute": self.absolute,
+            "of the last digit shown": self.digits,
+        }
+        return " + ".join(f"{size:.2g} {of}" for of, size in parts.items() if size) or "equal"
 
     def worst(self, expected: Cells, got: Cells) -> Worst:
         """The cell whose difference is the largest share of what is allowed there."""
-        cells = list(expected)
-        want, have = _numbers(expected, cells), _numbers(got, cells)
-        largest = float(np.max(np.abs(want[np.isfinite(want)]), initial=0.0))
-        allowed = self.relative * np.abs(want) + self.of_largest * largest + self.absolute
-        both_missing = np.isnan(want) & np.isnan(have)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            distance = np.where(both_missing | (want == have), 0.0, np.abs(have - want) / allowed)
-        distance = np.where(np.isnan(distance), np.inf, distance)
-        index = int(np.argmax(distance))
-        return Worst(cells[index], float(distance[index]))
+        sizes = [abs(_value(text)) for text in expected.values()]
+        largest = max((size for size in sizes if math.isfinite(size)), default=0.0)
+        distances = {
+            cell: self._distance(text, got[cell], self.of_largest * largest)
+            for cell, text in expected.items()
+        }
+        cell = max(distances, key=lambda name: distances[name])
+        return Worst(cell, distances[cell])
+
+    def _distance(self, expected: str, got: str, allowed: float) -> float:
+        if expected == got:
+            return 0.0
+        if _NUMBER.sub("#", expected) != _NUMBER.sub("#", got):
+            return math.inf
+        pairs = zip(_NUMBER.finditer(expected), _NUMBER.finditer(got), strict=True)
+        return max(self._apart(want, have, allowed + self.absolute) for want, have in pairs)
+
+    def _apart(self, expected: re.Match[str], got: re.Match[str], allowed: float) -> float:
+        """In units of what is allowed; just over one by rounding counts as one."""
+        want, have = _value(expected.group()), _value(got.group())
+        unit = max(_last_digit(expected), _last_digit(got))
+        allowed += self.relative * abs(want) + self.digits * unit
+        if want == have:
+            return 0.0
+        return round(abs(want - have) / allowed, 6) if allowed else math.inf
+
+
+def _value(text: str) -> float:
+    try:
+        return float(text.replace("−", "-"))
+    except ValueError:
+        return math.nan
+
+
+def _last_digit(number: re.Match[str]) -> float:
+    decimals, exponent = number.group(1) or "", (number.group(2) or "0").replace("−", "-")
+    return float(10.0 ** (int(exponent) - len(decimals)))
 
 
 @dataclass(frozen=True)
@@ -91,65 +119,57 @@ class AtMost:
 
     def worst(self, expected: Cells, got: Cells) -> Worst:
         """The cell with the largest number."""
-        cells = list(expected)
-        numbers = _numbers(got, cells)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            distance = np.where(numbers == 0, 0.0, numbers / self.limit)
-        distance = np.where(np.isnan(distance), np.inf, distance)
-        index = int(np.argmax(distance))
-        return Worst(cells[index], float(distance[index]))
-
-
-_NUMBER = re.compile(r"[-−]?\d+(?:\.(\d+))?(?:e([-−]?\d+))?")
-
-
-@dataclass(frozen=True)
-class LastDigit:
-    """Texts with numbers: the words equal, each number within one unit of its last digit.
-
-    Or a share of its value beyond that, where the digits shown are more than are known.
-    """
-
-    relative: float = 0.0
-
-    def __str__(self) -> str:
-        return f"one unit of the last digit shown + {self.relative:.2g} of the value"
-
-    def worst(self, expected: Cells, got: Cells) -> Worst:
-        """The text with the largest difference, as a share of what is allowed."""
-        distances = {cell: self._distance(text, got[cell]) for cell, text in expected.items()}
+        distances = {cell: self._distance(_value(text)) for cell, text in got.items()}
         cell = max(distances, key=lambda name: distances[name])
         return Worst(cell, distances[cell])
 
-    def _distance(self, expected: str, got: str) -> float:
-        if _NUMBER.sub("#", expected) != _NUMBER.sub("#", got):
-            return np.inf
-        pairs = zip(_NUMBER.finditer(expected), _NUMBER.finditer(got), strict=True)
-        return max((self._apart(want, have) for want, have in pairs), default=0.0)
-
-    def _apart(self, expected: re.Match[str], got: re.Match[str]) -> float:
-        """In units of the coarser last digit; just over one by rounding counts as one."""
-        unit = max(_last_digit(expected), _last_digit(got))
-        allowed = unit + self.relative * abs(_plain(expected))
-        return round(abs(_plain(expected) - _plain(got)) / allowed, 6)
+    def _distance(self, number: float) -> float:
+        if math.isnan(number) or (number > 0 and not self.limit):
+            return math.inf
+        return number / self.limit if number else 0.0
 
 
-def _plain(number: re.Match[str]) -> float:
-    return float(number.group().replace("−", "-"))
+@dataclass(frozen=True)
+class Efficient:
+    """Designs that teach as much: D-efficiency beside the reference's, in the reference's model.
+
+    Cells are the parameters (``theta0``) and the points (``point 1 h0_m``).
+    """
+
+    model: str
+    loss: float = 1e-3
+
+    def __str__(self) -> str:
+        return f"D-efficiency at least {1 - self.loss:g} of the reference's"
+
+    def worst(self, expected: Cells, got: Cells) -> Worst:
+        """The loss of efficiency; a gain is none."""
+        model = get_model(self.model)
+        try:
+            theta = [float(expected[name]) for name in model.parameter_names]
+            slopes = [
+                model.gradient(theta, model.factors(_points(cells, model.factor_names)))
+                for cells in (got, expected)
+            ]
+            efficiency = d_efficiency(*slopes)
+        except (InputError, ValueError) as error:
+            return Worst("D-efficiency", math.inf, str(error))
+        lost = max(0.0, 1 - efficiency) / self.loss
+        return Worst("D-efficiency", lost, f"{efficiency:.6f} of the reference's")
 
 
-def _last_digit(number: re.Match[str]) -> float:
-    decimals, exponent = number.group(1) or "", (number.group(2) or "0").replace("−", "-")
-    return float(10.0 ** (int(exponent) - len(decimals)))
+def _points(cells: Cells, factors: tuple[str, ...]) -> np.ndarray:
+    numbers = sorted({int(name.split()[1]) for name in cells if name.startswith("point ")})
+    return np.array(
+        [[float(cells[f"point {number} {factor}"]) for factor in factors] for number in numbers]
+    )
 
 
-SAME = Same()
+SAME = Close()
 GIVEN = Close(relative=1e-9, of_largest=1e-12)
 """What the configuration gives, through plain arithmetic."""
-
 DERIVED = Close(of_largest=0.01)
 """What is derived in several steps, and local pressures, which the solver's tolerance is not of."""
-
 PLACE = Close(of_largest=1e-3)
 """Where an optimal point lies: an optimum is flat, so its place is known to the root of its value's
 accuracy; a thousandth of the space is far below anything that a design is used for."""
@@ -182,9 +202,9 @@ class Closeness:
         return Close(relative=100 * self.solver + 1e-4, of_largest=100 * self.solver + 1e-6)
 
     @property
-    def shown(self) -> LastDigit:
-        """A number as a text shows it."""
-        return LastDigit(relative=20 * self.solver)
+    def shown(self) -> Close:
+        """A number as a text shows it: where the digits shown are more than are known, those."""
+        return Close(relative=20 * self.solver, digits=1)
 
     @property
     def relative_error(self) -> Close:
@@ -193,14 +213,3 @@ class Closeness:
         The smallest forces of a plan are hundreds of times smaller than the largest.
         """
         return Close(of_largest=min(0.05, 1e4 * self.solver))
-
-
-def _numbers(cells: Cells, names: list[str]) -> np.ndarray:
-    return np.array([_number(cells[name]) for name in names])
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return np.nan

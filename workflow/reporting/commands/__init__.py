@@ -1,1 +1,1 @@
-"""Steps of the workflow: figures and pages, and the check of a study."""
+"""What people do with a finished study: figures, the recommended model, the check."""

@@ -11,28 +11,29 @@ the same files. Both need xarray: the extra `fields`.
 import argparse
 from pathlib import Path
 
-from reporting.figures import FORMATS
-from reporting.pressure_pictures import ANIMATED, draw_sheet, read_field, save_animation
 from squeezefilm.io.errors import InputError
+
+FORMATS = (".png", ".svg", ".pdf", ".gif")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("field", metavar="FIELD.nc", help="by `squeezefilm pressure`")
-    parser.add_argument("--output", required=True, nargs="+", metavar="FILE")
+    parser.add_argument("--output", required=True, nargs="+", type=Path, metavar="FILE")
 
 
 def run(options: argparse.Namespace) -> None:
-    from reporting.figures.parts import style  # matplotlib: only when something is drawn
-
-    allowed = (*FORMATS, ANIMATED)
     for path in options.output:
-        if Path(path).suffix not in allowed:
-            raise InputError(f"{path}: a picture's name ends in {', '.join(allowed)}")
+        if path.suffix not in FORMATS:
+            raise InputError(f"{path}: a picture's name ends in {', '.join(FORMATS)}")
+    # matplotlib: only when something is drawn
+    from reporting.figures import style
+    from reporting.pressure_pictures import draw_sheet, read_field, save_animation
+
     field = read_field(options.field)
-    sheets = [path for path in options.output if Path(path).suffix != ANIMATED]
+    sheets = [path for path in options.output if path.suffix != ".gif"]
     with style.settings():
         if sheets:
             style.save(draw_sheet(field), sheets)
         for path in options.output:
-            if path not in sheets:
+            if path.suffix == ".gif":
                 save_animation(field, path)

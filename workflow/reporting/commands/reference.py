@@ -1,6 +1,6 @@
 """Make the small reference that `squeezefilm check` compares a study with, from finished results.
 
-  squeezefilm reference results/paper --config config/paper.yaml --output tests/reference/paper
+  squeezefilm reference results/paper --output tests/reference/paper
 
 What would change is shown first, cell by cell, and a question asked; --yes answers it.
 """
@@ -9,46 +9,35 @@ import argparse
 import sys
 from pathlib import Path
 
-from reporting.check.compare import Judgement
-from reporting.check.pictures import write_pictures
-from reporting.check.reference import differences, read_reference, write_reference
-from reporting.check.study import study_quantities
+from reporting.check.compare import differences, read_reference, write_reference
+from reporting.check.quantities import study_quantities
+from reporting.results import Results
 from squeezefilm.io.errors import RunError
-from squeezefilm.studies.config import load_config
 
 MOST_SHOWN = 60
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("results", type=Path, metavar="RESULTS", help="the study's results")
-    parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
+    parser.add_argument("--config", metavar="CONFIG.yaml", help="the study, if not RESULTS' own")
     parser.add_argument("--output", required=True, type=Path, metavar="FOLDER")
     parser.add_argument("--yes", action="store_true", help="overwrite without asking")
 
 
 def run(options: argparse.Namespace) -> None:
-    config = load_config(options.config)
-    quantities = study_quantities(options.results, config, options.output)
+    quantities = study_quantities(Results.of(options.results, options.config), options.output)
     old = read_reference(options.output) if list(options.output.glob("*.csv")) else {}
     changed = differences(quantities, old)
     if not changed:
         print(f"{options.output}: nothing changes")
         return
-    print(_shown(changed))
+    print("\n".join(changed[:MOST_SHOWN]))
+    if len(changed) > MOST_SHOWN:
+        print(f"… and {len(changed) - MOST_SHOWN} more")
     if not (options.yes or _confirmed(f"Write {len(changed)} changes to {options.output}?")):
         raise RunError(f"{options.output}: nothing written")
-    write_reference(quantities, options.output)
-    write_pictures(options.results, options.output)
+    write_reference(quantities, options.results, options.output)
     print(f"{options.output}: written")
-
-
-def _shown(changed: list[Judgement]) -> str:
-    lines = [
-        f"{row.part}, {row.item}, {row.quantity}, {row.worst}: {row.expected} → {row.got}"
-        for row in changed[:MOST_SHOWN]
-    ]
-    more = len(changed) - len(lines)
-    return "\n".join([*lines, *([f"… and {more} more"] if more else [])])
 
 
 def _confirmed(question: str) -> bool:

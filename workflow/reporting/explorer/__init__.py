@@ -8,24 +8,24 @@ model.js what ``squeezefilm.models.amplitude_for_force`` does with it, modulatio
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isnan
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from reporting.pages.notes import Inertia
+from reporting.notes import Inertia
+from reporting.results import Results
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import as_in, form_of
-from squeezefilm.io.tables import FACTOR_COLUMNS
+from squeezefilm.io.tables import FACTOR_COLUMNS, read_json
 from squeezefilm.models.export import source
-from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.models.fit_file import FittedModel, read_fit
 
 HERE = Path(__file__).parent
 PAGE = "page.html"
-# Its file, so that the page rests on it.
-LANGUAGE = "javascript"
 PARTS = {
     "STYLE": "page.css",
     "MODEL": "model.js",
@@ -34,78 +34,94 @@ PARTS = {
     "SCRIPT": "page.js",
 }
 WORDS = {"two_factor": "two factors", "four_factor": "four factors"}
+FILM = ["h0_m", "hv_m"]
 
 
 @dataclass(frozen=True)
-class Study:
-    """What the page is about.
+class Models:
+    """The models on the page, by their names there.
 
     Attributes:
-        name: of the study.
-        fits: fitted models, by their names on the page; the first is shown first.
+        fits: fitted models; the first is shown first.
         plans: of each fit, the plan that it was fitted on.
-        forces: simulated forces, by the name of their plan, for the drawings.
-        force_n: wanted force to begin with.
-        h0_m, hv_m: gap and amplitude to begin with.
-        inertia: how large it is in this gas.
-        modulation: how films follow a changing amplitude, as modulation.py has it, if known.
         left_out: names of models that could not be fitted, with the reason.
     """
 
-    name: str
-    fits: Mapping[str, FittedModel]
-    plans: Mapping[str, str]
-    forces: Mapping[str, pd.DataFrame]
-    force_n: float
-    h0_m: float
-    hv_m: float
-    inertia: Inertia
-    modulation: Mapping[str, Any] | None = None
-    left_out: Mapping[str, str] = field(default_factory=dict)
+    fits: dict[str, FittedModel] = field(default_factory=dict)
+    plans: dict[str, str] = field(default_factory=dict)
+    left_out: dict[str, str] = field(default_factory=dict)
 
 
-def explorer_page(study: Study, *, drawing_library: str) -> str:
-    """The page as text; ``drawing_library`` is plotly.js as text.
+def models_of(results: Results, *, fits: Sequence[str], candidates: Sequence[str]) -> Models:
+    """The study's fits, each of its plan, and candidates with the finger anywhere."""
+    models = Models()
+    for name in fits:
+        models.fits[name], models.plans[name] = results.fit(name), name
+    for name in candidates:
+        path = results.folder / f"models/four_factor/{name}.json"
+        values = read_json(path)
+        if "refused" in values:
+            models.left_out[name] = str(values["refused"])
+            continue
+        key = f"{name} on four_factor"
+        models.fits[key], models.plans[key] = read_fit(path), "four_factor"
+    return models
+
+
+def explorer_page(
+    config: Mapping[str, Any],
+    models: Models,
+    forces: Mapping[str, pd.DataFrame],
+    *,
+    drawing_library: str,
+    modulation: Mapping[str, Any] | None = None,
+) -> str:
+    """The page as text.
+
+    Args:
+        config: the study: its name, gas and actuator, and the point to begin with.
+        forces: simulated forces, by the name of their plan, for the drawings.
+        drawing_library: plotly.js as text.
+        modulation: how films follow a changing amplitude (see modulation_of), if known.
 
     Raises InputError without fits or forces, or for a fit that the page cannot compute with.
     """
-    if not study.fits or not study.forces:
+    if not models.fits or not forces:
         raise InputError("explorer: give at least one fit and one table of forces")
+    inertia, start = Inertia.of(config), config["extrapolation"]
+    data = {
+        "fits": [_fit(name, fit, models.plans[name]) for name, fit in models.fits.items()],
+        "left_out": models.left_out,
+        "plans": list(forces),
+        "simulations": [
+            [index, *(float(value) for value in row)]
+            for index, table in enumerate(forces.values())
+            for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].itertuples(index=False)
+        ],
+        "position": form_of(next(iter(forces.values()))),
+        "inertia": {
+            name: getattr(inertia, name)
+            for name in ("reynolds_per_h0_square", "most_reynolds", "beyond")
+        },
+        "modulation": modulation,
+        "start": {name: start[name] for name in ("h0_m", "hv_m", "force_n")},
+    }
     parts = {name: (HERE / file).read_text(encoding="utf-8") for name, file in PARTS.items()}
-    parts |= {"LIBRARY": drawing_library, "DATA": _json(_data(study)), "STUDY": study.name}
-    parts["MODELS"] = "\n".join(_code(name, fit) for name, fit in study.fits.items())
+    parts |= {"LIBRARY": drawing_library, "DATA": _json(data), "STUDY": config["study"]}
+    parts["MODELS"] = "\n".join(_code(name, fit) for name, fit in models.fits.items())
     page = (HERE / PAGE).read_text(encoding="utf-8")
     return re.sub(r"\{\{(\w+)\}\}", lambda marker: parts[marker[1]], page)
 
 
-def _data(study: Study) -> dict[str, Any]:
-    return {
-        "fits": [_fit(name, fit, study.plans[name]) for name, fit in study.fits.items()],
-        "left_out": dict(study.left_out),
-        "plans": list(study.forces),
-        "simulations": [
-            [index, *(float(value) for value in row)]
-            for index, table in enumerate(study.forces.values())
-            for row in table[[*as_in(FACTOR_COLUMNS, table), "force_n"]].itertuples(index=False)
-        ],
-        "position": form_of(next(iter(study.forces.values()))),
-        "inertia": {
-            name: getattr(study.inertia, name)
-            for name in ("reynolds_per_h0_square", "most_reynolds", "beyond")
-        },
-        "modulation": study.modulation,
-        "start": {"h0_m": study.h0_m, "hv_m": study.hv_m, "force_n": study.force_n},
-    }
-
-
 def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
     model = fit.force_model
-    word = WORDS.get(fit.model, fit.model)
-    taught = f"{fit.points} simulations" if fit.theta else "nothing fitted"
-    said = "its plan" if plan == fit.model else plan.replace("_", " ")
+    label = f"{WORDS.get(fit.model, fit.model)}, nothing fitted"
+    if fit.theta:
+        of = "its plan" if plan == fit.model else plan.replace("_", " ")
+        label = f"{WORDS.get(fit.model, fit.model)}, {fit.points} simulations ({of})"
     return {
         "name": name,
-        "label": f"{word}, {taught}" + (f" ({said})" if fit.theta else ""),
+        "label": label,
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
@@ -117,10 +133,49 @@ def _fit(name: str, fit: FittedModel, plan: str) -> dict[str, Any]:
 
 def _code(name: str, fit: FittedModel) -> str:
     """The model as a script's line that puts it among MODELS."""
-    code = source(fit, LANGUAGE).replace("</", "<\\/")
+    code = source(fit, "javascript").replace("</", "<\\/")
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
 
 
-def _json(values: Mapping[str, Any] | Sequence[Any]) -> str:
+def _json(values: Mapping[str, Any]) -> str:
     """JSON with full double precision that cannot end the script it stands in."""
     return json.dumps(values, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+
+
+def modulation_of(response: pd.DataFrame, gains: pd.DataFrame) -> dict[str, Any]:
+    """How the force follows a modulated amplitude: films on a grid of gap and amplitude.
+
+    From the two tables of ``squeezefilm response`` for one plan of a centred finger. The page
+    shows, at a point, what lies between the films around it.
+
+    Raises InputError for tables of different films.
+    """
+    by_film: dict[Any, pd.DataFrame] = dict(iter(gains.groupby(FILM)))
+    rows = response.to_dict(orient="records")
+    places = [(row["h0_m"], row["hv_m"]) for row in rows]
+    if set(by_film) != set(places):
+        raise InputError("explorer: response and gains are of different films")
+    return {
+        **{name: sorted(set(response[name])) for name in FILM},
+        "frequency_hz": list(by_film[places[0]]["frequency_hz"]),
+        "films": [
+            dict(zip(FILM, place, strict=True)) | _film(row, by_film[place])
+            for place, row in zip(places, rows, strict=True)
+        ],
+    }
+
+
+def _film(row: Mapping[Hashable, Any], gains: pd.DataFrame) -> dict[str, Any]:
+    """One film's numbers, None where a modulation is too fast, or why it has none."""
+    if row["status"] != "ok":
+        return {"why": row["status"]}
+    if gains["gain"].isna().all():
+        return {"why": gains["status"].iloc[0]}
+    return {
+        **{name: row[name] for name in ("corner_hz", "static_gain", "prompt_gain")},
+        "error": float(gains["error"].max()),
+        **{
+            name: [None if isnan(value) else value for value in gains[name]]
+            for name in ("gain", "phase_deg")
+        },
+    }

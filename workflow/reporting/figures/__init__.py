@@ -1,88 +1,62 @@
-"""The figures: a module each, found by being here or in ``figures`` of a package above.
+"""The figures: each a function of a study's results, from which it draws, by its place there.
 
-A figure is one room. Its module says in plain literals, which the workflow reads without importing
-matplotlib or anything else (``reporting.rooms``):
-
-- its docstring: a line ``Name: what it shows.``, and below it the caption for the report;
-- ``INPUTS``: the files it is made from, by name, each with its place among a study's results.
-  ``{space}`` in a place stands for a space of factors: there is such a figure for each;
-
-and has
-
-- ``build(inputs, config)``: the one tidy table that it is drawn from. A figure without it is drawn
-  from its one input as it stands, the table of another stage;
-- ``draw(data)``: the table drawn as a matplotlib Figure, from nothing else.
-
-Column names carry the unit that the axis shows, so nothing is converted while drawing. ``layer``
-says what a row is (a mesh of the model, simulated points, …); ``note`` is the text below. What
-several figures share lies in ``parts``.
+A function returns the figure and, where that is a product of its own, the table that is drawn;
+column names carry the unit that the axis shows. A page of figures is drawn by one job.
 """
 
-import importlib
-import importlib.metadata
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from types import ModuleType
 
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.found import modules_in
-from squeezefilm.io.sources import read_columns
+import pandas as pd
+from matplotlib.figure import Figure
 
-ENTRY_POINTS = "squeezefilm.figures"
-PLAIN = ".plain.png"
-FORMATS = (".png", ".svg", ".pdf")
-HELP = "fig05, overview, …; an unknown name is answered with all that there are"
+from reporting.figures import style
+from reporting.figures.budget import budget
+from reporting.figures.levitation import levitation
+from reporting.figures.maps import error_map, force_map
+from reporting.figures.models import model_errors, refined, sensitivity
+from reporting.figures.overview import overview
+from reporting.figures.profile import profile
+from reporting.figures.response import response
+from reporting.figures.verification import stability, work_precision
+from reporting.results import Results
+from squeezefilm.io.tables import write_table
+
+Draw = Callable[[Results], Figure | tuple[Figure, pd.DataFrame]]
+
+FIGURES: dict[str, Draw] = {
+    f"figures/{function.__name__}": function
+    for function in (overview, error_map, force_map, budget, response, levitation, profile)
+}
+FIGURES |= {f"numerics/{function.__name__}": function for function in (work_precision, stability)}
+for _space in ("two_factor", "four_factor"):
+    FIGURES[f"models/{_space}_errors"] = partial(model_errors, space=_space)
+    FIGURES[f"designs/optimal_{_space}_sensitivity"] = partial(sensitivity, space=_space)
+    FIGURES[f"refine/{_space}_figure"] = partial(refined, space=_space)
 
 
-def installed() -> dict[str, str]:
-    """The dotted name of every figure's module by its own: ours, and those above by entry point."""
-    above = sorted(point.value for point in importlib.metadata.entry_points(group=ENTRY_POINTS))
-    packages = (modules_in(f"{package}.figures") for package in ("reporting", *above))
-    return {name: module for found in packages for name, module in found.items()}
+def save(function: Draw, results: Results, paths: Sequence[Path]) -> None:
+    """Draw a figure and save it under each name.
 
+    ``.csv`` is the table that it draws, ``.plain.png`` a small picture without texts, for the
+    check; all others are the figure in the format that the name ends in.
 
-def figure_module(name: str) -> ModuleType:
-    """The module of a figure, by its name or by the whole dotted one, ``paper.figures.fig08``.
-
-    Rules give the whole name, so that they need no installation.
-    Raises InputError for a name that is no figure's, or a module that cannot be loaded.
+    Raises InputError naming the result that is missing or lacks what it must have.
     """
-    known = {} if "." in name else installed()
-    if "." not in name and name not in known:
-        raise InputError(f"there is no figure {name!r}; the figures are {', '.join(known)}")
-    try:
-        return importlib.import_module(known.get(name, name))
-    except ModuleNotFoundError as error:
-        raise InputError(f"the figure {name!r} cannot be loaded: {error}") from None
-
-
-def check_formats(paths: Sequence[str]) -> None:
-    """Refuse a file name that no drawing has."""
-    for path in paths:
-        if Path(path).suffix not in FORMATS:
-            raise InputError(f"{path}: a figure's name ends in {', '.join(FORMATS)}")
-
-
-def draw(module: ModuleType, table: Path | str, paths: Sequence[str], *, beyond: str = "") -> None:
-    """Draw a figure's table as read back from its file, in the formats that the names ask for.
-
-    ``beyond`` is added to its note. A name that ends in PLAIN is a small picture without texts,
-    which a check compares.
-
-    Raises InputError naming the table and what it lacks.
-    """
-    from reporting.figures.parts import style  # matplotlib: only when something is drawn
-
-    data = read_columns(table, columns=("note",))
-    if beyond:
-        data = data.assign(note=data["note"].fillna("").astype(str) + f" {beyond}")
-    without_text = [path for path in paths if path.endswith(PLAIN)]
+    plain = [path for path in paths if path.name.endswith(style.PLAIN)]
     with style.settings():
-        try:
-            figure = module.draw(data)
-            plain = module.draw(data.assign(note="")) if without_text else None
-        except KeyError as error:
-            raise InputError(f"{table}: not a table of this figure: no {error}") from None
-        style.save(figure, [path for path in paths if path not in without_text])
-        if plain:
-            style.save_without_text(plain, without_text)
+        figure, table = _drawn(function, results)
+        if table is not None:
+            for path in paths:
+                if path.suffix == ".csv":
+                    write_table(table, path)
+        style.save(figure, [path for path in paths if path not in plain and path.suffix != ".csv"])
+    if plain:
+        with style.settings(notes=False):
+            style.save_without_text(_drawn(function, results)[0], plain)
+
+
+def _drawn(function: Draw, results: Results) -> tuple[Figure, pd.DataFrame | None]:
+    drawn = function(results)
+    return drawn if isinstance(drawn, tuple) else (drawn, None)

@@ -1,9 +1,4 @@
-"""Overview: what the whole study does.
-
-A film is simulated over a period; a model is fitted to the simulations of a screen; the points at
-which simulations teach most are found; the model fitted to these alone is judged on many more
-simulations.
-"""
+"""The whole study at a glance: a film, the model, its design, its error."""
 
 from typing import Any
 
@@ -13,24 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures.parts import plane, style, surface
-from reporting.figures.parts.errors import error_table
-from reporting.figures.parts.tables import Inputs, model_mesh, plane_table
-from reporting.pages.notes import percent, rounded_up
-from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import read_json, read_ok_forces
-from squeezefilm.models.fit_file import number, read_fit
-from squeezefilm.studies.config import Config
+from reporting.figures import style
+from reporting.figures.axes import add_force_space, dots, error_contours, force_mesh, force_points
+from reporting.figures.tables import error_table, model_mesh, plane_table
+from reporting.notes import percent, rounded_up
+from reporting.results import Results
 
-INPUTS = {
-    "film": "simulations/extrapolation/film.csv",
-    "film_forces": "simulations/extrapolation/forces.csv",
-    "forces": "simulations/screen/forces.csv",
-    "fit": "fits/screen.json",
-    "design_forces": "simulations/two_factor_design/forces.csv",
-    "errors": "validation/two_factor_design_on_error_map.csv",
-    "validation": "validation/two_factor_design_on_error_map.json",
-}
 FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "finger_um", "overpressure_kpa")
 STEPS = ("Simulate", "Fit", "Design", "Validate")
 # Left edge and width of each step's axes, as shares of the figure's width.
@@ -42,72 +25,46 @@ DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zor
 SCREEN = {"markeredgecolor": "0.55", "markersize": 2.6}
 
 
-def build(inputs: Inputs, config: Config) -> pd.DataFrame:
-    """Layers film, model, simulation, design and map, and four captions in column text."""
-    film = read_columns(inputs["film"], columns=("point_id", *FILM_COLUMNS))
-    point = film["point_id"].iloc[0]
-    forces, fit = read_ok_forces(inputs["forces"]), read_fit(inputs["fit"])
-    simulated = read_ok_forces(inputs["film_forces"]).set_index("point_id").loc[point]
-    design = read_ok_forces(inputs["design_forces"])
-    summary = read_json(inputs["validation"])
-    worst, points = (
-        number(summary, key, inputs["validation"]) for key in ("worst_relative_error", "points")
-    )
+def overview(results: Results) -> Figure:
+    """Simulate, fit, design, validate: a step each, with what came of it above."""
+    film = results.table("simulations/extrapolation/film.csv", "point_id", *FILM_COLUMNS)
+    film = film[film["point_id"] == film["point_id"].iloc[0]]
+    screen, design = results.forces("screen"), results.forces("two_factor_design")
+    fit = results.fit("screen")
+    simulated = results.forces("extrapolation").set_index("point_id").loc[film["point_id"].iloc[0]]
+    errors = results.validation("two_factor_design", "error_map")
     force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
     captions = (
         f"{force_n:.3f} N, numerical error "
         f"{rounded_up(error_n / force_n + fit.profile_uncertainty)} of it",
-        f"{len(forces)} simulations, error {percent(fit.global_error)}",
-        f"{len(design)} points instead of {len(forces)}",
-        f"{points:.0f} simulations: at most {percent(abs(worst))} off",
+        f"{len(screen)} simulations, error {percent(fit.global_error)}",
+        f"{len(design)} points instead of {len(screen)}",
+        f"{errors['points']:.0f} simulations: at most "
+        f"{percent(abs(errors['worst_relative_error']))} off",
     )
-    data = pd.concat(
-        [
-            film.loc[film["point_id"] == point, list(FILM_COLUMNS)].assign(layer="film"),
-            model_mesh(fit, forces),
-            plane_table(forces, layer="simulation"),
-            plane_table(design, layer="design"),
-            error_table(inputs["errors"], inputs["validation"], layer="map"),
-            pd.DataFrame({"layer": "caption", "text": captions}),
-        ],
-        ignore_index=True,
-    )
-    estimate = rounded_up(float((forces["force_error_n"] / forces["force_n"]).max()))
-    scan = (
-        f", of the scan up to {percent(fit.profile_uncertainty)}" if fit.profile_uncertainty else ""
-    )
-    seen = f"at {film['phase_deg'].nunique()} times of a period (red: surface up)"
-    if film["overpressure_kpa"].notna().all():  # where there is a state to show (cross_section)
-        seen = f"its pressure {seen} and their mean (thick)"
-    note = (
-        f"From left to right: a film at h0 = {1e6 * simulated['h0_m']:g} µm, "
-        f"hv = {1e6 * simulated['hv_m']:g} µm, "
-        f"{seen}; the model fitted to the screen; the "
-        "D-optimal points beside the screen's; the error of the model fitted to them alone. "
-        f"Estimated error of the simulations ≤ {estimate} of the force{scan}, beside what the "
-        "equation leaves out."
-    )
-    return data.assign(note=note)
-
-
-def draw(data: pd.DataFrame) -> Figure:
-    """Layers film; model and simulation; design; map: a step each, with the captions above."""
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=2.8)
     figure.set_layout_engine("none")
-    bottom = style.add_note(figure, data) + 0.135
-    captions = list(style.rows(data, "caption")["text"])
+    note = (
+        f"From left to right: a film at h0 = {1e6 * simulated['h0_m']:g} µm, "
+        f"hv = {1e6 * simulated['hv_m']:g} µm; the model fitted to the screen; the D-optimal "
+        "points; the error of the model fitted to them."
+    )
+    bottom = style.add_note(figure, note, results.beyond) + 0.135
     for order, ((left, width), step, caption) in enumerate(
         zip(PLACES, STEPS, captions, strict=True), start=1
     ):
         middle = left + width / 2
         figure.text(middle, 0.935, f"{order}  {step}", ha="center", fontsize=9, weight="bold")
         figure.text(middle, 0.87, caption, ha="center", fontsize=LABEL_SIZE, color="0.25")
-    _film(figure, style.rows(data, "film"), bottom=bottom)
+    _film(figure, film, bottom=bottom)
     left, width = PLACES[1]
-    _model(figure, data, rectangle=(left, bottom - 0.12, width, TOP + 0.14 - bottom))
+    rectangle = (left, bottom - 0.12, width, TOP + 0.14 - bottom)
+    points, few = (plane_table(table, layer="") for table in (screen, design))
+    _model(figure, model_mesh(fit, screen), points, rectangle=rectangle)
     height = TOP - bottom
-    _design(figure.add_axes((PLACES[2][0], bottom, PLACES[2][1], height)), data)
-    _errors(figure.add_axes((PLACES[3][0], bottom, PLACES[3][1], height)), data)
+    _design(figure.add_axes((PLACES[2][0], bottom, PLACES[2][1], height)), points, few)
+    grid = error_table(results, "two_factor_design", "error_map", layer="map")
+    _errors(figure.add_axes((PLACES[3][0], bottom, PLACES[3][1], height)), grid, few)
     return figure
 
 
@@ -163,9 +120,13 @@ def _gap(below: Axes, film: pd.DataFrame) -> None:
 
 
 def _model(
-    figure: Figure, data: pd.DataFrame, *, rectangle: tuple[float, float, float, float]
+    figure: Figure,
+    model: pd.DataFrame,
+    points: pd.DataFrame,
+    *,
+    rectangle: tuple[float, float, float, float],
 ) -> None:
-    axes = surface.add_force_axes(figure, bottom=0)
+    axes = add_force_space(figure, bottom=0)
     axes.set_position(rectangle)
     axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)
     axes.tick_params(labelsize=TICK_SIZE, pad=-4)
@@ -179,26 +140,22 @@ def _model(
         axis.labelpad = -9
     left, low, _, height = rectangle
     figure.text(left - 0.005, low + 0.76 * height, "force (N)", fontsize=LABEL_SIZE)
-    surface.force_mesh(axes, style.rows(data, "model"))
-    surface.force_points(
-        axes, style.rows(data, "simulation"), color=style.VERMILLION, label="simulation", s=5
-    )
+    force_mesh(axes, model)
+    force_points(axes, points, color=style.VERMILLION, label="simulation", s=5)
 
 
-def _design(axes: Axes, data: pd.DataFrame) -> None:
-    plane.dots(axes, style.rows(data, "simulation"), fill="white", **DOTS | SCREEN)
-    plane.dots(axes, style.rows(data, "design"), fill="black", **DOTS, markersize=6)
+def _design(axes: Axes, screen: pd.DataFrame, design: pd.DataFrame) -> None:
+    dots(axes, screen, fill="white", **DOTS | SCREEN)
+    dots(axes, design, fill="black", **DOTS, markersize=6)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     axes.set_xlabel(GAP_LABEL, fontsize=LABEL_SIZE)
     axes.set_ylabel(AMPLITUDE_LABEL, fontsize=LABEL_SIZE, labelpad=1)
     axes.tick_params(labelsize=TICK_SIZE)
 
 
-def _errors(axes: Axes, data: pd.DataFrame) -> None:
-    filled, _ = plane.error_contours(
-        axes, style.rows(data, "map"), bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3
-    )
-    plane.dots(axes, style.rows(data, "design"), fill="black", **DOTS, markersize=4.5)
+def _errors(axes: Axes, grid: pd.DataFrame, design: pd.DataFrame) -> None:
+    filled, _ = error_contours(axes, grid, bins=12, ticks=(1, 2, 5), colors="0.3", linewidths=0.3)
+    dots(axes, design, fill="black", **DOTS, markersize=4.5)
     axes.set_xlabel(GAP_LABEL, fontsize=LABEL_SIZE)
     axes.set_ylabel(AMPLITUDE_LABEL, fontsize=LABEL_SIZE, labelpad=1)
     axes.tick_params(labelsize=TICK_SIZE)

@@ -1,13 +1,4 @@
-"""Measured profile: the measured profile and its residuals.
-
-The measured amplitudes and the smooth profile that all simulations use. Of a disc over the distance
-from its centre; where the profile is not axisymmetric, its least and largest value at that
-distance, and the band adds two standard errors to that range. Of a rectangle as a map, measured
-points in the same colours and node lines drawn thick. On the right what the profile does not
-explain.
-Forces of this study are uncertain by the scan's noise too: the note says by how much at most, at 95
-%. The errors in tables of forces are the solver's alone.
-"""
+"""The measured profile and what it does not explain of the scan."""
 
 import numpy as np
 import pandas as pd
@@ -15,32 +6,29 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from reporting.figures.parts import style
-
-INPUTS = {
-    "table": "figures/profile.csv",
-}
+from reporting.figures import style
+from reporting.figures.axes import grid_of
+from reporting.results import Results
 
 
-def draw(data: pd.DataFrame) -> Figure:
-    """Amplitude and residual, over the distance from the centre or as maps.
-
-    Layers points, outliers, and profile or map.
-    """
+def profile(results: Results) -> Figure:
+    """Amplitude and residual, over the distance from the centre of a disc, or as maps."""
+    data = results.table("figures/profile.csv", "layer", "noise_um")
     figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
     amplitude, residual = figure.subplots(1, 2)
     if "map" in set(data["layer"]):
         _draw_maps(figure, amplitude, residual, data)
     else:
         _draw_lines(amplitude, residual, data)
-    style.add_note(figure, data)
+    noise = results.summary("profile/summary.json").get("largest_force_noise_share")
+    note = f"The scan's noise moves a force by up to {noise:.1%} (95 %)." if noise else ""
+    style.add_note(figure, note, results.beyond)
     return figure
 
 
 def _draw_maps(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
     """The profile's contours with the points' amplitudes; the points' residuals."""
-    table = style.rows(data, "map").pivot(index="y_mm", columns="x_mm", values="profile_um")
-    grid = table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
+    grid = grid_of(style.rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
     points, noise = style.rows(data, "points"), float(data["noise_um"].iloc[0])
     outliers = style.rows(data, "outliers")
     reach = {

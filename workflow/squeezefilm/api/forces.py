@@ -192,7 +192,7 @@ def forces_of(
         device=device,
     )
     how = settings.how(device)
-    solutions = solve(scenes, **how)
+    solutions: Sequence[Solution] = solve(scenes, **how)
     if derivatives:
         solutions = with_derivatives(scenes, solutions, **how)
     solutions = with_outputs(scenes, solutions, outputs=settings.outputs, **how)

@@ -106,7 +106,7 @@ def simulate_table(
         for piece in pieces:
             batch = scenes_in(piece)
             start = time.perf_counter()
-            solutions = solve(batch, **how, report=bar.update)
+            solutions: Sequence[Solution] = solve(batch, **how, report=bar.update)
             wall = time.perf_counter() - start
             if derivatives:
                 solutions = with_derivatives(batch, solutions, **how)

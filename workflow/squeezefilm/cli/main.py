@@ -36,7 +36,11 @@ def installed() -> tuple[str, ...]:
     The packages above lie beside the library in a checkout; without one they are not there.
     """
     above = sorted(point.value for point in importlib.metadata.entry_points(group=ENTRY_POINTS))
-    there = (name for name in above if importlib.util.find_spec(name.partition(".")[0]))
+    there = (
+        name
+        for name in above
+        if importlib.util.find_spec(name.partition(".")[0]) and importlib.util.find_spec(name)
+    )
     return (*LIBRARY, *there)
 
 

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from squeezefilm.film.outline import DENSE, Contour, Outline, ellipse
+from squeezefilm.film.outline import DENSE, Outline, ellipse
 
 OUTLINE_POINTS = 144
 
@@ -53,12 +53,12 @@ class Finger:
     shape: str = "rectangle"
     rotation_deg: float = 0.0
     gap: GapShape = GapShape()
-    contour: Contour | None = None
+    contour: Outline | None = None
 
     @property
     def area_m2(self) -> float:
         if self.contour:
-            return self.contour.outline.area * self.length_x_m**2
+            return self.contour.area * self.length_x_m**2
         share = pi / 4 if self.shape == "ellipse" else 1.0
         return share * self.length_x_m * self.length_y_m
 
@@ -66,7 +66,7 @@ class Finger:
     def reach_m(self) -> float:
         """Distance of the outline's farthest point from the finger's centre."""
         if self.contour:
-            return float(np.abs(self.contour.rim).max()) * self.length_x_m
+            return float(np.abs(self.contour.points).max()) * self.length_x_m
         if self.shape == "ellipse":
             return max(self.length_x_m, self.length_y_m) / 2
         return hypot(self.length_x_m, self.length_y_m) / 2
@@ -75,7 +75,7 @@ class Finger:
     def rectangle_within(self) -> float:
         """Sides of the largest rectangle of its proportions about its centre, over its own."""
         if self.contour:
-            rim = self.contour.rim
+            rim = self.contour.points
             across = np.maximum(2 * np.abs(rim.real), 2 * np.abs(rim.imag) / self.contour.aspect)
             return float(across.min())
         return sqrt(0.5) if self.shape == "ellipse" else 1.0
@@ -84,7 +84,7 @@ class Finger:
     def smooth_outline(self) -> Outline | None:
         """The outline in conformal coordinates, unless it is a rectangle."""
         if self.contour:
-            return self.contour.outline
+            return self.contour
         return ellipse(self.length_y_m / self.length_x_m) if self.shape == "ellipse" else None
 
     def outline(self) -> list[tuple[float, float]]:
@@ -94,7 +94,7 @@ class Finger:
         """
         half_x, half_y = self.length_x_m / 2, self.length_y_m / 2
         if self.contour:
-            rim = self.contour.rim[:: DENSE // (2 * OUTLINE_POINTS)] * self.length_x_m
+            rim = self.contour.points[:: DENSE // (2 * OUTLINE_POINTS)] * self.length_x_m
             points = list(zip(rim.real.tolist(), rim.imag.tolist(), strict=True))
         elif self.shape == "ellipse":
             angles = (2 * pi * step / OUTLINE_POINTS for step in range(OUTLINE_POINTS))
@@ -129,7 +129,7 @@ def net(finger: Finger) -> tuple[np.ndarray, np.ndarray]:
     """A net of points x, y over the pad, rim included, in [0, 1]."""
     if finger.contour:
         across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
-        return finger.contour.outline.positions(across, nu)
+        return finger.contour.positions(across, nu)
     if finger.shape == "ellipse":
         r, angle = np.meshgrid(np.linspace(0, 0.5, 11), np.linspace(0, 2 * pi, 49))
         return 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)

@@ -10,8 +10,6 @@ map is analytic, so that Δ = (∂²/∂μ² + ∂²/∂ν²) / |dz/dζ|².
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -21,10 +19,8 @@ from typing import Protocol
 
 import numpy as np
 
-from squeezefilm.film.measured.read import column_of
-from squeezefilm.io.atomic import read_text
-from squeezefilm.io.cells import finite_number
-from squeezefilm.io.errors import InputError
+from squeezefilm.film.measured.read import Column, column_of, numbers, read_cells
+from squeezefilm.io.errors import InputError, naming
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
 # of the disc itself would need no ν at the centre.
@@ -36,6 +32,8 @@ MAP_EXACT = 1e-12
 CURVE_POINTS = 512
 CURVE_EXACT = 1e-8
 MOST_STEPS = 30
+DENSE = 1024
+"""Points by which an outline is drawn."""
 
 
 Curve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -60,17 +58,33 @@ class Outline:
         rim: μ on the outline.
         aspect: length along y.
         turned: the longer side lies along y: ν = 0 is at the end of the y axis.
-        exact: what the coefficients left out are, over the outline's size.
         even_x, even_y: whether the outline is even about its middle along x, y.
+        exact: what the coefficients left out are, over the outline's size.
+        scatter: how far the points of its file lie off it.
     """
 
     coefficients: np.ndarray
     rim: float
     aspect: float
-    turned: bool
-    even_x: bool
-    even_y: bool
+    turned: bool = False
+    even_x: bool = False
+    even_y: bool = False
     exact: float = MAP_EXACT
+    scatter: float = 0.0
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """Points x + iy all along it, shape (DENSE,)."""
+        return self.place(np.array(self.rim), 2 * pi * np.arange(DENSE) / DENSE)
+
+    def within(self, z: np.ndarray) -> np.ndarray:
+        """Whether places x + iy, shape (N,), lie within it."""
+        inside = []
+        for some in np.array_split(z, max(1, len(z) // 500)):
+            ways = self.points[None] - some[:, None]
+            turn = np.angle(np.roll(ways, -1, axis=1) * ways.conj())
+            inside.append(np.abs(turn.sum(axis=1)) > np.pi)
+        return np.concatenate(inside)
 
     @cached_property
     def area(self) -> float:
@@ -221,7 +235,6 @@ def conformal_map(
 FORM = (
     "a header x_mm,y_mm (or another unit) and a point of the rim in each row, one after the other"
 )
-LARGEST = 1e9
 FEWEST, MOST = 16, 4000
 MOST_WAVES = 40
 """Waves around the rim, the shortest that a smooth curve through the points may have."""
@@ -232,111 +245,13 @@ GAP = 4.0
 """The way from the last point to the first, over the longest between others, that is no gap."""
 ENOUGH = 1e-4
 """How well the sides that a study says must be the curve's, relative."""
-DENSE = 1024
 
 
-@dataclass(frozen=True)
-class Contour:
-    """A closed smooth curve, against the clock: x + iy = Σ_k waves_k exp(i k parameter).
-
-    Lengths are in units of its extent along x, from the middle of its extents.
-
-    Attributes:
-        waves: k = −n … n.
-        aspect: its extent along y.
-        scatter: how far its file's points lie off it.
-    """
-
-    waves: tuple[complex, ...]
-    aspect: float
-    scatter: float
-
-    def at(self, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """x + iy and its derivative."""
-        most = len(self.waves) // 2
-        k = np.arange(-most, most + 1)
-        terms = np.exp(1j * np.multiply.outer(parameter, k))
-        return terms @ np.array(self.waves), terms @ (1j * k * np.array(self.waves))
-
-    @cached_property
-    def rim(self) -> np.ndarray:
-        """Points all along it, shape (DENSE,)."""
-        return self.at(2 * np.pi * np.arange(DENSE) / DENSE)[0]
-
-    def within(self, z: np.ndarray) -> np.ndarray:
-        """Whether places x + iy, shape (N,), lie within it."""
-        inside = []
-        for some in np.array_split(z, max(1, len(z) // 500)):
-            ways = self.rim[None] - some[:, None]
-            turn = np.angle(np.roll(ways, -1, axis=1) * ways.conj())
-            inside.append(np.abs(turn.sum(axis=1)) > np.pi)
-        return np.concatenate(inside)
-
-    @property
-    def outline(self) -> Outline:
-        """In conformal coordinates; raises InputError where there are none."""
-        return _outline(self)
-
-
-@lru_cache(maxsize=64)
-def _outline(contour: Contour) -> Outline:
-    rim = contour.rim
-    weights = _area_shares(rim)
-    centre = (weights * (rim + np.roll(rim, -1))).sum() / 3 / weights.sum()
-    from_centre = rim - centre
-    # Second moments of the inside tell the ellipse that it is most like.
-    pair = from_centre, np.roll(from_centre, -1)
-    turning = (weights * (pair[0] ** 2 + pair[0] * pair[1] + pair[1] ** 2)).sum()
-    size = (
-        weights * (abs(pair[0]) ** 2 + (pair[0] * pair[1].conj()).real + abs(pair[1]) ** 2)
-    ).sum()
-    share = min(abs(turning) / size, 0.9999)
-    shape = max(np.sqrt((1 + share) / (1 - share)), LEAST_ASPECT)
-    direction = np.exp(0.5j * np.angle(turning)) if share > 1e-9 else 1.0
-    angles = np.unwrap(np.angle(from_centre / direction))
-    if np.any(np.diff(angles) <= 0) or angles[-1] - angles[0] > 2 * np.pi:
-        raise InputError(
-            "the outline is not star-shaped: seen from its middle it lies behind itself; such pads "
-            "are not solved for"
-        )
-
-    def first_guess(nu: np.ndarray) -> np.ndarray:
-        wanted = np.unwrap(np.angle(np.cos(nu) + 1j / shape * np.sin(nu)))
-        turns = np.floor((wanted - angles[0]) / (2 * np.pi))
-        parameters = 2 * np.pi * np.arange(DENSE + 1) / DENSE
-        along = np.append(angles, angles[0] + 2 * np.pi)
-        return np.interp(wanted - 2 * np.pi * turns, along, parameters) + 2 * np.pi * turns
-
-    mu = float(np.arctanh(1 / shape))
-    try:
-        coefficients = conformal_map(
-            contour.at, mu, points=CURVE_POINTS, exact=CURVE_EXACT, first_guess=first_guess
-        )
-    except ValueError as error:
-        raise InputError(
-            f"{error}: a notch, a neck or a corner is too sharp for its coordinates; smooth the "
-            "outline, or take the ellipse that it is most like"
-        ) from None
-    return Outline(
-        coefficients,
-        mu,
-        contour.aspect,
-        turned=False,
-        even_x=False,
-        even_y=False,
-        exact=CURVE_EXACT,
-    )
-
-
-def _area_shares(rim: np.ndarray) -> np.ndarray:
-    """Twice the areas of the triangles from the origin to each two neighbours."""
-    return np.asarray((rim.conj() * np.roll(rim, -1)).imag)
-
-
-def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float = 0.0) -> Contour:
+def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float = 0.0) -> Outline:
     """The smooth curve through the points of a file; it is read once, unless it changes.
 
     Args:
+        path: of a table of points.
         sides_m: its extents along x and y, which must be those that are meant.
         scatter_m: how far points may lie off it; 0 stands for SCATTER times the longer side.
 
@@ -347,96 +262,55 @@ def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float =
         stat = path.stat()
     except OSError:
         raise InputError(f"{path}: there is no such outline") from None
-    try:
-        return _read(path, stat.st_mtime_ns, stat.st_size, sides_m, scatter_m)
-    except InputError as error:
-        text = str(error)
-        raise InputError(text if text.startswith(f"{path}:") else f"{path}: {text}") from None
+    return _read(path, stat.st_mtime_ns, stat.st_size, sides_m, scatter_m)
 
 
 @lru_cache(maxsize=16)
 def _read(
     path: Path, _changed: int, _size: int, sides_m: tuple[float, float], scatter_m: float
-) -> Contour:
-    waves, off = _fitted(_points(path), scatter_m=scatter_m)
-    contour = _contour(waves, off, sides_m=sides_m)
-    _ = contour.outline  # or a reason why there is none
-    return contour
+) -> Outline:
+    points = _points(path)
+    with naming(path):
+        waves, off_m = _fitted(points, scatter_m=scatter_m)
+        return _mapped_curve(_scaled(waves, off_m, sides_m), sides_m, off_m)
 
 
 def _points(path: Path) -> np.ndarray:
-    """Points x + iy in metres, checked."""
-    text = io.StringIO(read_text(path, what="outline"), newline="")
-    try:
-        rows = [(line, row) for line, row in enumerate(csv.reader(text), 1) if any(row)]
-    except csv.Error as error:
-        raise InputError(f"{path}: cannot be read: {error}") from None
-    if not rows:
-        raise InputError(f"{path}: the outline is empty; it needs {FORM}")
-    (first_line, header), *rows = rows
-    columns = [column_of(name, place) for place, name in enumerate(header)]
-    named = {column.quantity: column for column in columns if column}
-    for name in ("x", "y"):
-        if name not in named or not named[name].unit:
-            raise InputError(
-                f"{path}: line {first_line}: there is no column {name} with its unit among "
-                f"{', '.join(header)}; an outline is {FORM}"
-            )
-    values = []
-    for line, row in rows:
-        if len(row) != len(header):
-            raise InputError(
-                f"{path}: line {line}: {len(row)} cells where the header has {len(header)}"
-            )
-        x, y = (
-            named[name].size
-            * finite_number(
-                row[named[name].place], path=path, line=line, name=name, largest=LARGEST
-            )
-            for name in ("x", "y")
+    """Points x + iy in metres, against the clock, checked."""
+    header, header_line, cells, _ = read_cells(path, what="outline", form=FORM)
+    columns: dict[str, Column] = {}
+    for place, name in enumerate(header):
+        if (column := column_of(name, place)) and column.unit in column.units:
+            columns.setdefault(column.quantity, column)
+    if not {"x", "y"} <= set(columns):
+        raise InputError(
+            f"{path}: line {header_line}: there is no column x or y with its unit among "
+            f"{', '.join(header)}; an outline is {FORM}"
         )
-        values.append(complex(x, y))
-    lines = [line for line, _ in rows]
-    if len(values) > 1 and values[0] == values[-1]:  # the first again closes it
-        values.pop()
-    if not FEWEST <= len(values) <= MOST:
-        raise InputError(f"{path}: {len(values)} points; an outline has {FEWEST} to {MOST}")
-    z = np.array(values)
+    x_m, y_m = (
+        columns[name].size * numbers(cells[columns[name].place], path=path, name=name)
+        for name in ("x", "y")
+    )
+    z = x_m + 1j * y_m
+    if len(z) > 1 and z[0] == z[-1]:  # the first again closes it
+        z = z[:-1]
+    if not FEWEST <= len(z) <= MOST:
+        raise InputError(f"{path}: {len(z)} points; an outline has {FEWEST} to {MOST}")
     steps = np.abs(np.roll(z, -1) - z)
     if (twice := np.flatnonzero(steps == 0)).size:
-        raise InputError(f"{path}: line {lines[twice[0] + 1]}: the point before stands again")
+        raise InputError(f"{path}: line {cells.index[twice[0] + 1]}: the point before stands again")
     if steps[-1] > GAP * steps[:-1].max():
         raise InputError(
             f"{path}: the outline is not closed: its last point is {steps[-1] * 1e3:.3g} mm from "
             f"the first, and no others that follow each other are more than "
             f"{steps[:-1].max() * 1e3:.3g} mm apart"
         )
-    if crossing := _crossing(z):
-        raise InputError(
-            f"{path}: the outline crosses itself, between the points of lines "
-            f"{lines[crossing[0]]} and {lines[crossing[1]]}; the points must follow each other "
-            "around the rim"
-        )
     return z if _area_shares(z).sum() > 0 else z[::-1]
 
 
-def _crossing(z: np.ndarray) -> tuple[int, int] | None:
-    """Two sides of a polygon, of no common end, that cross."""
-    after = np.roll(z, -1)
-
-    def side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-        return np.sign(((b - a).conj() * (c - a)).imag)
-
-    count = len(z)
-    for i in range(count - 2):
-        others = np.arange(i + 2, count - (i == 0))
-        if not others.size:
-            continue
-        a, b, c, d = z[i], after[i], z[others], after[others]
-        crossed = (side(a, b, c) != side(a, b, d)) & (side(c, d, a) != side(c, d, b))
-        if crossed.any():
-            return i, int(others[np.argmax(crossed)])
-    return None
+def _area_shares(rim: np.ndarray) -> np.ndarray:
+    """Twice the areas of the triangles from the origin to each two neighbours."""
+    return np.asarray((rim.conj() * np.roll(rim, -1)).imag)
 
 
 def _fitted(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]:
@@ -464,13 +338,23 @@ def _fitted(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, float]
     )
 
 
-def _contour(waves: np.ndarray, off: float, *, sides_m: tuple[float, float]) -> Contour:
-    """Waves in metres as a contour whose extents are those of the study."""
-    curve = Contour(tuple(waves), 1.0, off)
-    rim = curve.at(2 * np.pi * np.arange(4 * DENSE) / (4 * DENSE))[0]
+def _curve(waves: np.ndarray) -> Curve:
+    """The closed curve x + iy = Σ_k waves_k exp(i k parameter), k = −n … n."""
+    k = np.arange(len(waves)) - len(waves) // 2
+
+    def curve(parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        terms = np.exp(1j * np.multiply.outer(parameter, k))
+        return terms @ waves, terms @ (1j * k * waves)
+
+    return curve
+
+
+def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> Curve:
+    """The curve over its extent along x, from the middle of extents that are those of the study."""
+    rim = _curve(waves)(2 * np.pi * np.arange(4 * DENSE) / (4 * DENSE))[0]
     extents = np.ptp(rim.real), np.ptp(rim.imag)
     both = zip(extents, sides_m, strict=True)
-    if any(abs(has - said) > ENOUGH * has + 2 * off for has, said in both):
+    if any(abs(has - said) > ENOUGH * has + 2 * off_m for has, said in both):
         has_x, has_y, said_x, said_y = (f"{1e3 * side:.6g} mm" for side in (*extents, *sides_m))
         raise InputError(
             f"the outline is {has_x} × {has_y}, and the study says {said_x} × {said_y}: write "
@@ -483,5 +367,48 @@ def _contour(waves: np.ndarray, off: float, *, sides_m: tuple[float, float]) -> 
     # What the study's digits leave out of the sides is taken up, so that both are the same pad.
     mirrored = waves[::-1].conj()
     along_x, along_y = (waves + mirrored) / 2, (waves - mirrored) / 2
-    waves = along_x / extents[0] + along_y / extents[1] * (sides_m[1] / sides_m[0])
-    return Contour(tuple(waves.tolist()), sides_m[1] / sides_m[0], off / sides_m[0])
+    return _curve(along_x / extents[0] + along_y / extents[1] * (sides_m[1] / sides_m[0]))
+
+
+def _mapped_curve(curve: Curve, sides_m: tuple[float, float], off_m: float) -> Outline:
+    """A curve in conformal coordinates; raises InputError where there are none."""
+    parameters = 2 * np.pi * np.arange(DENSE + 1) / DENSE
+    rim = curve(parameters[:-1])[0]
+    weights = _area_shares(rim)
+    centre = (weights * (rim + np.roll(rim, -1))).sum() / 3 / weights.sum()
+    from_centre = rim - centre
+    # Second moments of the inside tell the ellipse that it is most like.
+    pair = from_centre, np.roll(from_centre, -1)
+    turning = (weights * (pair[0] ** 2 + pair[0] * pair[1] + pair[1] ** 2)).sum()
+    size = (
+        weights * (abs(pair[0]) ** 2 + (pair[0] * pair[1].conj()).real + abs(pair[1]) ** 2)
+    ).sum()
+    share = min(abs(turning) / size, 0.9999)
+    shape = max(np.sqrt((1 + share) / (1 - share)), LEAST_ASPECT)
+    direction = np.exp(0.5j * np.angle(turning)) if share > 1e-9 else 1.0
+    angles = np.unwrap(np.angle(from_centre / direction))
+    if not (np.all(np.diff(angles) > 0) and angles[-1] - angles[0] <= 2 * np.pi):
+        raise InputError(
+            "the outline is not star-shaped: seen from its middle it lies behind itself, or it "
+            "crosses itself; such pads are not supported, and points must follow each other "
+            "around the rim"
+        )
+
+    def first_guess(nu: np.ndarray) -> np.ndarray:
+        wanted = np.unwrap(np.angle(np.cos(nu) + 1j / shape * np.sin(nu)))
+        turns = np.floor((wanted - angles[0]) / (2 * np.pi))
+        along = np.append(angles, angles[0] + 2 * np.pi)
+        return np.interp(wanted - 2 * np.pi * turns, along, parameters) + 2 * np.pi * turns
+
+    mu = float(np.arctanh(1 / shape))
+    try:
+        coefficients = conformal_map(
+            curve, mu, points=CURVE_POINTS, exact=CURVE_EXACT, first_guess=first_guess
+        )
+    except ValueError as error:
+        raise InputError(
+            f"{error}: a notch, a neck or a corner is too sharp for its coordinates; smooth the "
+            "outline, or take the ellipse that it is most like"
+        ) from None
+    aspect, scatter = sides_m[1] / sides_m[0], off_m / sides_m[0]
+    return Outline(coefficients, mu, aspect, exact=CURVE_EXACT, scatter=scatter)

@@ -1,9 +1,11 @@
 """One operating point of a squeeze film, and the dimensionless numbers that govern it."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from math import pi, sqrt
-from typing import NamedTuple
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,29 +56,75 @@ class Actuator:
         return 2 * pi * self.frequency_hz
 
 
-class _OnNet(NamedTuple):
-    """What is asked of a shaped gap, on a net of points under the finger, over h0."""
+class OperatingPoints:
+    """The dimensionless numbers of operating points: of one scene, or of many as arrays (n,)."""
 
-    narrowest: float
-    closure: float
+    h0_m: Any
+    hv_m: Any
+    gas: Gas
+    actuator: Actuator
+    finger: Finger
 
+    @cached_property
+    def epsilon(self) -> Any:
+        """Excursion ratio hv/h0."""
+        return self.hv_m / self.h0_m
 
-class _Inside(NamedTuple):
-    """The gap at a place on the net: what it is at rest less h0, and how far the surface moves over
-    a period, in units of hv, where no other point has less of the first and as much of the second;
-    and the first's least, largest, mean and mean square about that, on all of the net.
-    """
+    @cached_property
+    def sigma(self) -> Any:
+        """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the finger's length along x (paper eq. 1)."""
+        return (
+            12
+            * self.gas.viscosity_pa_s
+            * self.actuator.angular_frequency_rad_per_s
+            * self.finger.length_x_m**2
+            / (self.gas.ambient_pressure_pa * self.h0_m**2)
+        )
 
-    rises_m: np.ndarray
-    moves: np.ndarray
-    least_m: float
-    largest_m: float
-    mean_m: float
-    variance_m2: float
+    @cached_property
+    def bearing_number(self) -> Any:
+        """Bearing number Λ = 6 μ U l0 / (p0 h0²) (paper eq. 1)."""
+        return (
+            6
+            * self.gas.viscosity_pa_s
+            * self.finger.speed_x_m_per_s
+            * self.finger.length_x_m
+            / (self.gas.ambient_pressure_pa * self.h0_m**2)
+        )
+
+    @property
+    def knudsen(self) -> Any:
+        """Knudsen number: mean free path over mean gap, at ambient density."""
+        return self.gas.mean_free_path_m / self.h0_m
+
+    @property
+    def slip_knudsen(self) -> Any:
+        """Length of first-order slip over mean gap, at ambient density; 0 without such slip."""
+        return self.gas.slip_coefficient * self.knudsen * (self.gas.rarefaction == "slip")
+
+    @property
+    def inverse_knudsen(self) -> Any:
+        """D = √π / (2 Kn) at the mean gap and ambient density (Fukui and Kaneko)."""
+        return sqrt(pi) / (2 * self.knudsen)
+
+    @cached_property
+    def modified_reynolds(self) -> Any:
+        """Modified Reynolds number ρ ω h0² / μ: the inertia that eq. (1) leaves out."""
+        return (
+            self.gas.density_kg_per_m3
+            * self.actuator.angular_frequency_rad_per_s
+            * self.h0_m**2
+            / self.gas.viscosity_pa_s
+        )
+
+    @property
+    def aspect(self) -> Any:
+        """Length of the finger along y over its length along x."""
+        return self.finger.length_y_m / self.finger.length_x_m
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(OperatingPoints):
     """One operating point: gap, amplitude and finger position on a given actuator.
 
     ``h0_m`` is the mean gap, ``hv_m`` the amplitude at the profile's maximum; the finger's centre
@@ -92,82 +140,20 @@ class Scene:
     actuator: Actuator
     finger: Finger
 
-    @cached_property
-    def epsilon(self) -> float:
-        """Excursion ratio hv/h0."""
-        return self.hv_m / self.h0_m
-
-    @cached_property
-    def sigma(self) -> float:
-        """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the finger's length along x (paper eq. 1)."""
-        return (
-            12
-            * self.gas.viscosity_pa_s
-            * self.actuator.angular_frequency_rad_per_s
-            * self.finger.length_x_m**2
-            / (self.gas.ambient_pressure_pa * self.h0_m**2)
-        )
-
-    @cached_property
-    def bearing_number(self) -> float:
-        """Bearing number Λ = 6 μ U l0 / (p0 h0²) (paper eq. 1)."""
-        return (
-            6
-            * self.gas.viscosity_pa_s
-            * self.finger.speed_x_m_per_s
-            * self.finger.length_x_m
-            / (self.gas.ambient_pressure_pa * self.h0_m**2)
-        )
-
-    @property
-    def knudsen(self) -> float:
-        """Knudsen number: mean free path over mean gap, at ambient density."""
-        return self.gas.mean_free_path_m / self.h0_m
-
-    @property
-    def slip_knudsen(self) -> float:
-        """Length of first-order slip over mean gap, at ambient density; 0 without such slip."""
-        return self.gas.slip_coefficient * self.knudsen * (self.gas.rarefaction == "slip")
-
-    @property
-    def inverse_knudsen(self) -> float:
-        """D = √π / (2 Kn) at the mean gap and ambient density (Fukui and Kaneko)."""
-        return sqrt(pi) / (2 * self.knudsen)
-
-    @cached_property
-    def modified_reynolds(self) -> float:
-        """Modified Reynolds number ρ ω h0² / μ: the inertia that eq. (1) leaves out."""
-        return (
-            self.gas.density_kg_per_m3
-            * self.actuator.angular_frequency_rad_per_s
-            * self.h0_m**2
-            / self.gas.viscosity_pa_s
-        )
-
-    @property
-    def aspect(self) -> float:
-        """Length of the finger along y over its length along x."""
-        return self.finger.length_y_m / self.finger.length_x_m
-
     @property
     def force_scale_n(self) -> float:
         """p0 times the finger's area: the force of a mean overpressure of one atmosphere."""
         return self.gas.ambient_pressure_pa * self.finger.area_m2
 
-    @cached_property
+    @property
+    def film(self) -> "Film":
+        """What stays the same between operating points."""
+        return Film(self.gas, self.actuator, self.finger)
+
+    @property
     def place(self) -> tuple[Profile, Finger, float, float]:
         """All that the profile under the finger depends on: equal for scenes that share it."""
         return self.actuator.profile, self.finger, self.x_m, self.y_m
-
-    @cached_property
-    def place_hash(self) -> int:
-        """Its hash, which takes as long as many a step of preparing a scene."""
-        return hash(self.place)
-
-    @cached_property
-    def at(self) -> "AtPlace":
-        """The same for all scenes at one place, so that they need not be compared again."""
-        return _at(AtPlace(self))
 
     @property
     def plain(self) -> bool:
@@ -201,85 +187,295 @@ class Scene:
     @property
     def narrowest(self) -> float:
         """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        return 1 - self.epsilon if self.finger.gap.flat else self._on_net.narrowest
+        return 1 - self.epsilon if self.finger.gap.flat else float(_alone(self).narrowest[0])
 
     def closure(self) -> float:
-        """Largest excursion over gap at rest, 1 where surface and finger touch.
-
-        For a flat gap as if the profile's maximum lay under the finger: ε, or a little more where
-        noise has put something on the maximum of a measured profile.
-        """
+        """Largest excursion over gap at rest, 1 where surface and finger touch (``Scenes``)."""
         if self.finger.gap.flat:
             return self.epsilon * getattr(self.actuator.profile, "largest", 1.0)
-        return self._on_net.closure
+        return float(_alone(self).closure[0])
 
-    @cached_property
+    @property
     def rest_range(self) -> tuple[float, float]:
         """Least and largest gap over h0 without vibration."""
         if self.finger.gap.flat:
             return 1.0, 1.0
-        known = _inside(self.at)
-        return 1 + known.least_m / self.h0_m, 1 + known.largest_m / self.h0_m
-
-    @property
-    def typical_rest(self) -> float:
-        """A mean of the gap G over h0 without vibration that goes by where it is narrow.
-
-        (mean of 1/G⁴)^(-1/4), to second order in what G is more than its mean.
-        """
-        if self.finger.gap.flat:
-            return 1.0
-        known = _inside(self.at)
-        mean, variance = 1 + known.mean_m / self.h0_m, known.variance_m2 / self.h0_m**2
-        return mean**2 / sqrt(mean**2 + 5 * variance)
-
-    @cached_property
-    def _on_net(self) -> _OnNet:
-        known = _inside(self.at)
-        rest, excursion = 1 + known.rises_m / self.h0_m, self.epsilon * known.moves
-        touching = known.least_m <= -self.h0_m
-        return _OnNet(
-            narrowest=float((rest - excursion).min()),
-            closure=1.0 if touching else float((excursion / rest).max()),
-        )
+        least, most = _alone(self).rest_range
+        return float(least[0]), float(most[0])
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
         """A net of points x, y over the finger, rim included, in [0, 1]."""
         return net(self.finger)
 
 
-class AtPlace:
-    """A scene as far as the profile under the finger goes: scenes at one place are equal."""
+def _alone(scene: Scene) -> "Scenes":
+    return Scenes.of([scene])
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+
+@dataclass(frozen=True)
+class PadProfile:
+    """A vibration profile and the pad over it: with the pad's position, the profile under it."""
+
+    profile: Profile
+    finger: Finger
 
     def __hash__(self) -> int:
-        return self.scene.place_hash
+        return self._hash
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, AtPlace) and (
-            self.scene is other.scene or self.scene.place == other.scene.place
+    @cached_property
+    def _hash(self) -> int:  # once: it takes as long as many a step of preparing a scene
+        return hash((self.profile, self.finger))
+
+    def parts(
+        self, x: np.ndarray, y: np.ndarray, *, x_m: np.ndarray, y_m: np.ndarray
+    ) -> np.ndarray:
+        """The profile's real and, of a complex one, imaginary part, with the pad at some positions.
+
+        At points x, y (points,) in [0, 1] across the pad, whose centre is at x_m, y_m (positions,);
+        shape (parts, positions, points).
+        """
+        along_x, along_y = self.finger.turned(
+            (x - 0.5) * self.finger.length_x_m, (y - 0.5) * self.finger.length_y_m
         )
+        s = self.profile.amplitude(x_m=x_m[:, None] + along_x, y_m=y_m[:, None] + along_y)
+        return np.stack([s.real, s.imag]) if np.iscomplexobj(s) else s[None]
 
 
-# A study has many gaps and amplitudes at few places.
+@dataclass(frozen=True)
+class Film:
+    """A gas between a vibrating surface and a pad: what stays between operating points."""
+
+    gas: Gas
+    actuator: Actuator
+    finger: Finger
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.gas, self.actuator, self.finger))
+
+    @cached_property
+    def pad_profile(self) -> PadProfile:
+        return PadProfile(self.actuator.profile, self.finger)
 
 
-@lru_cache(maxsize=4096)
-def _at(place: AtPlace) -> AtPlace:
-    return place
+# Which of some scenes.
+Rows = slice | np.ndarray
 
 
-@lru_cache(maxsize=1024)
-def _inside(at: AtPlace) -> _Inside:
-    x, y = (each.ravel() for each in at.scene.inside())
-    rises_m = at.scene.finger.gap.rise_m(x, y)
-    of_rises = (rises_m.min(), rises_m.max(), rises_m.mean(), rises_m.var())
-    moves = np.abs(at.scene.amplitude(x, y))
-    order = np.lexsort((-moves, rises_m))
-    rises_m, moves = rises_m[order], moves[order]
-    # What is no number stays, for it has no finite value to be hidden behind.
-    most_before = np.maximum.accumulate(np.append(-np.inf, moves[:-1]))
-    hardest = ~(moves <= most_before)
-    return _Inside(rises_m[hardest], moves[hardest], *map(float, of_rises))
+class Places(NamedTuple):
+    """The pad's positions among scenes of one film, each once: x_m, y_m, shape (positions,)."""
+
+    pad: PadProfile
+    x_m: np.ndarray
+    y_m: np.ndarray
+
+    @property
+    def key(self) -> tuple[PadProfile, bytes, bytes]:
+        """Equal for the same positions, to keep what is known of them by."""
+        return self.pad, self.x_m.tobytes(), self.y_m.tobytes()
+
+    def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The profile's parts at points across the pad, shape (phases, positions, points)."""
+        return self.pad.parts(x, y, x_m=self.x_m, y_m=self.y_m)
+
+    def some(self, rows: Rows) -> "Places":
+        return Places(self.pad, self.x_m[rows], self.y_m[rows])
+
+
+@dataclass(frozen=True)
+class Scenes(OperatingPoints):
+    """Many operating points as columns, each of shape (n,).
+
+    Attributes:
+        films: those that there are; ``film_index`` is each scene's.
+        h0_m, hv_m, x_m, y_m: as of a ``Scene``.
+    """
+
+    films: tuple[Film, ...]
+    film_index: np.ndarray
+    h0_m: np.ndarray
+    hv_m: np.ndarray
+    x_m: np.ndarray
+    y_m: np.ndarray
+
+    @classmethod
+    def of(cls, scenes: "Sequence[Scene] | Scenes") -> "Scenes":
+        """The columns of some scenes."""
+        if isinstance(scenes, Scenes):
+            return scenes
+        films: dict[Film, int] = {}
+        index, last, film = [], None, 0
+        for scene in scenes:  # mostly of the very same film
+            if last is None or not (
+                scene.gas is last.gas
+                and scene.finger is last.finger
+                and scene.actuator is last.actuator
+            ):
+                last, film = scene, films.setdefault(scene.film, len(films))
+            index.append(film)
+        columns = np.array([(each.h0_m, each.hv_m, each.x_m, each.y_m) for each in scenes])
+        return cls(tuple(films), np.array(index), *columns.reshape(-1, 4).T.copy())
+
+    def __len__(self) -> int:
+        return len(self.h0_m)
+
+    def __getitem__(self, rows: Rows) -> "Scenes":
+        columns = (self.film_index, self.h0_m, self.hv_m, self.x_m, self.y_m)
+        return Scenes(self.films, *(column[rows] for column in columns))
+
+    def scene(self, row: int) -> Scene:
+        """One of them."""
+        film = self.films[self.film_index[row]]
+        h0_m, hv_m, x_m, y_m = (
+            float(each[row]) for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)
+        )
+        return Scene(str(row + 1), h0_m, hv_m, x_m, y_m, film.gas, film.actuator, film.finger)
+
+    def column(self, of_film: Callable[[Film], Any]) -> Any:
+        """What scenes have by their film: one for all of a single film, else shape (n, …)."""
+        if len(self.films) == 1:
+            return of_film(self.films[0])
+        return np.array([of_film(film) for film in self.films])[self.film_index]
+
+    def of_each_film(self) -> Iterator[tuple[Film, Rows, "Scenes"]]:
+        """Each film that scenes have, which rows these are, and the scenes."""
+        if len(self.films) == 1:
+            yield self.films[0], slice(None), self
+            return
+        for index in np.unique(self.film_index):
+            rows = np.flatnonzero(self.film_index == index)
+            some = self[rows]
+            yield (
+                self.films[index],
+                rows,
+                replace(some, films=(self.films[index],), film_index=np.zeros_like(rows)),
+            )
+
+    @cached_property
+    def gas(self) -> Gas:  # type: ignore[override]
+        """The gas' numbers, those of several films as columns."""
+        if len(self.films) == 1:
+            return self.films[0].gas
+        names = [each.name for each in fields(Gas)]
+        return Gas(**{name: self.column(attrgetter(f"gas.{name}")) for name in names})
+
+    @cached_property
+    def actuator(self) -> Actuator:  # type: ignore[override]
+        """The actuator, of several films with a column of frequencies."""
+        first = self.films[0].actuator
+        frequency_hz = self.column(lambda film: film.actuator.frequency_hz)
+        return first if len(self.films) == 1 else replace(first, frequency_hz=frequency_hz)
+
+    @cached_property
+    def finger(self) -> Finger:  # type: ignore[override]
+        """The finger, of several films with columns of its sides and speed."""
+        first = self.films[0].finger
+        if len(self.films) == 1:
+            return first
+        names = ("length_x_m", "length_y_m", "speed_x_m_per_s")
+        columns = {name: self.column(attrgetter(f"finger.{name}")) for name in names}
+        return replace(first, **columns)
+
+    @cached_property
+    def force_scale_n(self) -> Any:
+        """p0 times the finger's area: the force of a mean overpressure of one atmosphere."""
+        return self.gas.ambient_pressure_pa * self.column(lambda film: film.finger.area_m2)
+
+    @cached_property
+    def places(self) -> tuple[Places, np.ndarray]:
+        """The pad's positions of scenes of one film, and which of them each scene has, (n,)."""
+        (film,) = self.films
+        if len(self) == 1 or ((self.x_m == self.x_m[0]) & (self.y_m == self.y_m[0])).all():
+            one = slice(0, 1)
+            return Places(film.pad_profile, self.x_m[one], self.y_m[one]), np.zeros(len(self), int)
+        each, which = np.unique(self.x_m + 1j * self.y_m, return_inverse=True)
+        return Places(film.pad_profile, each.real.copy(), each.imag.copy()), which
+
+    @cached_property
+    def narrowest(self) -> np.ndarray:
+        """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
+        return self._on_net[0]
+
+    @cached_property
+    def closure(self) -> np.ndarray:
+        """Largest excursion over gap at rest, 1 where surface and finger touch.
+
+        For a flat gap as if the profile's maximum lay under the finger: ε, or a little more where
+        noise has put something on the maximum of a measured profile.
+        """
+        return self._on_net[1]
+
+    @cached_property
+    def rest_range(self) -> tuple[np.ndarray, np.ndarray]:
+        """Least and largest gap over h0 without vibration."""
+        least_m, most_m, _, _ = self._rises
+        return 1 + least_m / self.h0_m, 1 + most_m / self.h0_m
+
+    @property
+    def typical_rest(self) -> np.ndarray:
+        """A mean of the gap G over h0 without vibration that goes by where it is narrow.
+
+        (mean of 1/G⁴)^(-1/4), to second order in what G is more than its mean.
+        """
+        _, _, mean_m, variance_m2 = self._rises
+        mean, variance = 1 + mean_m / self.h0_m, variance_m2 / self.h0_m**2
+        return np.asarray(mean**2 / np.sqrt(mean**2 + 5 * variance))
+
+    @cached_property
+    def _rises(self) -> np.ndarray:
+        return np.array(self.column(lambda film: _rises(film.finger))).T
+
+    @cached_property
+    def _on_net(self) -> tuple[np.ndarray, np.ndarray]:
+        narrowest, closure = 1 - self.epsilon, self.epsilon.copy()
+        for film, rows, some in self.of_each_film():
+            if film.finger.gap.flat:
+                closure[rows] *= getattr(film.actuator.profile, "largest", 1.0)
+            else:
+                narrowest[rows], closure[rows] = some._shaped()
+        return narrowest, closure
+
+    def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
+        """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
+        places, which = self.places
+        moves, rises_m = _moves(*places.key), _rises_m(places.pad.finger)
+        narrowest, closure = np.empty((2, len(self)))
+        for start in range(0, len(self), ON_NET_TOGETHER):
+            some = slice(start, start + ON_NET_TOGETHER)
+            rest = 1 + rises_m / self.h0_m[some, None]
+            excursion = self.epsilon[some, None] * moves[which[some]]
+            narrowest[some] = (rest - excursion).min(axis=1)
+            touching = (rest <= 0).any(axis=1)
+            with np.errstate(all="ignore"):
+                closure[some] = np.where(touching, 1.0, (excursion / rest).max(axis=1))
+        return narrowest, closure
+
+
+# Scenes that are looked at together on a net of points.
+ON_NET_TOGETHER = 128
+
+
+def _rises_m(finger: Finger) -> np.ndarray:
+    """Gap at rest less h0 on a net of points over the finger."""
+    x, y = net(finger)
+    return finger.gap.rise_m(x.ravel(), y.ravel())
+
+
+@lru_cache(maxsize=256)
+def _rises(finger: Finger) -> tuple[float, float, float, float]:
+    """Least, largest, mean and variance of what the gap at rest is more than h0, on a net."""
+    if finger.gap.flat:
+        return 0.0, 0.0, 0.0, 0.0
+    rises_m = _rises_m(finger)
+    return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]
+
+
+@lru_cache(maxsize=64)
+def _moves(pad: PadProfile, x_m: bytes, y_m: bytes) -> np.ndarray:
+    """How far the surface moves on a net over the pad, in units of hv: (positions, points)."""
+    x, y = (each.ravel() for each in net(pad.finger))
+    parts = pad.parts(x, y, x_m=np.frombuffer(x_m), y_m=np.frombuffer(y_m))
+    return np.abs(parts[0]) if len(parts) == 1 else np.hypot(*parts)

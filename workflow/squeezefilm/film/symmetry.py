@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import atan2, cos, degrees, radians, sin
+from math import atan2, cos, degrees, isfinite, radians, sin
 from typing import Any
 
 import numpy as np
@@ -46,19 +46,6 @@ class Directions:
     @property
     def stop_deg(self) -> float:
         return self.start_deg + self.width_deg
-
-    @property
-    def because(self) -> str:
-        """The symmetry in words."""
-        if self.mirror:
-            axes = round(180 / self.width_deg)
-            count = f"{axes} mirror axes" if axes > 1 else "one mirror axis"
-            return f"pad and vibration share {count}, at {self.start_deg:g}°" + (
-                f" and every {self.width_deg:g}° on" if axes > 1 else ""
-            )
-        if self.width_deg < 360:
-            return f"pad and vibration are the same turned by {self.width_deg:g}°"
-        return "pad and vibration share no symmetry"
 
     def fold(self, phi_deg: ArrayLike) -> Array:
         """The directions within the sector that give the same force at the same radius."""
@@ -101,30 +88,19 @@ class Directions:
     @property
     def text(self) -> str:
         """Which positions stand for all, in a sentence."""
-        return (
-            f"Positions are at directions of {self.start_deg:g} to {self.stop_deg:g} deg, which "
-            f"stand for all: {self.because.replace('°', ' deg')}."
-        )
+        others = "no symmetry is shared by pad and vibration"
+        if self.mirror:
+            others = (
+                f"others are mirrored at {self.start_deg:g} deg and every {self.width_deg:g} on"
+            )
+        elif self.width_deg < 360:
+            others = f"others are turned by {self.width_deg:g} deg"
+        sector = f"{self.start_deg:g} to {self.stop_deg:g} deg"
+        return f"Positions are at directions of {sector}, which stand for all: {others}."
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, ready for JSON."""
         return {"start_deg": self.start_deg, "width_deg": self.width_deg, "mirror": self.mirror}
-
-    @classmethod
-    def from_dict(cls, plain: Any, *, place: str) -> Directions:
-        """What to_dict wrote; raises InputError, naming the place, for anything else."""
-        try:
-            found = cls(float(plain["start_deg"]), float(plain["width_deg"]), plain["mirror"])
-        except (KeyError, TypeError, ValueError):
-            found = None
-        if (
-            found is None
-            or found.width_deg not in WIDTHS_DEG
-            or not np.isfinite(found.start_deg)
-            or not isinstance(found.mirror, bool)
-        ):
-            raise InputError(f"{place}: must have start_deg, width_deg and mirror, as `fit` writes")
-        return found
 
 
 @dataclass(frozen=True)
@@ -177,11 +153,13 @@ Symmetry = Directions | Mirrors
 
 def symmetry_from_dict(plain: Any, *, place: str) -> Symmetry:
     """What to_dict wrote; raises InputError, naming the place, for anything else."""
-    if isinstance(plain, dict) and set(plain) == {"mirror_x", "mirror_y"}:
-        found = Mirrors(plain["mirror_x"], plain["mirror_y"])
-        if isinstance(found.x, bool) and isinstance(found.y, bool):
-            return found
-    return Directions.from_dict(plain, place=place)
+    match plain:
+        case {"mirror_x": bool(x), "mirror_y": bool(y)}:
+            return Mirrors(x, y)
+        case {"start_deg": float(start) | int(start), "width_deg": width, "mirror": bool(mirror)}:
+            if isfinite(start) and width in WIDTHS_DEG:
+                return Directions(float(start), float(width), mirror)
+    raise InputError(f"{place}: must have start_deg, width_deg and mirror, as `fit` writes")
 
 
 # Places on the surface at which a profile is compared with its image.
@@ -202,12 +180,8 @@ def symmetry(finger: Finger, profile: Profile, *, surface: Surface) -> Symmetry:
     """What the force over the finger's position has in common with pad, profile and surface."""
     if not isinstance(surface, Rectangle):
         return _directions(finger, profile, surface)
-
-    def holds(axis_deg: float) -> bool:
-        change = _mirror(axis_deg)
-        return _keeps_pad(change, finger) and _keeps_profile(change, profile, surface)
-
-    return Mirrors(x=holds(90), y=holds(0))
+    x, y = (_keeps(_mirror(axis_deg), finger, profile, surface) for axis_deg in (90, 0))
+    return Mirrors(x, y)
 
 
 def _directions(finger: Finger, profile: Profile, surface: Surface) -> Directions:
@@ -222,16 +196,13 @@ def _directions(finger: Finger, profile: Profile, surface: Surface) -> Direction
     """
     sectors = []
     for base_deg in _axes(finger, profile):
-
-        def holds(change: np.ndarray) -> bool:
-            return _keeps_pad(change, finger) and _keeps_profile(change, profile, surface)
-
-        mirrors = [base_deg + step for step in (0, 45, 90, 135) if holds(_mirror(base_deg + step))]
+        axes = [base_deg + step for step in (0, 45, 90, 135)]
+        mirrors = [each for each in axes if _keeps(_mirror(each), finger, profile, surface)]
         if mirrors:
             width = 180.0 / len(mirrors)
             sectors.append(Directions(min(mirrors) % width, width, mirror=True))
             continue
-        turns = [angle for angle in (90.0, 180.0) if holds(_turn(angle))]
+        turns = [each for each in (90.0, 180.0) if _keeps(_turn(each), finger, profile, surface)]
         sectors.append(Directions(0.0, min(turns, default=360.0), mirror=False))
     return min(sectors, key=lambda sector: sector.width_deg)
 
@@ -256,26 +227,24 @@ def _turn(angle_deg: float) -> np.ndarray:
     return np.array([[c, -s], [s, c]])
 
 
-def _keeps_pad(change: np.ndarray, finger: Finger) -> bool:
-    """Whether a mirror or turn leaves outline, gap at rest and velocity as they are.
+def _keeps(change: np.ndarray, finger: Finger, profile: Profile, surface: Surface) -> bool:
+    """Whether a mirror or turn leaves outline, gap at rest, velocity and vibration as they are.
 
     In the pad's own axes. A bulge has the outline's symmetry: it grows as the same squares.
     """
     if finger.contour:
         return False  # a measured one is its own image under no mirror, nor turn
-    turn = _turn(finger.rotation_deg)
-    own = turn.T @ change @ turn
+    rotation = _turn(finger.rotation_deg)
+    own = rotation.T @ change @ rotation
     sides = np.array([finger.length_x_m, finger.length_y_m])
     outline = np.diag((sides[0] / sides) ** 2)
     tilt = np.array([finger.gap.tilt_x_m, finger.gap.tilt_y_m]) / sides
     velocity = np.array([finger.speed_x_m_per_s, 0.0])
-    return np.allclose(own.T @ outline @ own, outline, rtol=0, atol=EQUAL) and all(
-        np.linalg.norm(own @ vector - vector) <= EQUAL * np.linalg.norm(vector)
-        for vector in (tilt, velocity)
-    )
-
-
-def _keeps_profile(change: np.ndarray, profile: Profile, surface: Surface) -> bool:
+    if not np.allclose(own.T @ outline @ own, outline, rtol=0, atol=EQUAL):
+        return False
+    for vector in (tilt, velocity):
+        if np.linalg.norm(own @ vector - vector) > EQUAL * np.linalg.norm(vector):
+            return False
     x_m, y_m = surface.probes(PROBES)
     image_x_m, image_y_m = change @ np.stack([x_m, y_m])
     s = profile.amplitude(x_m=x_m, y_m=y_m)

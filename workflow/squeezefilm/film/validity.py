@@ -10,10 +10,13 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 from pathlib import Path
+from typing import Any
 
-from squeezefilm.film.scene import Scene
+import numpy as np
+
+from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
 UNKNOWN, NOT_APPLICABLE = "error unknown", "the equation does not apply"
@@ -25,26 +28,26 @@ LEAST_INVERSE_KNUDSEN = 5.0
 ROUGHNESS_M = 1e-7
 
 
-def _sound_speed(scene: Scene) -> float:
-    gas = scene.gas
-    return sqrt(gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3)
+def _sound_speed(scenes: Scenes) -> Any:
+    gas = scenes.gas
+    return (gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3) ** 0.5
 
 
-def _over(value: float, gap: float) -> float:
-    return value / gap if gap > 0 else inf
+def _over(value: Any, gap: np.ndarray) -> np.ndarray:
+    return np.divide(value, gap, out=np.full(gap.shape, inf), where=gap > 0)
 
 
 # The list's quantities by their symbols: Kn where the gap at rest is narrowest, Re where widest.
-QUANTITIES: dict[str, Callable[[Scene], float]] = {
-    "h0/l": lambda s: s.h0_m / min(s.finger.length_x_m, s.finger.length_y_m),
+QUANTITIES: dict[str, Callable[[Scenes], Any]] = {
+    "h0/l": lambda s: s.h0_m / np.minimum(s.finger.length_x_m, s.finger.length_y_m),
     "Kn": lambda s: _over(s.knudsen, s.rest_range[0]),
     "Re": lambda s: s.modified_reynolds * s.rest_range[1] ** 2,
     "h0/λ": lambda s: s.h0_m * s.actuator.frequency_hz / _sound_speed(s),
-    "hv/h0": Scene.closure,
+    "hv/h0": lambda s: s.closure,
     "Ra/h": lambda s: _over(ROUGHNESS_M, s.narrowest * s.h0_m),
 }
 # The list's kinds of films; ``auto`` terms are decided before (effects/automatic.py).
-FILMS: dict[str, Callable[[Scene], bool]] = {
+FILMS: dict[str, Callable[[Scenes], Any]] = {
     "all": lambda s: True,
     "viscous flow": lambda s: s.gas.rarefaction == "none",
     "first-order slip": lambda s: s.gas.rarefaction == "slip",
@@ -52,7 +55,9 @@ FILMS: dict[str, Callable[[Scene], bool]] = {
     "inertia neglected": lambda s: s.gas.inertia != "included",
     "inertia included": lambda s: s.gas.inertia == "included",
     "heat included": lambda s: s.gas.heat == "included",
-    "inertia included, σ below 20": lambda s: s.gas.inertia == "included" and s.sigma < THICK_SIGMA,
+    "inertia included, σ below 20": lambda s: (
+        (s.gas.inertia == "included") & (s.sigma < THICK_SIGMA)
+    ),
 }
 
 
@@ -77,16 +82,24 @@ class Limit:
 
     def exceeded(self, scene: Scene) -> str:
         """Return by what a scene exceeds the limit, in words; empty where it does not."""
-        if not FILMS[self.films](scene):
-            return ""
-        value = QUANTITIES[self.symbol](scene)
-        bounds = ((self.not_above, NOT_APPLICABLE), (self.unknown_above, UNKNOWN))
+        return self.exceeded_by(Scenes.of([scene])).get(0, "")
+
+    def exceeded_by(self, scenes: Scenes) -> dict[int, str]:
+        """Return the scenes that exceed the limit, and by what, in words."""
+        films = FILMS[self.films](scenes)
+        if not np.any(films):
+            return {}
+        value = QUANTITIES[self.symbol](scenes)
+        # A value that is no number lies within no bound.
+        beyond = films & ~(value <= min(self.not_above, self.unknown_above))
+        return {row: self._text(float(value[row])) for row in np.flatnonzero(beyond).tolist()}
+
+    def _text(self, value: float) -> str:
+        never = not value <= self.not_above
+        bound = self.not_above if never else self.unknown_above
         kind = "" if self.films == "all" else f" ({self.films})"
-        for bound, consequence in bounds:
-            if not value <= bound:  # a value that is no number lies within no bound
-                named = f"{self.quantity} {self.symbol} = {value:.3g}"
-                return f"{named} is above {bound:.2g}{kind}: {consequence}"
-        return ""
+        named = f"{self.quantity} {self.symbol} = {value:.3g}"
+        return f"{named} is above {bound:.2g}{kind}: {NOT_APPLICABLE if never else UNKNOWN}"
 
 
 def _read(path: Path) -> tuple[Limit, ...]:
@@ -108,3 +121,12 @@ def exceeded(scene: Scene) -> tuple[str, ...]:
 def validity(scene: Scene) -> str:
     """Return ``ok``, or the limits of validity that a scene exceeds, joined by ``; ``."""
     return "; ".join(exceeded(scene)) or OK
+
+
+def validities(scenes: Scenes) -> list[str]:
+    """Return the same for each of some scenes."""
+    found: list[list[str]] = [[] for _ in range(len(scenes))]
+    for limit in LIMITS:
+        for row, words in limit.exceeded_by(scenes).items():
+            found[row].append(words)
+    return ["; ".join(words) or OK for words in found]

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from math import nan
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
 
 from squeezefilm.io.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(kw_only=True, slots=True)  # not frozen, which takes three times as long to make
@@ -59,6 +64,101 @@ class Solution:
         return {name: value for each in asked if each for name, value in each.columns().items()}
 
 
+class Solutions(Sequence[Solution]):
+    """Solutions of many scenes as columns: an array of shape (n,) for each attribute of one.
+
+    ``solutions[k]`` is the solution of one scene.
+    """
+
+    force_n: np.ndarray
+    force_error_n: np.ndarray
+    status: np.ndarray
+    validity: np.ndarray
+    method: np.ndarray
+    left_out: np.ndarray
+    nx: np.ndarray
+    ny: np.ndarray
+    nt: np.ndarray
+    newton_steps: np.ndarray
+    krylov_iterations: np.ndarray
+    residual: np.ndarray
+    work: np.ndarray
+    states: np.ndarray
+    derivatives: np.ndarray
+    outputs: np.ndarray
+
+    def __init__(self, columns: Mapping[str, np.ndarray]) -> None:
+        self.columns = dict(columns)
+        vars(self).update(columns)
+
+    @classmethod
+    def of_method(cls, method: str, count: int) -> Solutions:
+        """Solutions that are not known yet."""
+        empty = Solution(status="", method=method)
+        return cls({name: _column(name, [getattr(empty, name)] * count) for name in NAMES})
+
+    @classmethod
+    def of(cls, solutions: Sequence[Solution]) -> Solutions:
+        """The columns of some solutions."""
+        if isinstance(solutions, Solutions):
+            return solutions
+        return cls(
+            {name: _column(name, [getattr(each, name) for each in solutions]) for name in NAMES}
+        )
+
+    def put(self, rows: np.ndarray, solutions: Solutions) -> None:
+        """Those of some scenes in their places."""
+        for name, column in self.columns.items():
+            column[rows] = solutions.columns[name]
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    @overload
+    def __getitem__(self, row: int) -> Solution: ...
+    @overload
+    def __getitem__(self, row: slice) -> Solutions: ...
+    def __getitem__(self, row: int | slice) -> Solution | Solutions:
+        if isinstance(row, slice):
+            return Solutions({name: column[row] for name, column in self.columns.items()})
+        return Solution(
+            **{name: column[[row]].tolist()[0] for name, column in self.columns.items()}
+        )
+
+    def __iter__(self) -> Iterator[Solution]:
+        columns = [column.tolist() for column in self.columns.values()]
+        return (Solution(**dict(zip(NAMES, row))) for row in zip(*columns))  # noqa: B905
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and list(self) == list(other)
+
+    def to_frame(self) -> pd.DataFrame:
+        """The columns of a table of forces, a row for each scene."""
+        import pandas as pd
+
+        return pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS})
+
+
+NAMES = tuple(each.name for each in fields(Solution))
+
+
+def _column(name: str, values: Sequence[object]) -> np.ndarray:
+    """Numbers as such; texts and what has parts as objects."""
+    kind = {int: np.int64, float: np.float64}.get(type(DEFAULTS[name]), object)
+    column = np.empty(len(values), dtype=kind)
+    column[:] = values if kind is not object or not len(values) else _objects(values)
+    return column
+
+
+def _objects(values: Sequence[object]) -> np.ndarray:
+    """An array of objects that NumPy would take for more dimensions."""
+    column = np.empty(len(values), dtype=object)
+    for k, value in enumerate(values):
+        column[k] = value
+    return column
+
+
+DEFAULTS = {each.name: each.default for each in fields(Solution)}
 SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
@@ -89,7 +88,7 @@ class Change:
         )
         return Change(np.maximum(self.largest, was * self.size), self.size)
 
-    def __getitem__(self, film: int | list[int]) -> Change:
+    def __getitem__(self, film: np.ndarray) -> Change:
         return Change(self.largest[film], self.size[film])
 
 
@@ -152,8 +151,8 @@ def fall_of(before: Change, after: Change, *, step: np.ndarray | float) -> np.nd
 def change_of(
     said: np.ndarray,
     *,
-    known: Sequence[Change | None],
-    steps: np.ndarray,
+    known: Change,
+    step: float,
     sizes: np.ndarray,
     per_residual: np.ndarray,
     terms: Terms,
@@ -164,8 +163,8 @@ def change_of(
     Args:
         said: what is said of the films on the last grid (``states.SAID``); the first guess there
             is the state on the one before.
-        known: each film's change to the grid before, if there is one.
-        steps: from each film's grid before the last one to that (``step_between``).
+        known: each film's change to the grid before; NaN where there is none.
+        step: from the grid before the last one to that (``step_between``).
         sizes: shares of the changes' sizes that count of each at least.
         per_residual: by how much their pressure may be off for the residual that is left.
         terms: those of the films.
@@ -173,25 +172,16 @@ def change_of(
     loose = margin_of(terms) == 1 and tolerance >= LOOSE_FROM
     shares = np.maximum(LOOSE_SIZE_SHARE if loose else SIZE_SHARE, sizes)
     change = Change(np.maximum(said["moment"], shares * said["size"]), said["size"])
-    fall = np.full(len(known), UNKNOWN_FALL)
-    which = [at for at, before in enumerate(known) if before]
-    if which and margin_of(terms) == 1:
-        before = _stacked([each for each in known if each])
+    fall = np.full(len(said), UNKNOWN_FALL)
+    which = np.flatnonzero(~np.isnan(known.size))
+    if which.size and margin_of(terms) == 1:
+        before = known[which]
         # Changes that fall suddenly are not believed.
-        seen = fall_of(before, change[which], step=steps[which])
-        fall[which] = np.maximum(seen, UNKNOWN_FALL)
+        fall[which] = np.maximum(fall_of(before, change[which], step=step), UNKNOWN_FALL)
         change.largest[which] = change[which].steady(before).largest
     # A grid that took a state over as it is shows no change: what the residual would have made.
     unseen = np.where(said["newton_steps"] == 0, said["residual"], 0.0)
     return change + per_residual * unseen, fall
-
-
-def _stacked(changes: Sequence[Change]) -> Change:
-    """Those of several films as one."""
-    return Change(
-        np.array([change.largest for change in changes]),
-        np.array([change.size for change in changes]),
-    )
 
 
 def margin_of(terms: Terms) -> float:

@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 from math import log10, nan
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.asymptotics.scenes import Expanded
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import LeftOut, Needs, needs_of
 from squeezefilm.reynolds.periodic.resolution import first_grids
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
-from squeezefilm.reynolds.solver import LimitResult, Way, each_on_its_own, unexpected, ways_of
-from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.plan import PERIODIC, Plan, plans_of
+from squeezefilm.reynolds.solver import each_on_its_own, unexpected
+from squeezefilm.reynolds.terms import Terms, left_out_of
 
 
 @dataclass(frozen=True)
@@ -46,15 +48,14 @@ class Explanation:
 
 def explain(
     scenes: Sequence[Scene], *, tolerance: float, method: str = "auto"
-) -> list[Explanation]:
+) -> Sequence[Explanation]:
     """How ``solve`` will treat the scenes; its arguments. What is ``auto`` has to be decided."""
 
     def ways(some: Sequence[Scene]) -> list[Explanation]:
-        needs = [needs_of(scene) for scene in some]
-        decided = ways_of(some, needs, tolerance=tolerance, method=method)
+        plans = plans_of(needs_of(some), tolerance=tolerance, method=method)
         return [
-            _explanation(scene, need, way, tolerance=tolerance)
-            for scene, need, way in zip(some, needs, decided, strict=True)
+            _explanation(scene, needs_of(scene), plans.get(row, PERIODIC), tolerance=tolerance)
+            for row, scene in enumerate(some)
         ]
 
     def failed(error: Exception) -> Explanation:
@@ -63,42 +64,42 @@ def explain(
     return each_on_its_own(ways, scenes, failed=failed)
 
 
-def _explanation(scene: Scene, need: Needs, way: Way, *, tolerance: float) -> Explanation:
+def _explanation(scene: Scene, need: Needs, way: Plan, *, tolerance: float) -> Explanation:
     if way.refused:
         return Explanation(way.method, status=way.refused)
-    if way.limit is not None:
-        explanation = _by_limit(need, way.limit, tolerance=tolerance)
+    if way.expanded is not None:
+        explanation = _by_limit(need, way.expanded, tolerance=tolerance)
     else:
         explanation = _on_grids(scene, need, tolerance=tolerance)
     return replace(explanation, terms=("squeeze", *(term.label for term in need.terms)))
 
 
-def _by_limit(need: Needs, result: LimitResult, *, tolerance: float) -> Explanation:
+def _by_limit(need: Needs, result: Expanded, *, tolerance: float) -> Explanation:
     return Explanation(
-        method=result.method,
+        method="composite",
         status=result.status(tolerance),
         domain="whole",
         nx=result.nx,
         ny=result.ny,
-        left_out=(result.left_out, *need.terms_left_out),
+        left_out=(result.left_out, *left_out_of(need.terms)),
         expected_error=result.relative_error,
         expected_mflop=result.flops / 1e6,
     )
 
 
 def _on_grids(scene: Scene, need: Needs, *, tolerance: float) -> Explanation:
-    grids = first_grids(scene, need, tolerance=tolerance)
+    (grids,), _ = first_grids(need, tolerance=tolerance)
     finest = grids[-1]
     return Explanation(
         method="periodic",
-        domain=_domain(need.fold_x, need.fold_y),
+        domain=_domain(bool(need.fold_x[0]), bool(need.fold_y[0])),
         nx=finest.x.full_points,
         ny=finest.y.full_points,
         nt=finest.nt,
-        left_out=need.halves_left_out + need.terms_left_out,
+        left_out=need.simplifications(0),
         expected_error=tolerance,
         expected_mflop=_expected_flops(scene.closure(), need.terms, grids, tolerance=tolerance)
-        * _times_under_outline(scene, need)
+        * _times_under_outline(scene)
         / 1e6,
     )
 
@@ -125,10 +126,11 @@ def _expected_flops(
     return sum(n * iteration_flops(grid, terms) for n, grid in zip(iterations, grids, strict=True))
 
 
-def _times_under_outline(scene: Scene, need: Needs) -> float:
+def _times_under_outline(scene: Scene) -> float:
     """How many times the iterations under a rectangle those under a smooth outline are.
 
     Its preconditioner takes the area behind each point for equal: fitted to 80 ellipses (ε
     0.02–0.9, σ 1–1e5, axes up to 1:3), mostly right within a factor of two.
     """
-    return 1 + 0.4 * need.outline.rim * log10(1 + scene.sigma) ** 2 if need.outline else 1.0
+    outline = scene.finger.smooth_outline
+    return 1 + 0.4 * outline.rim * log10(1 + scene.sigma) ** 2 if outline else 1.0

@@ -9,7 +9,6 @@ from math import sqrt
 import numpy as np
 
 from squeezefilm.film.outline import Outline
-from squeezefilm.reynolds.layout import Joined, joined
 from squeezefilm.reynolds.outlines.around import Around, around
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 from squeezefilm.reynolds.terms import Terms
@@ -147,7 +146,7 @@ def _stretch(x: Axis, y: Around, outline: Outline) -> np.ndarray:
 
 
 @lru_cache(maxsize=256)
-def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
+def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.ndarray]:
     """The matrices of a grid over the period, under the names that kernels know them by."""
     values_x, vectors_x, inverse_x = grid.x.modes_in_parts
     values_y, vectors_y, inverse_y = grid.y.modes_in_parts
@@ -171,7 +170,7 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> Joined:
     }
     for term in terms:
         parts.update(term.matrices(grid, aspect=aspect))
-    return joined(parts)
+    return parts
 
 
 def _moments(axis: Axis | Around) -> np.ndarray:
@@ -181,7 +180,7 @@ def _moments(axis: Axis | Around) -> np.ndarray:
 
 
 @lru_cache(maxsize=256)
-def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> Joined:
+def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np.ndarray]:
     """What interpolates a state to a finer grid."""
     matrices = (
         coarse.t.interpolation_to(fine.t).T,
@@ -191,4 +190,4 @@ def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> Joined:
     parts = dict(zip(CARRYING, matrices, strict=True))
     for term in terms:
         parts.update(term.carrying(coarse, fine))
-    return joined(parts)
+    return parts

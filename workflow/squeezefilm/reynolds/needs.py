@@ -1,14 +1,21 @@
-"""What a scene needs of the full problem, and what can be left out of it without any error."""
+"""What scenes need of the full problem, and what is not needed without any error."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
 
-from squeezefilm.film.outline import Outline
-from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of
-from squeezefilm.reynolds.under_finger import UnderFinger, under_finger
+import numpy as np
+
+from squeezefilm.film.scene import Film, Rows, Scene, Scenes
+from squeezefilm.reynolds.profile_sampling import (
+    SampledProfiles,
+    Samples,
+    joined_samples,
+    sampled_profiles,
+)
+from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of_each
 
 HALVES = tuple(
     LeftOut(what, "the profile is even about the finger's middle, and nothing else breaks that")
@@ -18,62 +25,127 @@ HALVES = tuple(
 
 @dataclass(frozen=True, eq=False)
 class Needs:
-    """The domain and the terms that a scene needs; one for all scenes that need the same.
+    """The domain and the terms that scenes need, each a column of shape (n,).
 
     Attributes:
+        kinds: the terms that scenes have beside squeezing; ``kind`` is each scene's.
         fold_x, fold_y: the film is even about the finger's middle along x, y: half is enough.
-        terms: what the equation has beside squeezing.
-        profile: the profile under the finger.
-        outline: the finger's, unless it is a rectangle.
+        uniform: the whole finger sees the full amplitude.
+        profiles: of each film: which scenes have it, the profile under the finger at its
+            positions, and each scene's position.
     """
 
-    fold_x: bool
-    fold_y: bool
-    terms: Terms
-    profile: UnderFinger
-    outline: Outline | None = None
+    scenes: Scenes
+    kinds: Sequence[Terms]
+    kind: np.ndarray
+    fold_x: np.ndarray
+    fold_y: np.ndarray
+    uniform: np.ndarray
+    profiles: Sequence[tuple[Rows, SampledProfiles, np.ndarray]]
+    _samples: dict[float, Samples] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.scenes)
+
+    def __getitem__(self, rows: np.ndarray) -> Needs:
+        place = np.full(len(self), -1)
+        place[rows] = np.arange(len(rows))
+        profiles: list[tuple[Rows, SampledProfiles, np.ndarray]] = []
+        for of_film, sampled, at in self.profiles:
+            found = place[of_film]
+            if isinstance(of_film, slice):
+                profiles.append((of_film, sampled, at[rows]))
+            elif (found >= 0).any():
+                profiles.append((found[found >= 0], sampled, at[found >= 0]))
+        return Needs(
+            scenes=self.scenes[rows],
+            kinds=self.kinds,
+            kind=self.kind[rows],
+            fold_x=self.fold_x[rows],
+            fold_y=self.fold_y[rows],
+            uniform=self.uniform[rows],
+            profiles=profiles,
+        )
 
     @property
-    def uniform(self) -> bool:
-        """Whether the whole finger sees the full amplitude."""
-        return self.profile.uniform
+    def terms(self) -> Terms:
+        """The terms that all of the scenes have.
 
-    @property
-    def halves_left_out(self) -> tuple[LeftOut, ...]:
-        """Mirror images of what is solved."""
-        folds = zip(HALVES, (self.fold_x, self.fold_y), strict=True)
-        return tuple(half for half, fold in folds if fold)
+        Raises:
+            ValueError: for scenes of unlike terms.
+        """
+        if (self.kind != self.kind[0]).any():
+            raise ValueError("these scenes have unlike terms")
+        return self.kinds[self.kind[0]]
 
-    @property
-    def terms_left_out(self) -> tuple[LeftOut, ...]:
-        """Terms of the full equation that are zero for this scene."""
-        return left_out_of(self.terms)
+    def alike(self) -> Iterator[tuple[np.ndarray, Scene, Terms]]:
+        """Scenes of one film and like terms: which they are, the first of them, the terms."""
+        code = self.scenes.film_index * len(self.kinds) + self.kind
+        for each in np.unique(code):
+            rows = np.flatnonzero(code == each)
+            yield rows, self.scenes.scene(int(rows[0])), self.kinds[self.kind[rows[0]]]
 
-    @cached_property
-    def left_out(self) -> str:
-        """Both, for a table."""
-        return "; ".join(part.what for part in self.halves_left_out + self.terms_left_out)
+    def samples(self, share: float) -> Samples:
+        """What grids that miss no more than a share of the profiles resolve, (n,)."""
+        if share not in self._samples:
+            found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
+            if len(found) > 1:
+                rows = np.concatenate([rows for rows, _, _ in self.profiles])
+                found = [joined_samples(found)[np.argsort(rows)]]
+            self._samples[share] = found[0]
+        return self._samples[share]
+
+    def position(self, row: int) -> tuple[SampledProfiles, int]:
+        """The profile under one scene's finger: the positions sampled, and which of them it is."""
+        for rows, sampled, at in self.profiles:
+            of_film = np.arange(len(self))[rows]
+            if (found := np.flatnonzero(of_film == row)).size:
+                return sampled, int(at[found[0]])
+        raise IndexError(row)
+
+    def simplifications(self, row: int) -> tuple[LeftOut, ...]:
+        """What one scene does not need: mirror images of what is solved, terms that are zero."""
+        folds = zip(HALVES, (self.fold_x[row], self.fold_y[row]), strict=True)
+        return *(half for half, fold in folds if fold), *left_out_of(self.kinds[self.kind[row]])
+
+    def left_out(self) -> list[str]:
+        """The same of each scene, for a table."""
+        code = 4 * self.kind + 2 * self.fold_x + self.fold_y
+        _, first, which = np.unique(code, return_index=True, return_inverse=True)
+        texts = ["; ".join(part.what for part in self.simplifications(row)) for row in first]
+        return [texts[each] for each in which.tolist()]
 
 
-def needs_of(scene: Scene) -> Needs:
-    """What the scene needs, found from its profile, motion and gas."""
-    return _needs(under_finger(scene), terms_of(scene))
+def needs_of(scenes: Scenes | Sequence[Scene] | Scene) -> Needs:
+    """What scenes need, from their profiles, motion and gas."""
+    scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
+    kinds, kind = terms_of_each(scenes)
+    fold_x, fold_y, uniform = np.empty((3, len(scenes)), dtype=bool)
+    broken = np.array([_broken(terms) for terms in kinds], dtype=bool)[kind]
+    profiles = []
+    for film, rows, some in scenes.of_each_film():
+        places, at = some.places
+        sampled = sampled_profiles(places)
+        even_x, even_y = _even(film)
+        fold_x[rows], fold_y[rows] = even_x & sampled.even_x[at], even_y & sampled.even_y[at]
+        uniform[rows] = sampled.uniform[at]
+        profiles.append((rows, sampled, at))
+    fold_x &= ~broken[:, 0]
+    fold_y &= ~broken[:, 1]
+    return Needs(scenes, kinds, kind, fold_x, fold_y, uniform, profiles)
 
 
-@lru_cache(maxsize=4096)
-def _needs(profile: UnderFinger, terms: Terms) -> Needs:
-    gap, outline = profile.finger.gap, profile.finger.smooth_outline
-    broken = {axis for term in terms for axis in term.BREAKS}
-    return Needs(
-        fold_x=profile.even_x
-        and "x" not in broken
-        and gap.tilt_x_m == 0
-        and (outline is None or outline.even_x),
-        fold_y=profile.even_y
-        and "y" not in broken
-        and gap.tilt_y_m == 0
-        and (outline is None or outline.even_y),
-        terms=terms,
-        profile=profile,
-        outline=outline,
+@lru_cache(maxsize=256)
+def _broken(terms: Terms) -> tuple[bool, bool]:
+    """Whether terms break the symmetry along x, y."""
+    axes = "".join(term.BREAKS for term in terms)
+    return "x" in axes, "y" in axes
+
+
+def _even(film: Film) -> tuple[bool, bool]:
+    """Whether a film's pad is even about its middle along x, y."""
+    gap, outline = film.finger.gap, film.finger.smooth_outline
+    return (
+        gap.tilt_x_m == 0 and (outline is None or outline.even_x),
+        gap.tilt_y_m == 0 and (outline is None or outline.even_y),
     )

@@ -17,11 +17,10 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS
-from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import ways_of
 from squeezefilm.reynolds.spectral import period
-from squeezefilm.reynolds.terms import state_refused
+from squeezefilm.reynolds.terms import states_refused
 
 # Operations of iterations beyond which no finer grid is tried: some ten to twenty seconds.
 MOST_WORK = 1e11
@@ -57,25 +56,22 @@ def pressure(
     Raises RunError saying why there is no such pressure.
     """
     needs = needs_of(scene)
-    (way,) = ways_of([scene], [needs], tolerance=tolerance, method="periodic")
-    if way.refused:
-        raise RunError(way.refused)
+    if plans := plans_of(needs, tolerance=tolerance, method="periodic"):
+        raise RunError(plans[0].refused)
     if not device.processor:
         check_device(device)
-    grid: Grid | None = grid_for(scene, needs, tolerance=tolerance)
+    grid: Grid | None = grid_for(needs, tolerance=tolerance)[0]
     before: np.ndarray | None = None
     ending = NO_STATE
     work, most = 0.0, min((term.MOST_WORK for term in needs.terms), default=MOST_WORK)
     while grid is not None and work <= most:
-        problems = problems_of([scene], grid, tolerance=ITERATION_SHARE * tolerance)
-        states = solve_batch(problems=problems, grid=grid, device=device)
+        states = solve_batch([scene], grid, tolerance=ITERATION_SHARE * tolerance, device=device)
         work += float(states.krylov_iterations[0]) * iteration_flops(grid, needs.terms)
         if states.status[0] != 0:
             before, ending = None, STATUS[states.status[0]]
         else:
-            thinnest = float(states.thinnest[0])
-            if refused := state_refused(scene, needs.terms, thinnest=thinnest):
-                raise RunError(refused)
+            if refused := states_refused(needs.scenes, needs.terms, thinnest=states.thinnest):
+                raise RunError(refused[0])
             found = _at(
                 states.overpressure[0], grid, finger=scene.finger, x=x, y=y, instants=instants
             )

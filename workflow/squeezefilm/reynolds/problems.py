@@ -2,36 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import AtPlace, Scene
+from squeezefilm.film.scene import Film, PadProfile, Places, Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of
+from squeezefilm.reynolds.layout import Packed, packed
+from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of_each
 
-# Nodes up to which the profile at a place is kept: there it is asked for many gaps and amplitudes.
-MOST_KEPT = 10_000
+# Numbers of what is kept of the profile at some positions, where it is asked for again for many
+# gaps and amplitudes; more are found anew.
+MOST_KEPT = 100_000
 
 
 @dataclass(frozen=True)
 class Problems:
-    """The scenes of a batch on one grid.
+    """Scenes on one grid.
 
     Attributes:
         numbers: excursion ratio ``epsilon``, squeeze number ``sigma``, coefficients ``flow`` of the
             flux's terms c_k H^(3−k) ρ^(1−k) ∇P, and the terms' own numbers; one row per scene.
         terms: those that all of the scenes have.
-        aspect: finger's length along y over that along x, one for the batch.
+        aspect: finger's length along y over that along x, one for all.
         parts: of the gap 1 + ε s sin T the profile s, or of any gap (terms/gap.py) s₁, s₂ and by
             how many metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends
             and mirror images included, shape (places, parts, nodes along x, nodes along y).
         places: row of ``parts`` that each scene has.
-        tolerance: relative error of the force that the iteration may leave, one for the batch.
-        at: the places, where their parts are so few and simple that they are kept.
+        tolerance: relative error of the force that an iteration may leave.
     """
 
     numbers: np.ndarray
@@ -40,10 +40,6 @@ class Problems:
     parts: np.ndarray
     places: np.ndarray
     tolerance: float
-    at: tuple[AtPlace, ...] = ()
-
-    def __len__(self) -> int:
-        return len(self.numbers)
 
     @property
     def epsilon(self) -> np.ndarray:
@@ -53,97 +49,79 @@ class Problems:
     def sigma(self) -> np.ndarray:
         return np.asarray(self.numbers["sigma"])
 
-    @property
-    def narrowest(self) -> np.ndarray:
-        """Least gap over h0 in a period."""
-        known = "narrowest" in (self.numbers.dtype.names or ())
-        return np.asarray(self.numbers["narrowest"]) if known else 1 - self.epsilon
 
-
-def problems_of(scenes: Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
-    """Scenes of one finger shape and like terms on one grid."""
-    return problems_on(scenes, {grid: tolerance})[0]
-
-
-def problems_on(
-    scenes: Sequence[Scene], tolerances: Mapping[Grid, float], *, terms: Terms | None = None
-) -> list[Problems]:
-    """Scenes of one finger shape and like terms on each of some grids.
-
-    Args:
-        terms: those that all of the scenes are known to have; looked for if left out.
+def problems_of(scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: float) -> Problems:
+    """Scenes of one finger shape and like terms on one grid.
 
     Raises:
         ValueError: for scenes of unlike terms.
     """
-    if terms is None:
-        terms = terms_of(scenes[0])
-        if any(terms_of(scene) != terms for scene in scenes):
-            raise ValueError("a batch is of scenes with like terms")
-    numbers = _table([numbers_of(scene, terms) for scene in scenes])
-    parts, places, at = _parts(scenes, list(tolerances))
-    return [
-        Problems(
-            numbers=numbers,
-            terms=terms,
-            aspect=scenes[0].aspect,
-            parts=each,
-            places=places,
-            tolerance=tolerance,
-            at=at,
-        )
-        for each, tolerance in zip(parts, tolerances.values(), strict=True)
-    ]
+    scenes = Scenes.of(scenes)
+    terms = terms_of_all(scenes)
+    parts, places, count = [], np.empty(len(scenes), dtype=np.int64), 0
+    for film, rows, some in scenes.of_each_film():
+        at, which = some.places
+        parts.append(_gap_parts(film, at, (grid,))[0])
+        places[rows] = count + which
+        count += len(at.x_m)
+    return Problems(
+        numbers=numbers_table(scenes, terms),
+        terms=terms,
+        aspect=aspect_of(scenes),
+        parts=np.concatenate(parts),
+        places=places,
+        tolerance=tolerance,
+    )
 
 
-def _table(rows: Sequence[Any]) -> np.ndarray:
+def terms_of_all(scenes: Scenes) -> Terms:
+    """The terms that scenes have, all of them the same.
+
+    Raises:
+        ValueError: for scenes of unlike terms.
+    """
+    terms, _ = terms_of_each(scenes)
+    if len(terms) != 1:
+        raise ValueError("a batch is of scenes with like terms")
+    return terms[0]
+
+
+def aspect_of(scenes: Scenes) -> float:
+    """That of scenes which all have the same."""
+    return float(np.ravel(scenes.aspect)[0])
+
+
+def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
+    """The numbers of the scenes' equation under their names, a row for each."""
+    numbers = numbers_of(scenes, terms)
     kinds = [
         (name, np.float64, (len(value),) if isinstance(value, tuple) else ())
-        for name, value in rows[0].items()
+        for name, value in numbers.items()
     ]
-    return np.array([tuple(row.values()) for row in rows], dtype=kinds)
+    table = np.empty(len(scenes), dtype=kinds)
+    for name, value in numbers.items():
+        if isinstance(value, tuple):
+            for k, each in enumerate(value):
+                table[name][:, k] = each
+        else:
+            table[name] = value
+    return table
 
 
-def _parts(
-    scenes: Sequence[Scene], grids: Sequence[Grid]
-) -> tuple[list[np.ndarray], np.ndarray, tuple[AtPlace, ...]]:
-    """The gap's parts on all nodes of each grid at each place of the finger, each scene's place.
-
-    And the places, where they are kept.
-    """
-    known: dict[AtPlace, int] = {}
-    places = [known.setdefault(scene.at, len(known)) for scene in scenes]
-    nodes = sum(grid.positions[0].size for grid in grids)
-    ask = _profile_kept if nodes <= MOST_KEPT else _profile_on
-    found = []
-    at = tuple(known)
-    for each in at:
-        found.append(ask(each, tuple(grid.in_space for grid in grids)))
-    kept = ask is _profile_kept
-    parts = [np.array(on_grid) for on_grid in zip(*found, strict=True)]
-    return parts, np.array(places), at if kept else ()
-
-
-def _profile_on(at: AtPlace, grids: tuple[Grid, ...]) -> list[np.ndarray]:
-    """The profile's parts on all nodes of each grid; asked at once, as rarely as can be."""
+def _gap_parts(film: Film | PadProfile, places: Places, grids: Sequence[Grid]) -> list[np.ndarray]:
+    """The gap's parts at each place on all nodes of each grid, as of ``Problems``."""
     x, y = (np.concatenate(each) for each in zip(*(grid.positions for grid in grids), strict=True))
-    values = at.scene.parts(x, y)
+    values = places.parts(x, y)
+    finger = film.finger
+    if not finger.gap.flat or len(values) == 2:
+        second = values[1] if len(values) == 2 else np.zeros_like(values[0])
+        rise_m = np.broadcast_to(finger.gap.rise_m(x, y), second.shape)
+        values = np.stack([values[0], second, rise_m])
     ends = np.cumsum([grid.positions[0].size for grid in grids])[:-1]
-    each = zip(np.split(values, ends, axis=1), grids, strict=True)
-    moving = (part.reshape(len(part), *_whole(grid)) for part, grid in each)
-    return [_with_rest(at.scene, *its) for its in zip(grids, moving, strict=True)]
-
-
-_profile_kept = lru_cache(maxsize=256)(_profile_on)
-
-
-def _with_rest(scene: Scene, grid: Grid, moving: np.ndarray) -> np.ndarray:
-    """The parts of a scene's gap, shape (parts, nodes along x, nodes along y)."""
-    if scene.plain:
-        return moving
-    second = moving[1] if scene.actuator.profile.is_complex else np.zeros_like(moving[0])
-    rise_m = scene.finger.gap.rise_m(*grid.positions).reshape(_whole(grid))
-    return np.stack([moving[0], second, rise_m])
+    return [
+        part.swapaxes(0, 1).reshape(len(places.x_m), len(part), *_whole(grid))
+        for part, grid in zip(np.split(values, ends, axis=2), grids, strict=True)
+    ]
 
 
 def _whole(grid: Grid) -> tuple[int, int]:
@@ -151,14 +129,52 @@ def _whole(grid: Grid) -> tuple[int, int]:
     return len(grid.x.all_nodes), len(grid.y.all_nodes)
 
 
-def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
+def profiles_at(
+    scenes: Scenes, grids: Sequence[Grid], terms: Terms
+) -> tuple[Packed, np.ndarray, np.ndarray]:
+    """The profile under the pad as kernels read it, once for each position.
+
+    Returns:
+        The fields at each position on each grid; which of the positions each scene has, (n,); the
+        gap's parts averaged over the pad, of each scene, (n, parts).
+    """
+    in_space = tuple(grid.in_space for grid in grids)
+    found, count = [], 0
+    which = np.empty(len(scenes), dtype=np.int64)
+    for _, rows, some in scenes.of_each_film():
+        places, at = some.places
+        which[rows] = count + at
+        count += len(places.x_m)
+        few = len(places.x_m) * sum(grid.nx * grid.ny for grid in grids) * 4 <= MOST_KEPT
+        ask = _kept_profiles if few else _profiles
+        found.append(ask(*places.key, in_space, terms))
+    fields = Packed.of_rows([each for each, _ in found])
+    return fields, which, np.concatenate([means for _, means in found])[which]
+
+
+def _profiles(
+    pad: PadProfile, x_m: bytes, y_m: bytes, grids: tuple[Grid, ...], terms: Terms
+) -> tuple[Packed, np.ndarray]:
+    places = Places(pad, np.frombuffer(x_m), np.frombuffer(y_m))
+    parts = _gap_parts(pad, places, grids)
+    aspect = pad.finger.length_y_m / pad.finger.length_x_m
+    on_grids = zip(parts, grids, strict=True)
+    fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
+    return packed(fields), mean_parts(parts[-1], grids[-1])
+
+
+_kept_profiles = lru_cache(maxsize=128)(_profiles)
+
+
+def profile_fields(
+    parts: np.ndarray, grid: Grid, *, terms: Terms, aspect: float
+) -> dict[str, np.ndarray]:
     """The gap's parts, their gradients and Laplacians, and what terms need, where unknowns lie.
 
     Each of shape (places, parts, nx, ny). Derivatives are those of the interpolating polynomial,
     lengths in units of the finger's x side.
     """
-    parts = problems.parts
-    length_x, length_y = grid.lengths(problems.aspect)
+    length_x, length_y = grid.lengths(aspect)
     along_x = grid.x.derivative @ parts / length_x
     along_y = parts @ grid.y.derivative.T / length_y
     everywhere = {
@@ -170,36 +186,33 @@ def profile_fields(problems: Problems, grid: Grid) -> dict[str, np.ndarray]:
     }
     inner = (..., grid.x.inner, grid.y.inner)
     fields = {name: values[inner] for name, values in everywhere.items()}
-    for term in problems.terms:
+    for term in terms:
         fields.update(term.profile_fields(parts, grid))
     return fields
 
 
-def mean_parts(problems: Problems, grid: Grid) -> np.ndarray:
+def mean_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
     """The gap's parts averaged over the finger, shape (places, parts)."""
     along_x, along_y = _averaging(grid)
-    inner = problems.parts[..., grid.x.inner, grid.y.inner]
+    inner = parts[..., grid.x.inner, grid.y.inner]
     if grid.outline:
         inner = inner * grid.density
     return np.asarray(along_x @ inner @ along_y)
 
 
-def mean_motion(problems: Problems, means: Sequence[Sequence[float]]) -> list[tuple[float, float]]:
-    """How each scene's gap averaged over the finger moves, over what it is at rest.
+def mean_motion(numbers: np.ndarray, means: np.ndarray) -> np.ndarray:
+    """How scenes' gaps averaged over the finger move, over what they are at rest, (2, n).
 
-    The factors of sin T and of cos T, by the means of the gap's parts at each place.
+    The factors of sin T and of cos T.
+
+    Args:
+        means: of each scene's parts of the gap, (n, parts).
     """
-    films = zip(problems.places.tolist(), problems.epsilon.tolist(), strict=True)
-    if problems.parts.shape[1] == 1:
-        return [(means[place][0] * epsilon, 0.0) for place, epsilon in films]
-    motions = []
-    for (place, epsilon), per_rise in zip(
-        films, problems.numbers["per_rise"].tolist(), strict=True
-    ):
-        first, second, rise = means[place]
-        size = epsilon / (1 + per_rise * rise)
-        motions.append((first * size, second * size))
-    return motions
+    epsilon = numbers["epsilon"]
+    if means.shape[1] == 1:
+        return np.stack([means[:, 0] * epsilon, np.zeros_like(epsilon)])
+    first, second, rise_m = means.T
+    return np.asarray(epsilon / (1 + numbers["per_rise"] * rise_m) * [first, second])
 
 
 @lru_cache(maxsize=256)

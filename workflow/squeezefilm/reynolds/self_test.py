@@ -19,7 +19,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import problems_of
 
 TABLE = Path(__file__).with_name("self_test.csv")
 CLOSENESS = 1e-9
@@ -105,8 +104,7 @@ def forces(device: Device) -> dict[str, float]:
     """The films' mean overpressures in units of p0, as the device finds them."""
     found = {}
     for name, (scene, grid) in films().items():
-        problems = problems_of([scene], grid, tolerance=ITERATION_TOLERANCE)
-        states = solve_batch(problems=problems, grid=grid, device=device)
+        states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
         found[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
     return found
 

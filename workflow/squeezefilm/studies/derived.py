@@ -158,7 +158,7 @@ def _cut(value: float) -> float:
 
 
 def _limit_is_known(values: dict[str, Any]) -> bool:
-    """Whether the physics limit was derived for such a pad and gas (reynolds/limits)."""
+    """Whether the physics limit was derived for such a pad and gas (reynolds/asymptotics)."""
     gas, finger, profile = values["gas"], values["finger"], values["actuator"]["profile"]
     one_phase = profile["kind"] != "travelling-wave" and profile.get("quadrature", "0") == "0"
     return (

@@ -27,9 +27,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
-from squeezefilm.io.cells import finite_number
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.typed_units import sizes
 
 LENGTHS_M = sizes("m")
@@ -52,10 +52,11 @@ QUANTITIES: Mapping[str, tuple[Mapping[str, float], tuple[str, ...]]] = {
 """Each with its units and their sizes, and its names."""
 NAMES = {name: quantity for quantity, (_, names) in QUANTITIES.items() for name in names}
 ALL_UNITS = {unit.lower() for units, _ in QUANTITIES.values() for unit in units if unit}
+KNOWN_UNIT = re.compile(f"({'|'.join(map(re.escape, ALL_UNITS))})$|db")
+"""Also decibels, to be named in a message: the file does not tell what 0 dB is."""
 # Words beside the one that names the quantity.
 BESIDE = {"position", "pos", "coordinate", "coord", "displacement", "velocity", "part", "value"}
 IN_BRACKETS = re.compile(r"(?P<words>.*?)[\s_]*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]")
-DECIBELS = re.compile(r"db\b.*|dB.*", re.IGNORECASE)
 FORM = "columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, amplitude_um"
 
 SEPARATORS = ("\t", ";", ",", None)
@@ -87,8 +88,7 @@ class Scan:
     Without angles ``y_m`` is None and ``x_m`` the distance from the centre. ``lines`` are the
     rows' places in the file and ``missing`` counts points without an amplitude. ``signed`` tells
     whether phase, sign or an amplitude below zero says on which side of a node a point is.
-    ``notes`` say how the file was read; ``cell_m`` is the width of the cells over which points were
-    averaged (smooth.py), 0 where they were not.
+    ``notes`` say how the file was read.
     """
 
     path: Path
@@ -99,7 +99,6 @@ class Scan:
     missing: int
     signed: bool
     notes: tuple[str, ...] = ()
-    cell_m: float = 0.0
 
 
 def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
@@ -116,22 +115,26 @@ def read_scan(path: Path | str, *, frequency_hz: float | None = None) -> Scan:
     if not path.exists():
         raise InputError(f"{path}: there is no such scan")
     scan = (_universal if path.suffix.lower() in UNIVERSAL else _table)(path, frequency_hz)
-    points = len(scan.x_m)
-    if points > MOST_POINTS:
-        raise InputError(f"{path}: {points} points; at most {MOST_POINTS} are taken")
-    if points < FEWEST_POINTS:
-        raise InputError(
-            f"{path}: {points} measured points ({scan.missing} missing); a profile needs at least "
-            f"{FEWEST_POINTS}"
-        )
-    if not np.any(scan.amplitude_m):
-        raise InputError(f"{path}: every amplitude is zero: there is no profile")
-    if scan.missing > MOST_MISSING * (points + scan.missing):
-        raise InputError(
-            f"{path}: {scan.missing} of {points + scan.missing} points have no amplitude; at most "
-            f"{MOST_MISSING:.0%} of them may lack it"
-        )
+    points, missing = len(scan.x_m), scan.missing
+    _refuse(
+        str(path),
+        {
+            f"{points} points; at most {MOST_POINTS} are taken": points > MOST_POINTS,
+            f"{points} measured points ({missing} missing); a profile needs at least "
+            f"{FEWEST_POINTS}": points < FEWEST_POINTS,
+            "every amplitude is zero: there is no profile": not np.any(scan.amplitude_m),
+            f"{missing} of {points + missing} points have no amplitude; at most "
+            f"{MOST_MISSING:.0%} of them may lack it": missing > MOST_MISSING * (points + missing),
+        },
+    )
     return scan
+
+
+def _refuse(where: str, problems: Mapping[str, object]) -> None:
+    """Raise an InputError with the first problem that there is."""
+    for problem, wrong in problems.items():
+        if wrong:
+            raise InputError(f"{where}: {problem}")
 
 
 def _excluded(places: np.ndarray, *, what: str) -> list[str]:
@@ -184,7 +187,7 @@ def column_of(name: str, place: int = 0) -> Column | None:
         pairs = [(bracketed["words"], bracketed["unit"])]
     else:  # the likeliest first
         pairs = [
-            *(pair for pair in pairs if pair[1].lower() in ALL_UNITS or DECIBELS.match(pair[1])),
+            *(pair for pair in pairs if re.match(KNOWN_UNIT, pair[1].lower())),
             (name, ""),
             *(pairs if len(pairs) == 1 else []),
         ]
@@ -201,49 +204,44 @@ def column_of(name: str, place: int = 0) -> Column | None:
 def _columns(header: Sequence[str], *, where: str) -> tuple[dict[str, Column], list[str]]:
     """The columns that make a scan, by their quantities, and a note on those ignored."""
     known = [column for at, name in enumerate(header) if (column := column_of(name, at))]
-    linear = [column for column in known if not DECIBELS.fullmatch(column.unit)]
-    quantities = {column.quantity for column in linear}
+    usable = {column.quantity for column in known if column.unit in column.units}
     dropped: set[str] = set()
-    if "amplitude" in quantities and "phase" not in quantities and "imaginary" in quantities:
+    if "amplitude" in usable and "phase" not in usable and "imaginary" in usable:
         dropped = {"amplitude"}
-    elif "amplitude" in quantities:
+    elif "amplitude" in usable:
         dropped = {"real", "imaginary"}
     columns: dict[str, Column] = {}
-    for column in linear:
-        if column.quantity in dropped:
-            continue
-        if column.unit not in column.units:
+    for column in known:
+        if column.unit not in column.units and column.quantity not in usable:
             units = ", ".join(f"{column.quantity}_{unit}" for unit in column.units)
-            raise InputError(f"{where}: column {column.name!r} needs a unit, one of {units}")
+            hint = "; decibels are not supported" * column.unit.lower().startswith("db")
+            raise InputError(f"{where}: column {column.name!r} needs a unit, one of {units}{hint}")
+        if column.unit not in column.units or column.quantity in dropped:
+            continue
         if column.quantity in columns:
             raise InputError(
                 f"{where}: the column {column.quantity!r} stands twice: "
                 f"{columns[column.quantity].name!r} and {column.name!r}; leave one of them out"
             )
         columns[column.quantity] = column
-    if set(columns) & {"x", "y", "r", "phi"} not in ({"x", "y"}, {"r", "phi"}, {"r"}):
-        raise InputError(
-            f"{where}: the place of a point is x and y, or r, or r and phi; "
-            f"the columns are {', '.join(header)}"
-        )
     motion = set(columns) & {"amplitude", "real", "imaginary"}
+    parts = [columns[name] for name in ("real", "imaginary") if name in motion]
     taken = {column.place for column in columns.values()}
     named = {column.place for column in known}
     unknown = [name.strip() for at, name in enumerate(header) if at not in named]
-    if not motion and len(linear) < len(known):
-        raise InputError(
-            f"{where}: amplitudes in decibels are not taken, for the file does not say what 0 dB "
-            "is nor how far down noise reaches; export them on a linear scale (m, µm, mm/s)"
-        )
-    if not motion:
-        other = f"; unknown columns: {', '.join(map(repr, unknown))}" if unknown else ""
-        raise InputError(f"{where}: column 'amplitude_um' is missing; a scan has {FORM}{other}")
-    if motion in ({"real"}, {"imaginary"}):
-        raise InputError(f"{where}: real and imaginary part go together; one of them is missing")
-    if "real" in motion and columns["real"].is_velocity != columns["imaginary"].is_velocity:
-        raise InputError(f"{where}: real and imaginary part must both be displacements or speeds")
-    if {"sign", "phase"} <= set(columns):
-        raise InputError(f"{where}: give sign or phase, not both")
+    other = f"; unknown columns: {', '.join(map(repr, unknown))}" if unknown else ""
+    place = set(columns) & {"x", "y", "r", "phi"}
+    _refuse(
+        where,
+        {
+            "the place of a point is x and y, or r, or r and phi; the columns are "
+            f"{', '.join(header)}": place not in ({"x", "y"}, {"r", "phi"}, {"r"}),
+            f"column 'amplitude_um' is missing; a scan has {FORM}{other}": not motion,
+            "real and imaginary part go together, both displacements or both velocities": parts
+            and (len(parts) < 2 or parts[0].is_velocity != parts[1].is_velocity),
+            "give sign or phase, not both": {"sign", "phase"} <= set(columns),
+        },
+    )
     ignored = [each.name for each in known if each.place not in taken] + unknown
     notes = [f"columns left out: {', '.join(map(repr, ignored))}"] if ignored else []
     return columns, notes
@@ -251,39 +249,33 @@ def _columns(header: Sequence[str], *, where: str) -> tuple[dict[str, Column], l
 
 def _table(path: Path, frequency_hz: float | None) -> Scan:
     """The scan in a table of text."""
-    header, header_line, cells, lines, notes = _cells(path)
+    header, header_line, cells, notes = read_cells(path, what="scan", form=FORM)
     columns, ignored = _columns(header, where=f"{path}: line {header_line}")
     notes += ignored
     motion = [columns[name].place for name in ("amplitude", "real", "imaginary") if name in columns]
-    measured = np.array(
-        [not any(row[place].lower() in MISSING for place in motion) for row in cells], dtype=bool
-    )
-    rows = [row for row, is_measured in zip(cells, measured, strict=True) if is_measured]
-    lines, lacking = lines[measured], lines[~measured]
+    measured = ~cells[motion].apply(lambda column: column.str.lower()).isin(MISSING).any(axis=1)
+    lines, lacking = cells.index[measured].to_numpy(), cells.index[~measured].to_numpy()
     table = {}
     for quantity, column in columns.items():
-        texts = [row[column.place] for row in rows]
-        values = _numbers(texts, path=path, lines=lines, name=quantity)
+        values = numbers(cells.loc[measured, column.place], path=path, name=quantity)
         table[quantity] = values * column.size
         if column.is_velocity:
             table[quantity] = table[quantity] / _angular_frequency(frequency_hz, path=path)
             notes.append(f"{column.name!r} divided by the angular frequency")
-    directed = "amplitude" in table and ("phase" in table or "sign" in table)
-    for quantity, wrong, problem in (
-        ("r", lambda r: r < 0, "r must not be negative"),
-        ("sign", lambda sign: np.abs(sign) != 1, "sign must be 1 or -1"),
-        (
-            "amplitude",
-            lambda amplitude: directed & (amplitude < 0),
-            "amplitude must not be negative where phase or sign tells its direction",
-        ),
-    ):
-        if quantity in table and np.any(at := wrong(table[quantity])):
-            raise InputError(f"{path}: line {lines[int(np.argmax(at))]}: {problem}")
+    amplitudes, absent = table.get("amplitude", np.zeros(1)), np.zeros(1)
+    directed = "phase" in table or "sign" in table
+    for problem, wrong in {
+        "r must not be negative": table.get("r", absent) < 0,
+        "sign must be 1 or -1": np.abs(table.get("sign", absent + 1)) != 1,
+        "amplitude must not be negative where phase or sign tells its direction": directed
+        & (amplitudes < 0),
+    }.items():
+        if np.any(wrong):
+            raise InputError(f"{path}: line {lines[int(np.argmax(wrong))]}: {problem}")
     if "real" in table:
         amplitude = table["real"] + 1j * table["imaginary"]
     else:
-        amplitude = table["amplitude"] * np.exp(1j * table.get("phase", np.zeros(len(rows))))
+        amplitude = table["amplitude"] * np.exp(1j * table.get("phase", 0.0))
     amplitude = amplitude * table.get("sign", 1.0)
     x_m, y_m = table.get("x", table.get("r")), table.get("y")
     assert x_m is not None
@@ -302,12 +294,18 @@ def _table(path: Path, frequency_hz: float | None) -> Scan:
     )
 
 
-def _cells(path: Path) -> tuple[list[str], int, list[list[str]], np.ndarray, list[str]]:
-    """The header's cells and line, those of each row with their lines, and notes on the reading."""
+def read_cells(
+    path: Path, *, what: str, form: str
+) -> tuple[list[str], int, pd.DataFrame, list[str]]:
+    """The header's cells and line, the other cells by their line in the file, and notes.
+
+    ``what`` a table of points is and which ``form`` it needs are for messages.
+    """
     try:
         text, encoding = _decoded(path.read_bytes())
         lines = io.StringIO(text, newline=None).read().split("\n")
-        index, separator = _header(lines, path=path)
+        with naming(path):
+            index, separator = _header(lines, what=what, form=form)
         lines[index] = re.sub(r"^\s*#[#\s]*", "", lines[index])
         numbered: list[tuple[int, list[str]]]
         if separator is None:
@@ -318,7 +316,7 @@ def _cells(path: Path) -> tuple[list[str], int, list[list[str]], np.ndarray, lis
             )
             numbered = [(index + reader.line_num, cells) for cells in reader]
     except (OSError, csv.Error) as error:
-        raise InputError(f"{path}: the scan cannot be read: {error}") from None
+        raise InputError(f"{path}: the {what} cannot be read: {error}") from None
     rows = [(line, [cell.strip() for cell in cells]) for line, cells in numbered]
     (_, header), *rows = [(n, cells) for n, cells in rows if any(cells) and cells[0][:1] != "#"]
     for line, cells in rows:
@@ -333,8 +331,11 @@ def _cells(path: Path) -> tuple[list[str], int, list[list[str]], np.ndarray, lis
     before = sum(bool(line.strip()) and not line.lstrip().startswith("#") for line in lines[:index])
     if before:
         notes.append(f"{before} lines before the header left out")
-    numbers = np.array([line for line, _ in rows], dtype=int)
-    return header, index + 1, [cells for _, cells in rows], numbers, notes
+    numbered_by = [line for line, _ in rows]
+    table = pd.DataFrame(
+        [cells for _, cells in rows], numbered_by, range(len(header)), dtype=object
+    )
+    return header, index + 1, table, notes
 
 
 def _decoded(content: bytes) -> tuple[str, str]:
@@ -350,12 +351,12 @@ def _decoded(content: bytes) -> tuple[str, str]:
         return content.decode("latin-1"), "latin-1"
 
 
-def _header(lines: Sequence[str], *, path: Path) -> tuple[int, str | None]:
+def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, str | None]:
     """The place of the line that names columns, which may be a comment, and its separator."""
     filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
     plain = [index for index in filled if not lines[index].lstrip().startswith("#")]
     if not plain:
-        raise InputError(f"{path}: the scan is empty; it needs {FORM}")
+        raise InputError(f"the {what} is empty; it needs {form}")
     comments = [index for index in filled if index < plain[0]]
     for index in (*plain[:FIRST_LINES], *comments[:FIRST_LINES]):
         line = re.sub(r"^\s*#[#\s]*", "", lines[index])
@@ -368,39 +369,29 @@ def _header(lines: Sequence[str], *, path: Path) -> tuple[int, str | None]:
             return index, separator
     first, line_number = lines[plain[0]], plain[0] + 1
     if re.fullmatch(r"[-+\d.,;eE\s]+", first):
-        raise InputError(f"{path}: line {line_number}: no header names the columns; give {FORM}")
+        raise InputError(f"line {line_number}: no header names the columns; give {form}")
     # Words in the names of columns do not make blanks the separator where there is another one.
     cells = first.split(next((each for each in SEPARATORS if each and each in first), None))
     names = ", ".join(repr(cell.strip()) for cell in cells if not column_of(cell))
     other = f"unknown column {names}" if names else f"{first.strip()!r} is no table"
-    raise InputError(f"{path}: line {line_number}: {other}; a scan has {FORM}")
+    raise InputError(f"line {line_number}: {other}; it needs {form}")
 
 
-def _numbers(
-    cells: Sequence[str], *, path: Path, lines: Sequence[int] | np.ndarray, name: str
-) -> np.ndarray:
+def numbers(cells: pd.Series, *, path: Path, name: str) -> np.ndarray:
     """The finite numbers in a column's cells; raises InputError naming the line of another one."""
-    if any("," in cell for cell in cells):
-        mixed = next((at for at, cell in enumerate(cells) if "." in cell), None)
-        if mixed is not None:
-            raise InputError(
-                f"{path}: line {lines[mixed]}: {name} has a point in {cells[mixed]!r}, and a comma "
-                "in other rows; one of them must be the decimal sign, and nothing stands between "
-                "thousands"
-            )
-        cells = [cell.replace(",", ".") for cell in cells]
-    try:
-        values = np.array(cells, dtype=str).astype(float)
-        if np.all(np.abs(values) <= LARGEST) and not any("_" in cell for cell in cells):
-            return values
-    except ValueError:
-        pass
-    return np.array(
-        [
-            finite_number(cell, path=path, line=int(line), name=name, largest=LARGEST)
-            for line, cell in zip(lines, cells, strict=True)
-        ]
-    )
+    comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
+    if comma.any() and point.any():
+        line, cell = next(cells[point].items())
+        raise InputError(
+            f"{path}: line {line}: {name} has a point in {cell!r}, and "
+            "a comma in other rows; one of them must be the decimal sign, and nothing stands "
+            "between thousands"
+        )
+    values = pd.to_numeric(cells.str.replace(",", "."), errors="coerce").to_numpy(dtype=float)
+    if np.any(wrong := ~(np.abs(values) <= LARGEST)):
+        line, cell = next(cells[wrong].items())
+        raise InputError(f"{path}: line {line}: {name} is {cell!r}, not a finite number")
+    return values
 
 
 def _universal(path: Path, frequency_hz: float | None) -> Scan:
@@ -425,29 +416,25 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
         if each.get("type") in NODES
         for node, x, y in zip(each["node_nums"], each["x"], each["y"], strict=True)
     }
-    if not places:
-        raise InputError(f"{path}: no places of points (data set 15 or 2411) are in the file")
     functions = [each for each in sets if each.get("type") == FUNCTION]
-    if not functions:
-        raise InputError(f"{path}: no functions (data set 58) are in the file")
     if len({abs(int(each["rsp_dir"])) for each in functions}) > 1:
         functions = [each for each in functions if abs(int(each["rsp_dir"])) == NORMAL]
-    if not functions:
-        raise InputError(f"{path}: the functions have several directions, and none is along z")
-    rows = [_line_at(each, frequency_hz=omega / (2 * math.pi), path=path) for each in functions]
     nodes = [int(each["rsp_node"]) for each in functions]
-    for node in nodes:
-        if node not in places:
-            raise InputError(f"{path}: the node {node} of a function has no place (data set 15)")
-    if len(set(nodes)) < len(nodes):
-        twice = next(node for node in nodes if nodes.count(node) > 1)
-        raise InputError(f"{path}: node {twice} has several functions; export one for each point")
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
-    if kinds not in ({DISPLACEMENT}, {VELOCITY}):
-        raise InputError(
-            f"{path}: the functions are neither displacements (type 8) nor velocities (11) but of "
-            f"type {', '.join(map(str, sorted(kinds)))}"
-        )
+    unplaced = [node for node in nodes if node not in places]
+    twice = [node for node in nodes if nodes.count(node) > 1]
+    _refuse(
+        str(path),
+        {
+            "no places of points (data set 15 or 2411) are in the file": not places,
+            "no functions (data set 58) along one direction or z are in the file": not functions,
+            f"the node {min(unplaced, default=0)} of a function has no place (set 15)": unplaced,
+            f"node {min(twice, default=0)} has several functions; export one for each point": twice,
+            "the functions are neither displacements (type 8) nor velocities (11) but of type "
+            f"{', '.join(map(str, sorted(kinds)))}": kinds not in ({DISPLACEMENT}, {VELOCITY}),
+        },
+    )
+    rows = [_line_at(each, frequency_hz=omega / (2 * math.pi), path=path) for each in functions]
     x_m, y_m = np.array([places[node] for node in nodes]).T
     measured = np.array([value for value, _ in rows])
     amplitude = measured.astype(complex) / (omega if kinds == {VELOCITY} else 1.0)
@@ -474,20 +461,24 @@ def _line_at(
 
     It is NaN where the function is not finite there, or zero at all lines: nothing was measured.
     """
-    where, kind = f"{path}: node {int(function['rsp_node'])}", int(function.get("func_type", 0))
-    if kind == TIME_RESPONSE or int(function.get("abscissa_spec_data_type", 0)) != FREQUENCY:
-        raise InputError(f"{where}: a function of time; export spectra or frequency responses")
-    if kind in POWER_SPECTRA:
-        raise InputError(f"{where}: a power spectrum; export amplitudes or frequency responses")
     lines, data = np.asarray(function["x"], dtype=float), np.asarray(function["data"])
     nearest = int(np.argmin(np.abs(lines - frequency_hz)))
     apart = float(np.diff(lines).max()) if len(lines) > 1 else 0.0
     farthest = FARTHEST_LINE * apart if apart else FARTHEST_SHARE * frequency_hz
-    if abs(lines[nearest] - frequency_hz) > farthest:
-        raise InputError(
-            f"{where}: its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the "
-            f"actuator vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)"
-        )
+    kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
+    _refuse(
+        f"{path}: node {int(function['rsp_node'])}",
+        {
+            "a function of time; export spectra or frequency responses": kind == TIME_RESPONSE
+            or over != FREQUENCY,
+            "a power spectrum; export amplitudes or frequency responses": kind in POWER_SPECTRA,
+            f"its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the actuator "
+            f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)": abs(
+                lines[nearest] - frequency_hz
+            )
+            > farthest,
+        },
+    )
     if not (np.any(data) and np.abs(data[nearest]) <= LARGEST):
         return np.nan * data[nearest], float(lines[nearest])
     sign = -1 if int(function["rsp_dir"]) < 0 else 1

@@ -50,9 +50,8 @@ MOST_OUTLIERS = 0.05
 REFITS = 20
 # Draws of noise by which the bias of the maximum is estimated.
 PEAK_DRAWS, PEAK_SEED = 200, 1
-# Points beyond this number are averaged over cells.
-MOST_POINTS = 20_000
-WIDER = 1.05
+# More points are not fitted: enough for all modes to be known to a hundredth of the noise.
+MOST_FITTED, DRAW_SEED = 20_000, 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,21 +103,6 @@ class SmoothedScan:
         whole = coefficients[: len(self.root)], self.profile.orders[: len(self.root)]
         part = np.array(self.out_of_phase.coefficients), self.out_of_phase.orders
         return _share_of_squares(part, whole, surface)
-
-    @property
-    def averaging_loss(self) -> float:
-        """By how much means over cells are off the profile at most, in units of its maximum.
-
-        Over a square of the width w the mean is off the value at its centre by
-        w²/24 (s_xx + s_yy), to leading order; the derivatives by differences over w.
-        """
-        width = self.scan.cell_m
-        if not width:
-            return 0.0
-        x_m, y_m, _ = self.profile.surface.net()
-        around = [(0.0, 0.0), (width, 0.0), (-width, 0.0), (0.0, width), (0.0, -width)]
-        s = [self.profile.amplitude(x_m=x_m + dx, y_m=y_m + dy) for dx, dy in around]
-        return float(np.abs(sum(s[1:]) - 4 * s[0]).max() / 24)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -190,7 +174,7 @@ def smoothed(
     Raises InputError naming the file, and what its points do not determine.
     """
     places_on(scan, surface, axisymmetric=axisymmetric)  # names a line of the file
-    scan = binned(scan)
+    scan = thinned(scan)
     x_m, y_m = places_on(scan, surface, axisymmetric=axisymmetric)
     half_x_m, half_y_m = surface.half_m
     x, y = x_m / half_x_m, y_m / half_y_m
@@ -277,39 +261,20 @@ def places_on(scan: Scan, surface: Surface, *, axisymmetric: bool) -> tuple[np.n
     return x_m, y_m
 
 
-def binned(scan: Scan) -> Scan:
-    """A scan of at most MOST_POINTS: itself, or the means over cells of its points."""
-    if len(scan.x_m) <= MOST_POINTS:
+def thinned(scan: Scan) -> Scan:
+    """A scan of at most MOST_FITTED points: itself, or as many of its points, drawn at random."""
+    points = len(scan.x_m)
+    if points <= MOST_FITTED:
         return scan
-    places = [scan.x_m] if scan.y_m is None else [scan.x_m, scan.y_m]
-    extents = [float(np.ptp(each)) or 1e-12 for each in places]
-    width = float(np.prod(extents) / MOST_POINTS) ** (1 / len(places))
-    while True:
-        cells = [((each - each.min()) / width).astype(np.int64) for each in places]
-        numbers = np.ravel_multi_index(cells, [int(cell.max()) + 1 for cell in cells])
-        _, first, inverse, counts = np.unique(
-            numbers, return_index=True, return_inverse=True, return_counts=True
-        )
-        if len(first) <= MOST_POINTS:
-            break
-        width *= WIDER
-
-    def mean(values: np.ndarray) -> np.ndarray:
-        means: np.ndarray = np.bincount(inverse, weights=values) / counts
-        return means
-
-    note = (
-        f"{len(scan.x_m)} points averaged over {len(first)} cells {width * 1e3:.3g} mm wide, each "
-        "named by the line of its first point"
-    )
+    drawn = np.random.default_rng(DRAW_SEED).choice(points, MOST_FITTED, replace=False)
+    drawn.sort()
     return replace(
         scan,
-        x_m=mean(scan.x_m),
-        y_m=None if scan.y_m is None else mean(scan.y_m),
-        amplitude_m=mean(scan.amplitude_m.real) + 1j * mean(scan.amplitude_m.imag),
-        lines=scan.lines[first],
-        cell_m=width,
-        notes=(*scan.notes, note),
+        x_m=scan.x_m[drawn],
+        y_m=None if scan.y_m is None else scan.y_m[drawn],
+        amplitude_m=scan.amplitude_m[drawn],
+        lines=scan.lines[drawn],
+        notes=(*scan.notes, f"{MOST_FITTED} of {points} points are fitted, drawn at random"),
     )
 
 
@@ -428,21 +393,19 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
         places = np.stack([x_m, y_m], axis=-1)
     distance, _ = cKDTree(measured).query(places)
     error = smoothed.standard_error(x_m=x_m, y_m=y_m)
-    hole = np.unravel_index(np.argmax(distance), distance.shape)
-    worst = np.unravel_index(np.argmax(error), error.shape)
+    hole, worst = (np.unravel_index(np.argmax(each), each.shape) for each in (distance, error))
+    named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
+    if axisymmetric:
+        named[0] = f"r = {places[hole][0] * 1e3:.2f} mm"
     if distance[hole] > LARGEST_HOLE * min(surface.half_m):
-        where = f"r = {places[hole][0] * 1e3:.2f} mm"
-        if not axisymmetric:
-            where = f"x = {x_m[hole] * 1e3:.2f} mm, y = {y_m[hole] * 1e3:.2f} mm"
         raise InputError(
-            f"{path}: no point was measured within {distance[hole] * 1e3:.1f} mm of {where}; the "
-            f"scan needs points there, or {surface.key} is too large"
+            f"{path}: no point was measured within {distance[hole] * 1e3:.1f} mm of {named[0]}; "
+            f"the scan needs points there, or {surface.key} is too large"
         )
     if error[worst] > LARGEST_ERROR:
         raise InputError(
             f"{path}: the profile is known to ±{error[worst]:.0%} of its maximum only at "
-            f"x = {x_m[worst] * 1e3:.2f} mm, y = {y_m[worst] * 1e3:.2f} mm; the scan needs more "
-            "points there, or less noise"
+            f"{named[1]}; the scan needs more points there, or less noise"
         )
     if smoothed.peak_bias_m >= LARGEST_ERROR * smoothed.peak_m:
         raise InputError(

@@ -90,7 +90,6 @@ def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[st
         "peak_bias_share": smoothed.peak_bias_m / smoothed.peak_m,
         "out_of_phase_effect": smoothed.out_of_phase_effect,
         "two_phases": smoothed.profile.is_complex,
-        "averaging_loss_share": smoothed.averaging_loss,
         "notes": list(smoothed.scan.notes),
         "signed": smoothed.scan.signed,
         "folded": smoothed.folded,
@@ -101,29 +100,20 @@ def summary_of(smoothed: SmoothedScan, *, noise: float, error: float) -> dict[st
 
 def described(summary: dict[str, Any]) -> str:
     """A summary in words, a line each."""
-    outliers = summary["outlier_lines"]
-    lines = ", ".join(map(str, outliers[:6])) + (", …" if len(outliers) > 6 else "")
-    across = f"{summary['quadrature_share']:.1%} in rms with its noise"
-    if summary["two_phases"]:
-        across += ", the profile's imaginary part"
-    else:
-        across += f", neglected: forces are about {summary['out_of_phase_effect']:.2%} low"
+    outliers = ", ".join(map(str, summary["outlier_lines"][:6]))
+    percent = {name: f"{100 * value:.2g} %" for name, value in summary.items() if "share" in name}
     texts = [
-        f"points                {summary['points']}",
-        f"outliers, not fitted  {len(outliers)} (lines {lines})" if outliers else "",
-        f"degree of the modes   {summary['degree']}, by cross-validation",
-        f"largest amplitude     {summary['peak_um']:.3g} µm, less "
-        f"{summary['peak_bias_share']:.1%} as the noise's",
-        f"noise                 {summary['noise_share']:.1%} of the maximum",
-        f"standard error        {summary['mean_standard_error_share']:.1%} on average, at most "
-        f"{summary['largest_standard_error_share']:.1%} of the maximum",
-        f"error of a force      at most {summary['largest_force_noise_share']:.1%} by the noise, "
-        "at 95 %",
-        f"motion out of phase   {across}",
-        "" if summary["signed"] else "no phase or sign: all amplitudes are taken to one side",
-        f"warning: {FOLDED}" if summary["folded"] else "",
+        f"points {summary['points']}",
+        f"outliers, not fitted {len(summary['outlier_lines'])} (lines {outliers})" * bool(outliers),
+        f"degree of the modes {summary['degree']}",
+        f"largest amplitude {summary['peak_um']:.4g} µm",
+        f"noise {percent['noise_share']} of it",
+        f"standard error of the profile {percent['largest_standard_error_share']} of it, at most",
+        f"error of a force by the noise {percent['largest_force_noise_share']} at most, at 95 %",
+        f"motion out of phase {percent['quadrature_share']} in rms with its noise"
+        + ", neglected" * (not summary["two_phases"]),
+        "no phase or sign: all amplitudes are taken to one side" * (not summary["signed"]),
+        f"warning: {FOLDED}" * summary["folded"],
         *(f"note: {note}" for note in summary["notes"]),
     ]
-    if loss := summary["averaging_loss_share"]:
-        texts.append(f"note: averaging takes off at most {loss:.1g} of the maximum")
     return "\n".join(text for text in texts if text)

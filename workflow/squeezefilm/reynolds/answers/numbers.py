@@ -140,7 +140,7 @@ def _left_out_by_heat(scene: Scene) -> float:
     """Share of that momentum that warm gas would change: twice its warming where it streams."""
     if scene.gas.heat != "included":
         return 0.0
-    return 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20  # type: ignore[arg-type]
+    return 2 * float(Heat().numbers(scene)["heating"]) * scene.epsilon**2 / 20
 
 
 def _add_sliding(

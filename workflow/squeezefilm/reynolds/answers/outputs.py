@@ -14,7 +14,7 @@ from math import isfinite
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.solution import OUTPUTS, Outputs, Solution, checked_outputs
 from squeezefilm.reynolds.answers.numbers import answered
 from squeezefilm.reynolds.answers.refused import formula_refusals
@@ -29,10 +29,10 @@ from squeezefilm.reynolds.periodic.launch import Batch, launch
 from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, profile_fall
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, States
-from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import each_on_its_own, unexpected, ways_of
-from squeezefilm.reynolds.terms import state_refused, stiffness_of
+from squeezefilm.reynolds.solver import each_on_its_own, unexpected
+from squeezefilm.reynolds.terms import states_refused, stiffness_of
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-8, 1e-2
@@ -92,7 +92,7 @@ def with_outputs(
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
     some = [scenes[k] for k in known]
     found = [Outputs(refused=dict.fromkeys(OUTPUTS, "no force"))] * len(scenes)
-    parts = [Outputs()] * len(some)
+    parts: Sequence[Outputs] = [Outputs()] * len(some)
     if FROM_STATE & set(asked):
         parts = each_on_its_own(
             partial(_from_states, tolerance=_tolerated(tolerance), device=chosen),
@@ -116,8 +116,8 @@ def refusals(scene: Scene, *, tolerance: float) -> dict[str, str]:
 
     By their names in OUTPUTS. Inertia must be decided.
     """
-    (way,) = ways_of([scene], [needs_of(scene)], tolerance=_tolerated(tolerance), method="periodic")
-    return dict.fromkeys(OUTPUTS, way.refused) if way.refused else formula_refusals(scene)
+    plans = plans_of(needs_of(scene), tolerance=_tolerated(tolerance), method="periodic")
+    return dict.fromkeys(OUTPUTS, plans[0].refused) if plans else formula_refusals(scene)
 
 
 def _tolerated(tolerance: float) -> float:
@@ -132,13 +132,13 @@ def _from_states(scenes: Sequence[Scene], *, tolerance: float, device: Device) -
     """All answers that follow from a periodic state, or why there are none."""
     found: dict[int, Outputs] = {}
     waiting: list[_Progress] = []
-    needs = [needs_of(scene) for scene in scenes]
-    ways = ways_of(scenes, needs, tolerance=tolerance, method="periodic")
-    for index, (scene, need, way) in enumerate(zip(scenes, needs, ways, strict=True)):
-        if way.refused:
-            found[index] = _refused(way.refused)
+    plans = plans_of(needs_of(scenes), tolerance=tolerance, method="periodic")
+    for index, scene in enumerate(scenes):
+        need = needs_of(scene)
+        if index in plans:
+            found[index] = _refused(plans[index].refused)
         else:
-            first = grid_for(scene, need, tolerance=tolerance)
+            (first,) = grid_for(need, tolerance=tolerance)
             waiting.append(_Progress(index, scene, need, first))
     if waiting and not device.processor:
         check_device(device)
@@ -180,10 +180,11 @@ def _solved(
     if len(grids) < 2:
         return [each.best or _refused(COARSE) for each in group]
     scenes = [each.scene for each in group]
-    problems = [problems_of(scenes, grid, tolerance=LEFT_SHARE * tolerance) for grid in grids]
     known = [each.guess for each in group if each.guess is not None]
     guess = np.stack(known) if known else None
-    (states,) = launch([Batch(grids, problems, guess)], device=device).states()
+    left = [LEFT_SHARE * tolerance] * len(grids)
+    batch = Batch(Scenes.of(scenes), group[0].needs.terms, grids, left, guess)
+    (states,) = launch([batch], device=device).states()
     return [_one(each, grids, states, k, tolerance=tolerance) for k, each in enumerate(group)]
 
 
@@ -208,12 +209,13 @@ def _one(
     progress.guess = states[-1].unknowns[k].copy()
     if ending[0] != "ok":
         return (progress.best or _refused(COARSE)) if tried_enough else None
-    if reason := state_refused(scene, terms, thinnest=float(states[-1].thinnest[k])):
-        return _refused(reason)
+    thinnest = states[-1].thinnest[[k]]
+    if refused := states_refused(progress.needs.scenes, terms, thinnest=thinnest):
+        return _refused(refused[0])
     before, film = (
         on_grid(scene, grid, state.unknowns[k]) for grid, state in zip(grids, states, strict=True)
     )
-    of_profile = profile_fall(progress.needs, coarse.across, fine.across, tolerance=tolerance)
+    (of_profile,) = profile_fall(progress.needs, coarse.across, fine.across, tolerance=tolerance)
     fall = max(UNKNOWN_FALL, of_profile)
     # A mass error w moves the pressure by about n w/H.
     residual = float(states[-1].residual[k]) / (1 - scene.closure())

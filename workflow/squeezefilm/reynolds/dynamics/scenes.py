@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion
+from squeezefilm.reynolds.asymptotics.films import expansion_axis
+from squeezefilm.reynolds.asymptotics.scenes import expansion_numbers
 from squeezefilm.reynolds.dynamics.slow_film import SlowFilm, slow_film
-from squeezefilm.reynolds.limits.films import limit_axis
-from squeezefilm.reynolds.limits.forces import boundary_layer_limit
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.inertia import Inertia
 
@@ -24,7 +25,7 @@ def refused(scene: Scene) -> str:
         return "the response was derived for a gap that is even at rest, not tilted or bulging"
     if scene.epsilon == 0:
         return "the surface is at rest"
-    unknown = [term.label for term in terms_of(scene) if not term.knows_limit("boundary-layer")]
+    unknown = [term.label for term in terms_of(scene) if term.expansion_numbers(scene) is None]
     unknown += [term.label for term in terms_of(scene) if isinstance(term, Inertia)]
     if unknown:
         return f"the response is not derived with {', '.join(unknown)}"
@@ -48,16 +49,16 @@ def slow_film_of(scene: Scene) -> tuple[SlowFilm, float]:
 def film_on(scene: Scene, points: int) -> tuple[SlowFilm, float]:
     """The slow film on one grid, and its relative error at rest.
 
-    The error is that of the settled force, by the boundary-layer limit: it may be infinite.
+    The error is that of the settled force, by the edge layer's expansion: it may be infinite.
     """
-    nodes = limit_axis(points).all_nodes
+    nodes = expansion_axis(points).all_nodes
     film = slow_film(
         epsilon=scene.epsilon,
         sigma=scene.sigma,
         amplitude=scene.amplitude(*np.meshgrid(nodes, nodes, indexing="ij")),
         aspect=scene.aspect,
-        slip=sum(dict(term.limit_numbers(scene)).get("slip", 0.0) for term in terms_of(scene)),
+        slip=expansion_numbers(scene).get("slip", 0.0),
     )
-    limit = boundary_layer_limit(film.films)
+    limit = edge_layer_expansion(film.films)
     with np.errstate(divide="ignore", invalid="ignore"):
         return film, float(np.abs(limit.error / limit.mean)[0])

@@ -9,9 +9,9 @@ through the rim over many. Averaged over a period the film equation is a diffusi
     mean overpressure = ∫ ψ/√(1 − ε² |s|²) − 1 + ∮ d(a)/√σ,
 
 s the profile, s₁ + i s₂ of a vibration in two phases, n the inward normal, d, g and q the integrals
-of the rim's boundary layer (limits/boundary_layer.py), which follows the amplitude at once. The
-settled ψ is that of ``limits.forces``. Slopes of ψ at the rim do not move its value there: ⟨H³P²⟩
-is linear across the layer.
+of the rim's boundary layer (asymptotics/edge_layer.py), which follows the amplitude at once. The
+settled ψ is that of ``asymptotics.composite``. Slopes of ψ at the rim do not move its value there:
+⟨H³P²⟩ is linear across the layer.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from functools import cached_property
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from squeezefilm.reynolds.limits import boundary_layer
-from squeezefilm.reynolds.limits.boundary_layer import all_weights
-from squeezefilm.reynolds.limits.films import Films, films_of
+from squeezefilm.reynolds.asymptotics import edge_layer
+from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
+from squeezefilm.reynolds.asymptotics.films import Films, films_of
 
 # Step of a difference quotient of the layer's functions, relative to ε.
 STEP = 1e-5
@@ -71,7 +71,7 @@ class SlowFilm:
         a = epsilon * np.abs(films.rim)
         values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
         if self.layer:
-            _, in_phase, ahead = boundary_layer.ratios(a)
+            _, in_phase, ahead = edge_layer.ratios(a)
             turned = films.rim.conj() * films.slope
             u = epsilon**2 * (in_phase * turned.real + ahead * turned.imag)
             values = values + u / np.sqrt(films.layer_number) / 2
@@ -250,7 +250,7 @@ class SlowFilm:
         if not self.layer:
             return 0.0
         films = self.films
-        d = films.rim_integral(boundary_layer.integrals(epsilon * np.abs(films.rim))[0])
+        d = films.rim_integral(edge_layer.integrals(epsilon * np.abs(films.rim))[0])
         return float((d / np.sqrt(films.layer_number))[0])
 
     def _together(self, values: np.ndarray) -> np.ndarray:
@@ -279,7 +279,7 @@ def slow_film(
     slip: float = 0.0,
     layer: bool = True,
 ) -> SlowFilm:
-    """The film of a profile on the nodes of ``films.limit_axis``, shape (nx + 2, ny + 2).
+    """The film of a profile on the nodes of ``films.expansion_axis``, shape (nx + 2, ny + 2).
 
     That is s₁ + i s₂ of a vibration in two phases.
     """

@@ -82,8 +82,9 @@ def _closed(scene: Scene) -> Scene:
 def _refused(scene: Scene, name: str, term: Term, method: str) -> str:
     """Why a scene that had a term would not be solved by the method; empty where it would."""
     scene = with_term(_closed(scene), name, "included")
-    if method not in ("auto", "periodic"):
-        return "" if term.knows_limit(method) else f"the limit {method} does not know it"
+    if method == "composite":
+        derived = term.expansion_numbers(scene) is not None
+        return "" if derived else "the composite expansion is not derived with it"
     return first_reason(each.refused_on_grid(scene) for each in terms_of(scene))
 
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from squeezefilm.film.finger import GapShape
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects import depth_averaged, heat, inertia, rim, sliding, slip
 from squeezefilm.reynolds.effects.fields import Fields
@@ -25,9 +25,9 @@ from squeezefilm.reynolds.effects.sensitivity import Answers, sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.periodic.resolution import grid_for, unseen_profile
+from squeezefilm.reynolds.periodic.resolution import grid_for, unseen_profiles
 from squeezefilm.reynolds.periodic.states import STATUS
-from squeezefilm.reynolds.problems import problems_on
+from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import Terms, terms_of
 from squeezefilm.reynolds.terms.heat import temperature_jump
 from squeezefilm.reynolds.terms.rarefaction import fukui_kaneko
@@ -169,10 +169,10 @@ def budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[Bu
         needs = needs_of(scene)
         if scene.epsilon == 0:
             found[index] = Budget(status="no vibration, no force")
-        elif reason := unseen_profile(needs, tolerance=GRID_TOLERANCE):
-            found[index] = Budget(status=reason)
+        elif unseen := unseen_profiles(needs, tolerance=GRID_TOLERANCE):
+            found[index] = Budget(status=unseen[0])
         else:
-            grid = grid_for(scene, needs, tolerance=GRID_TOLERANCE)
+            (grid,) = grid_for(needs, tolerance=GRID_TOLERANCE)
             groups[needs.terms][grid, scene.aspect, scene.epsilon < SMALL].append(index)
     for alike in groups.values():
         for parts in _launches(alike):
@@ -282,9 +282,9 @@ def _solved(
 ) -> list[Solved]:
     """The films of groups of scenes, all of like terms, and how each iteration ended."""
     terms = terms_of(groups[0][0][0])
-    problems = [problems_on(scenes, {grid: tolerance}, terms=terms)[0] for scenes, grid in groups]
+    problems = [problems_of(scenes, grid, tolerance=tolerance) for scenes, grid in groups]
     grids = [grid for _, grid in groups]
-    batches = [Batch([grid], [each]) for grid, each in zip(grids, problems, strict=True)]
+    batches = [Batch(Scenes.of(scenes), terms, [grid], [tolerance]) for scenes, grid in groups]
     launched = launch(batches, device=device)
     found = []
     for each, grid, (states,) in zip(problems, grids, launched.states(), strict=True):

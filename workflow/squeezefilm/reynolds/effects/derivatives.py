@@ -15,7 +15,7 @@ from math import isfinite
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.solution import DERIVATIVES, Derivatives, Solution
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
@@ -24,10 +24,10 @@ from squeezefilm.reynolds.effects.sensitivity import sensitivity
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.launch import Batch, launch
-from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, unseen_profile
+from squeezefilm.reynolds.periodic.resolution import finer_grid, grid_for, unseen_profiles
 from squeezefilm.reynolds.periodic.states import STATUS
-from squeezefilm.reynolds.problems import problems_of
-from squeezefilm.reynolds.terms import Terms, numbers_of, terms_of
+from squeezefilm.reynolds.problems import numbers_table, problems_of
+from squeezefilm.reynolds.terms import Terms, terms_of
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.polytropic import Polytropic
@@ -95,9 +95,9 @@ def _grids(scene: Scene, needs: Needs, *, tolerance: float) -> tuple[Grid, Grid]
         return "derivatives are known of rectangular pads alone"
     if unknown := [term.label for term in needs.terms if not isinstance(term, KNOWN)]:
         return f"derivatives are not known with {unknown[0]}: its adjoint is not"
-    if reason := unseen_profile(needs, tolerance=tolerance):
-        return reason
-    coarse = grid_for(scene, needs, tolerance=tolerance)
+    if unseen := unseen_profiles(needs, tolerance=tolerance):
+        return unseen[0]
+    (coarse,) = grid_for(needs, tolerance=tolerance)
     fine = finer_grid(coarse)
     if fine is None or fine.count > MOST_UNKNOWNS:
         return f"derivatives to {tolerance:g} want more than {MOST_UNKNOWNS} unknowns"
@@ -109,7 +109,8 @@ def _derivatives(
 ) -> list[Derivatives]:
     """Derivatives of scenes of like terms, by two grids."""
     problems = [problems_of(scenes, grid, tolerance=STATE_SHARE * tolerance) for grid in grids]
-    (states,) = launch([Batch(grids, problems)], device=device).states()
+    batch = Batch(Scenes.of(scenes), problems[0].terms, grids, [STATE_SHARE * tolerance] * 2)
+    (states,) = launch([batch], device=device).states()
     with np.errstate(all="ignore"):
         (before, _), (growth, rounded) = (
             _growths(scenes, Fields(each, grid, state.overpressure), tolerance=tolerance)
@@ -161,7 +162,7 @@ def _growths(
 
 def _equation(scene: Scene) -> object:
     """All that a scene's dimensionless equation depends on."""
-    return numbers_of(scene, terms_of(scene)), scene.place
+    return numbers_table(Scenes.of([scene]), terms_of(scene)).tobytes(), scene.place
 
 
 def _residual_of(scenes: Sequence[Scene], films: Fields) -> np.ndarray:

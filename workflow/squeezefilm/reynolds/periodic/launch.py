@@ -10,30 +10,34 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import ALIGNMENT_BYTES, PADDING, Device, kernel
 from squeezefilm.reynolds.grid import CARRYING, Grid, carrying_matrices, grid_matrices
 from squeezefilm.reynolds.layout import (
-    NOTHING,
+    ABSENT,
+    Buffer,
     Columns,
-    Joined,
-    Pile,
-    by_stages,
+    Packed,
     c_enum,
     c_struct,
     c_terms,
     joined_rows,
-    joined_stages,
-    nothing,
+    packed,
     rows_of,
 )
-from squeezefilm.reynolds.periodic.profiles import put_films
 from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
 from squeezefilm.reynolds.periodic.sources import in_single, sources_of
 from squeezefilm.reynolds.periodic.states import ENDINGS, SAID, States
-from squeezefilm.reynolds.problems import Problems, problems_of
-from squeezefilm.reynolds.terms import Terms, own_fields, parts_of, unknown_fields
+from squeezefilm.reynolds.periodic.time_modes import modes_of
+from squeezefilm.reynolds.problems import (
+    aspect_of,
+    mean_motion,
+    numbers_table,
+    profiles_at,
+    terms_of_all,
+)
+from squeezefilm.reynolds.terms import Arrays, Terms, own_fields, parts_of, unknown_fields
 
 MOST_NEWTON = 40
 
@@ -43,25 +47,29 @@ class Batch:
     """Scenes on one grid after the other: the state on each is the first guess on the next.
 
     Attributes:
+        scenes: of one finger shape.
+        terms: those that all of them have.
         grids: each no coarser than the one before.
-        problems: the scenes as they are on each of the grids.
+        tolerances: relative error of the force that the iteration may leave, on each grid.
         guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
             film at rest if left out.
         every: whether the states on all grids are asked for, and not that on the last alone.
     """
 
+    scenes: Scenes
+    terms: Terms
     grids: Sequence[Grid]
-    problems: Sequence[Problems]
+    tolerances: Sequence[float]
     guess: np.ndarray | None = None
     every: bool = True
 
-    @cached_property
-    def scenes(self) -> int:
-        return len(self.problems[0])
+    def __len__(self) -> int:
+        return len(self.scenes)
 
-    @property
-    def terms(self) -> Terms:
-        return self.problems[0].terms
+    @cached_property
+    def numbers(self) -> np.ndarray:
+        """Of the scenes' equation, a row for each."""
+        return numbers_table(self.scenes, self.terms)
 
     @cached_property
     def fields(self) -> int:
@@ -81,7 +89,7 @@ class Batch:
     @cached_property
     def workspace_size(self) -> int:
         """Numbers that a work-group needs beside the states: fields, Krylov basis, Hessenberg."""
-        flow_terms = self.problems[0].numbers["flow"].shape[1]
+        flow_terms = self.numbers["flow"].shape[1]
         sizes = []
         for grid in self.grids:
             most = most_krylov(grid, self.terms)
@@ -118,27 +126,33 @@ class _Places:
 
 
 def _places(batches: Sequence[Batch]) -> _Places:
-    rows = sum(batch.scenes * len(batch.grids) for batch in batches)
+    rows = sum(len(batch) * len(batch.grids) for batch in batches)
     end = -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
     places: list[list[_Place]] = []
     for batch in batches:
         places.append([])
         for stage, grid in enumerate(batch.grids):
-            means = slice(end, end + batch.scenes * grid.nx * grid.ny)
+            means = slice(end, end + len(batch) * grid.nx * grid.ny)
             end = means.stop
             states = None
             if batch.returns(stage):
-                states = slice(end, end + batch.scenes * batch.fields * grid.count)
+                states = slice(end, end + len(batch) * batch.fields * grid.count)
                 end = states.stop
             places[-1].append(_Place(means, states))
     return _Places(places, rows, end)
 
 
 def solve_batch(
-    *, problems: Problems, grid: Grid, device: Device, guess: np.ndarray | None = None
+    scenes: Scenes | Sequence[Scene], grid: Grid, *, tolerance: float, device: Device
 ) -> States:
-    """The periodic states of scenes on one grid."""
-    return launch([Batch([grid], [problems], guess)], device=device).states()[0][0]
+    """The periodic states of scenes of one finger shape and like terms on one grid.
+
+    Raises:
+        ValueError: for scenes of unlike terms.
+    """
+    scenes = Scenes.of(scenes)
+    batch = Batch(scenes, terms_of_all(scenes), [grid], [tolerance])
+    return launch([batch], device=device).states()[0][0]
 
 
 @dataclass(frozen=True)
@@ -166,12 +180,12 @@ class Launch:
         first = 0
         for batch, of_batch in zip(self.batches, self.places.of, strict=True):
             stages = len(batch.grids)
-            last = first + batch.scenes * stages
+            last = first + len(batch) * stages
             states.append([])
             for stage, (grid, place) in enumerate(zip(batch.grids, of_batch, strict=True)):
-                shape = batch.scenes, batch.fields, *grid.shape
+                shape = len(batch), batch.fields, *grid.shape
                 unknowns = results[place.states].reshape(shape) if place.states else None
-                means = results[place.means].reshape(batch.scenes, grid.nx, grid.ny)
+                means = results[place.means].reshape(len(batch), grid.nx, grid.ny)
                 own = said[first + stage : last : stages].view(SAID)[:, 0]
                 states[-1].append(States(unknowns, means, own))
             first = last
@@ -191,7 +205,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
     """
     import pyopencl as cl
 
-    terms = batches[0].problems[0].terms
+    terms = batches[0].terms
     if device.loops_over_items and own_fields(terms):
         raise InputError(
             f"PoCL may compile {' and '.join(term.label for term in terms)} for work-groups of "
@@ -207,7 +221,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         sources=sources_of(terms, single=single),
         header=_header(terms, inputs.rows.dtype, single=single),
     )
-    scenes = sum(batch.scenes for batch in batches)
+    scenes = sum(map(len, batches))
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
     buffer, values = device.shared(inputs.results), device.shared(inputs.values)
@@ -246,61 +260,66 @@ class _Inputs:
 
 def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
-    stages = [len(batch.grids) for batch in batches for _ in range(batch.scenes)]
+    stages = [len(batch.grids) for batch in batches for _ in range(len(batch))]
     begins = np.array([*accumulate(stages, initial=0)], dtype=np.int32)
     results_array = device.arrays.acquire(places.size + PADDING)
     results = results_array[: places.size + PADDING]
-    pile = Pile()
+    buffer = Buffer()
     rows = []
     for batch, of_batch in zip(batches, places.of, strict=True):
         if batch.guess is not None:
             results[of_batch[0].states] = batch.guess.ravel()
-        tolerances = [problems.tolerance for problems in batch.problems]
         rows.append(
             rows_of(
-                _columns(pile, batch, of_batch),
+                _columns(buffer, batch, of_batch),
                 stages=len(batch.grids),
-                numbers=batch.problems[0].numbers,
+                numbers=batch.numbers,
                 # A mass error w moves the pressure by w/H.
-                tolerance=np.multiply.outer(batch.problems[0].narrowest, tolerances),
+                tolerance=np.multiply.outer(batch.scenes.narrowest, batch.tolerances),
             )
         )
-    values_array = device.arrays.acquire(pile.end + PADDING)
-    values = pile.put_into(values_array[: pile.end + PADDING])
+    values_array = device.arrays.acquire(buffer.size + PADDING)
+    values = buffer.put_into(values_array[: buffer.size + PADDING])
     return _Inputs(begins, joined_rows(rows), values, results, (results_array, values_array))
 
 
-def _columns(pile: Pile, batch: Batch, places: Sequence[_Place]) -> list[Columns]:
-    """A batch's sizes, and where what it needs lies in the pile and the results, on each grid."""
-    aspect = batch.problems[0].aspect
-    sizes, matrices = _of_grids(tuple(batch.grids), batch.terms, aspect)
+def _columns(buffer: Buffer, batch: Batch, places: Sequence[_Place]) -> list[Columns]:
+    """A batch's sizes, and where its arrays lie in the buffer and the results, on each grid."""
+    grids, terms, numbers = tuple(batch.grids), batch.terms, batch.numbers
+    aspect = aspect_of(batch.scenes)
+    sizes, matrices = _of_grids(grids, terms, aspect)
+    fields, at, means = profiles_at(batch.scenes, grids, terms)
+    motion = mean_motion(numbers, means)
+    modes, kinds = modes_of(grids, aspect=aspect, numbers=numbers, motion=motion)
     columns = [
         sizes,
-        pile.add(matrices),
+        buffer.add(matrices),
         _in_results(batch, places),
-        *put_films(pile, batch.problems, batch.grids),
+        buffer.add(fields, at),
+        buffer.add(modes, kinds),
     ]
-    for term in batch.terms:
-        each_grid = zip(batch.problems, batch.grids, strict=True)
-        operators = [term.operators(its.numbers, grid, aspect=aspect) for its, grid in each_grid]
+    for term in terms:
+        operators = [term.operators(numbers, grid, aspect=aspect) for grid in grids]
         if operators[0]:
-            columns.append(by_stages([pile.add_each(of_grid) for of_grid in operators]))
+            columns.append(buffer.add(packed(operators), np.arange(len(batch))))
     return columns
 
 
 @lru_cache(maxsize=64)
-def _of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> tuple[Columns, Joined]:
+def _of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> tuple[Columns, Packed]:
     """The sizes of some grids, and their matrices with those that carry a state to the next."""
     sizes = [sizes_of(grid, terms) for grid in grids]
-    carrying = [
-        nothing([*CARRYING, *(name for term in terms for name in term.CARRYING)]),
+    carried: list[Arrays] = [
+        {},
         *(carrying_matrices(*pair, terms=terms) for pair in pairwise(grids)),
     ]
-    matrices = [grid_matrices(grid, aspect=aspect, terms=terms) for grid in grids]
-    return (
-        Columns(sizes[0].names, np.stack([each.values for each in sizes])),
-        joined_stages(list(zip(carrying, matrices, strict=True))),
-    )
+    matrices = [
+        {**carrying, **grid_matrices(grid, aspect=aspect, terms=terms)}
+        for carrying, grid in zip(carried, grids, strict=True)
+    ]
+    alone = [{name: matrix[None] for name, matrix in each.items()} for each in matrices]
+    absent = [*CARRYING, *(name for term in terms for name in term.CARRYING)]
+    return (sizes[0][0], np.stack([values for _, values in sizes])), packed(alone, absent=absent)
 
 
 def _in_results(batch: Batch, places: Sequence[_Place]) -> Columns:
@@ -308,17 +327,17 @@ def _in_results(batch: Batch, places: Sequence[_Place]) -> Columns:
     begins, steps = [], []
     for stage, (means, states) in enumerate(places):
         guessed = stage == 0 and batch.guess is not None
-        begins.append([means.start, states.start if states else NOTHING, guessed])
+        begins.append([means.start, states.start if states else ABSENT, guessed])
         steps.append([_step(means, batch), _step(states, batch) if states else 0, 0])
     names = ("means", "state", "guessed", "largest_state")
-    values = np.empty((batch.scenes, len(places), len(names)), dtype=np.int64)
-    values[..., :-1] = begins + np.multiply.outer(np.arange(batch.scenes), steps)
+    values = np.empty((len(batch), len(places), len(names)), dtype=np.int64)
+    values[..., :-1] = begins + np.multiply.outer(np.arange(len(batch)), steps)
     values[..., -1] = batch.largest_state
-    return Columns(names, values)
+    return names, values
 
 
 def _step(some: slice, batch: Batch) -> int:
-    return int((some.stop - some.start) // batch.scenes)
+    return int((some.stop - some.start) // len(batch))
 
 
 @lru_cache(maxsize=64)
@@ -344,5 +363,4 @@ def _header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
 def warm(device: Device, scene: Scene) -> None:
     """Build and load the kernels that a scene needs, so that the first batch need not wait."""
     grid = Grid(nx=4, ny=4, nt=8, fold_x=False, fold_y=False)
-    problems = problems_of([replace(scene, hv_m=0.0)], grid, tolerance=1.0)
-    solve_batch(problems=problems, grid=grid, device=device)
+    solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device)

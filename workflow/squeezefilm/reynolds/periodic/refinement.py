@@ -2,24 +2,38 @@
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
-from squeezefilm.io.solution import Solution
+from squeezefilm.film.scene import Scenes
+from squeezefilm.io.solution import Solutions
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import ITERATION_SHARE, margin_of
+from squeezefilm.reynolds.error_estimate import (
+    ITERATION_SHARE,
+    Change,
+    change_of,
+    error_text,
+    estimate,
+    least_fall_of,
+    margin_of,
+    step_between,
+)
+from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.periodic.judging import Landed, Progress, judge, judged_alike
 from squeezefilm.reynolds.periodic.launch import Batch, Launch, launch
-from squeezefilm.reynolds.periodic.resolution import MOST_UNKNOWNS, first_grids
+from squeezefilm.reynolds.periodic.resolution import (
+    MOST_UNKNOWNS,
+    finer_grid,
+    first_grids,
+    least_fall,
+    profile_fall,
+)
 from squeezefilm.reynolds.periodic.sizes import iteration_flops
-from squeezefilm.reynolds.periodic.states import State
-from squeezefilm.reynolds.problems import problems_on
-from squeezefilm.reynolds.terms import Terms
+from squeezefilm.reynolds.periodic.states import STATUS, State, States
+from squeezefilm.reynolds.terms import Terms, size_share_of, states_refused, stiffness_of
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
 START_TOLERANCE = 1e-2
@@ -30,9 +44,9 @@ GOING_ON = 0.04
 # And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
 # error alone.
 KEPT = 0.04
-# Launches under way at a time: the host judges one while the device is at the other.
+# Launches under way at a time: the host looks at one while the device is at the other.
 IN_FLIGHT = 2
-# Scenes begun together.
+# Scenes of a launch.
 LEAST_BATCH, MOST_BATCH = 16, 128
 # States of one launch; more go into several.
 LAUNCH_BYTES = 256 * 2**20
@@ -40,123 +54,319 @@ LAUNCH_BYTES = 256 * 2**20
 # many, that they may take: devices give no more in one piece.
 LEAST_FIELDS = 36
 MEMORY_PARTS = 4
+# Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
+MOST_FAILURES = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Scenes of like terms and finger shape that go through the same grids.
+
+    Attributes:
+        rows: which scenes they are, (k,).
+        grids: those of the next launch; the change to the last tells its error.
+        guess: states on the first of them, if they are known already, (k, fields, nx, ny, nt).
+    """
+
+    rows: np.ndarray
+    grids: tuple[Grid, ...]
+    terms: Terms
+    aspect: float
+    guess: np.ndarray | None = None
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Equal for groups that go together."""
+        return self.grids, self.terms, self.aspect, self.guess is None
+
+    @property
+    def bytes(self) -> int:
+        """Of a scene's states."""
+        return 8 * sum(grid.count for grid in self.grids)
+
+    def split(self, count: int) -> tuple[Group, Group]:
+        """The first scenes, and the others."""
+        first, rest = (
+            Group(
+                self.rows[part],
+                self.grids,
+                self.terms,
+                self.aspect,
+                None if self.guess is None else self.guess[part],
+            )
+            for part in (slice(count), slice(count, None))
+        )
+        return first, rest
+
+    @staticmethod
+    def joined(groups: Sequence[Group]) -> Group:
+        """Groups of one key as one."""
+        if len(groups) == 1:
+            return groups[0]
+        first = groups[0]
+        guesses = [group.guess for group in groups if group.guess is not None]
+        return Group(
+            np.concatenate([group.rows for group in groups]),
+            first.grids,
+            first.terms,
+            first.aspect,
+            np.concatenate(guesses) if guesses else None,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """Scenes on their way through the grids; columns of shape (n,).
+
+    Attributes:
+        change: the last change of the mean pressure; NaN where there is none.
+        failures: times that Newton's method failed on the last grid.
+    """
+
+    needs: Needs
+    solutions: Solutions
+    tolerance: float
+    room: float
+    keep_states: bool
+    change: Change
+    failures: np.ndarray
+    waiting: dict[tuple[object, ...], list[Group]] = field(default_factory=dict)
+
+    def wait(self, group: Group) -> None:
+        """Have scenes go on in one of the next launches."""
+        self.waiting.setdefault(group.key, []).append(group)
+
+    def begin(self) -> None:
+        """Have each scene wait on its first grids."""
+        needs = self.needs
+        sequences, which = first_grids(needs, tolerance=self.tolerance, room=self.room)
+        aspects, shape = np.unique(
+            np.broadcast_to(needs.scenes.aspect, len(needs)), return_inverse=True
+        )
+        code = (which * len(aspects) + shape) * len(needs.kinds) + needs.kind
+        kinds, at = np.unique(code, return_inverse=True)
+        rows = np.split(np.argsort(at, kind="stable"), np.cumsum(np.bincount(at))[:-1])
+        for some, kind in zip(rows, kinds.tolist(), strict=True):
+            of_grids, terms = divmod(kind, len(needs.kinds))
+            grids, of_shape = divmod(of_grids, len(aspects))
+            self.wait(Group(some, sequences[grids], needs.kinds[terms], float(aspects[of_shape])))
+
+    def next_launch(self, *, most: int) -> list[Group]:
+        """Groups of like terms that fill a launch, those of the dearest grids first.
+
+        So that no long solve is left over at the end.
+        """
+        chosen: list[Group] = []
+        scenes, size = 0, 0
+        for key in sorted(self.waiting, key=lambda key: -iteration_flops(key[0][-1])):  # type: ignore[index]
+            group = Group.joined(self.waiting[key])
+            room = max((LAUNCH_BYTES - size) // group.bytes, 0 if chosen else 1)
+            count = min(most - scenes, room)
+            if count <= 0 or (chosen and group.terms != chosen[0].terms):
+                continue
+            some, rest = group.split(count) if count < len(group.rows) else (group, None)
+            if rest is None:
+                del self.waiting[key]
+            else:
+                self.waiting[key] = [rest]
+            chosen.append(some)
+            scenes += len(some.rows)
+            size += some.bytes * len(some.rows)
+        return chosen
+
+    def batch(self, group: Group) -> Batch:
+        """What the device is to solve for a group."""
+        share = LEFT_SHARE if margin_of(group.terms) == 1 else ITERATION_SHARE
+        left = (KEPT if self.keep_states else 1.0) * share * self.tolerance
+        starts = len(group.grids) - 2
+        shares = [max(left, START_TOLERANCE)] * starts + [left] * min(len(group.grids), 2)
+        if group.guess is not None:  # so that the finer grid does not take the state over as it is
+            shares = [GOING_ON * left] * len(group.grids)
+        return Batch(
+            self.needs.scenes[group.rows],
+            group.terms,
+            group.grids,
+            shares,
+            guess=group.guess,
+            every=self.keep_states,
+        )
+
+    def accept_or_refine(self, group: Group, batch: Batch, stages: Sequence[States]) -> int:
+        """Write the solutions of scenes whose error is small enough, or that have no better one.
+
+        The others wait for finer grids. Returns how many are finished.
+        """
+        rows, terms, grid = group.rows, group.terms, group.grids[-1]
+        said, solutions = stages[-1].said, self.solutions
+        self._add_work(group, stages)
+        self._write(rows, grid, residual=said["residual"])
+        error, allowed = self._errors(group, batch.scenes, said)
+        finer = finer_grid(grid, room=self.room)
+        open_ = np.ones(len(rows), dtype=bool)
+
+        def finish(which: np.ndarray, status: Callable[[int], str]) -> None:
+            for k in np.flatnonzero(which & open_).tolist():
+                solutions.status[rows[k]] = status(k)
+                open_[k] = False
+
+        def too_large(k: int) -> str:
+            return error_text(error[k], allowed=allowed[k], force=said["mean"][k])
+
+        failed = np.stack([each.status != 0 for each in stages[-2:]])
+        again = 0
+        if failed.any():
+            begun = self._begin_again(group, failed[-1], finer)
+            again = int(begun.sum())
+            open_ &= ~begun
+            hopeless = failed[-1] | (finer is None)
+            for stage in range(-1, -1 - len(failed), -1):
+                its, status = group.grids[stage], stages[stage].status
+                self._write(rows[failed[stage] & hopeless & open_], its)
+                finish(
+                    failed[stage] & hopeless,
+                    lambda k, its=its, status=status: f"{STATUS[status[k]]} ({_size(its)})",  # type: ignore[misc]
+                )
+            # What no coarser grid describes, a finer one may.
+            unknown = failed.any(axis=0)
+            error[unknown] = np.inf
+            self.change.largest[rows[unknown]] = self.change.size[rows[unknown]] = np.nan
+        negative = ~(said["lowest"] > 0)
+        if finer is None:
+            finish(negative, lambda k: f"the pressure is not positive everywhere ({_size(grid)})")
+        error[negative] = np.inf
+        refused = states_refused(batch.scenes, terms, thinnest=said["thinnest"])
+        finish(np.isin(np.arange(len(rows)), list(refused)), lambda k: refused[k])
+        good = np.flatnonzero((error <= allowed) & open_)
+        open_[good] = False
+        scale_n = np.broadcast_to(batch.scenes.force_scale_n, len(rows))[good]
+        solutions.status[rows[good]] = "ok"
+        solutions.force_n[rows[good]] = said["mean"][good] * scale_n
+        solutions.force_error_n[rows[good]] = error[good] * scale_n
+        if self.keep_states:
+            for k in good.tolist():
+                solutions.states[rows[k]] = _kept(group.grids, stages, k)
+        if finer is None:
+            end = f"tolerance not reached on the finest grid ({_size(grid)})"
+            finish(open_.copy(), lambda k: f"{end}: {too_large(k)}")
+        most_work = min((term.MOST_WORK for term in terms), default=np.inf)
+        end = f"tolerance not reached with bearable work ({_size(grid)})"
+        finish(solutions.work[rows] > most_work, lambda k: f"{end}: {too_large(k)}")
+        if finer and open_.any():
+            guess = stages[-1].unknowns[open_]
+            self.wait(Group(rows[open_], (grid, finer), terms, group.aspect, guess))
+        return len(rows) - again - int(open_.sum())
+
+    def _errors(
+        self, group: Group, scenes: Scenes, said: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Errors of a group's mean overpressures, and how large they may be; keep the changes."""
+        rows, grids, terms = group.rows, group.grids, group.terms
+        coarse, fine = (grids[0], *grids)[-2:]
+        alone = len(grids) == 1  # a single grid tells no error
+        # A mass error w moves the pressure by about n w/H.
+        per_residual = stiffness_of(scenes, terms) / scenes.narrowest
+        of_profile = profile_fall(
+            self.needs, coarse.across, fine.across, tolerance=self.tolerance, rows=rows
+        )
+        change, fall = change_of(
+            said,
+            known=self.change[rows],
+            step=step_between(coarse, fine),
+            sizes=size_share_of(scenes, terms),
+            per_residual=per_residual,
+            terms=terms,
+            tolerance=self.tolerance,
+        )
+        falls = [fall, least_fall(scenes, coarse.across[0]), of_profile]
+        found = estimate(
+            change=None if alone else change.telling(of_profile),
+            left=per_residual * said["residual"],
+            largest=said["largest"],
+            narrowest=scenes.narrowest,
+            mean=said["mean"],
+            tolerance=self.tolerance,
+            fall=np.maximum(np.maximum.reduce(falls), least_fall_of(terms)),
+            margin=margin_of(terms),
+        )
+        more = ~found.holds
+        self.change.largest[rows[more]] = np.nan if alone else change.largest[more]
+        self.change.size[rows[more]] = np.nan if alone else change.size[more]
+        return found.error, found.allowed
+
+    def _begin_again(self, group: Group, failed: np.ndarray, finer: Grid | None) -> np.ndarray:
+        """Have scenes without a state on the last grid wait for finer ones, from rest."""
+        again = finer_grid(finer, room=self.room) if finer else None
+        which = failed & (self.failures[group.rows] < MOST_FAILURES)
+        if finer is None or again is None or margin_of(group.terms) > 1:
+            return np.zeros_like(failed)
+        if which.any():
+            rows = group.rows[which]
+            self.wait(Group(rows, (finer, again), group.terms, group.aspect))
+            self.failures[rows] += 1
+            self.change.largest[rows] = self.change.size[rows] = np.nan
+        return which
+
+    def _add_work(self, group: Group, stages: Sequence[States]) -> None:
+        """Count the work of a launch."""
+        for grid, states in zip(group.grids, stages, strict=True):
+            newton, krylov = states.newton_steps, states.krylov_iterations
+            self.solutions.newton_steps[group.rows] += newton
+            self.solutions.krylov_iterations[group.rows] += krylov
+            flops = iteration_flops(grid, group.terms)
+            self.solutions.work[group.rows] += flops * (newton + krylov)
+
+    def _write(self, rows: np.ndarray, grid: Grid, **columns: np.ndarray) -> None:
+        """The grid that scenes have come to, and what is observed there."""
+        for name, values in {
+            "nx": grid.across[0],
+            "ny": grid.across[1],
+            "nt": grid.nt,
+            **columns,
+        }.items():
+            getattr(self.solutions, name)[rows] = values
 
 
 def solve_periodic(
-    scenes: Sequence[Scene],
-    needs: Sequence[Needs],
+    needs: Needs,
     *,
     tolerance: float,
     device: Device,
     keep_states: bool = False,
     report: Callable[[int], object] = lambda solved: None,
-) -> list[Solution]:
+) -> Solutions:
     """The periodic state of each scene; the arguments are those of ``solver.solve``."""
-    solutions: dict[int, Solution] = {}
-    room = min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS))
-    size = min(max(-(-len(scenes) // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
-    starts = iter(range(0, len(scenes), IN_FLIGHT * size))
-    flying: deque[tuple[list[list[Progress]], Launch]] = deque()
-
-    def fly(waiting: Iterable[Progress]) -> None:
-        for groups in _launches(waiting, most=size):
-            batches = [
-                _batch_of(group, tolerance=tolerance, keep_states=keep_states) for group in groups
-            ]
+    count = len(needs)
+    solutions = Solutions.of_method("periodic", count)
+    solutions.left_out[:] = needs.left_out()
+    refinement = Refinement(
+        needs=needs,
+        solutions=solutions,
+        tolerance=tolerance,
+        room=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_FIELDS * MEMORY_PARTS)),
+        keep_states=keep_states,
+        change=Change(*np.full((2, count), np.nan)),
+        failures=np.zeros(count, dtype=np.int64),
+    )
+    refinement.begin()
+    size = min(max(-(-count // IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
+    flying: deque[tuple[list[Group], Launch]] = deque()
+    while refinement.waiting or flying:
+        while refinement.waiting and len(flying) < IN_FLIGHT:
+            groups = refinement.next_launch(most=size)
+            batches = [refinement.batch(group) for group in groups]
             flying.append((groups, launch(batches, device=device)))
-
-    while True:
-        while len(flying) < IN_FLIGHT and (start := next(starts, None)) is not None:
-            stop = min(start + IN_FLIGHT * size, len(scenes))
-            fly(
-                _begun(i, scenes[i], needs[i], tolerance=tolerance, room=room)
-                for i in range(start, stop)
-            )
-        if not flying:
-            break
         groups, landing = flying.popleft()
-        unfinished = []
-        for landed in judged_alike(groups, landing.states()):
-            judged = judge(landed, tolerance=tolerance, room=room)
-            for (progress, solution), (batch, position) in zip(judged, _each(landed), strict=True):
-                if solution is None:
-                    unfinished.append(progress)
-                else:
-                    if keep_states and solution.status == "ok":
-                        solution.states = _kept(batch, position)
-                    solutions[progress.index] = solution
-                    report(1)
+        landed = zip(groups, landing.batches, landing.states(), strict=True)
+        report(sum(refinement.accept_or_refine(*each) for each in landed))
         landing.end()
-        fly(unfinished)
-    return [solutions[index] for index in range(len(scenes))]
+    return solutions
 
 
-def _each(landed: Iterable[Landed]) -> Iterator[tuple[Landed, int]]:
-    """Where the states of each scene are, in the order of ``judge``."""
-    return ((batch, position) for batch in landed for position in range(len(batch.group)))
-
-
-def _kept(batch: Landed, position: int) -> tuple[State, ...]:
+def _kept(grids: Sequence[Grid], stages: Sequence[States], k: int) -> tuple[State, ...]:
     """A scene's states on the last two grids: copies, for the launch's arrays are used again."""
-    last = zip(batch.grids[-2:], batch.stages[-2:], strict=True)
-    return tuple(State(grid, states.unknowns[position].copy()) for grid, states in last)
+    last = zip(grids[-2:], stages[-2:], strict=True)
+    return tuple(State(grid, states.unknowns[k].copy()) for grid, states in last)
 
 
-def _begun(index: int, scene: Scene, needs: Needs, *, tolerance: float, room: float) -> Progress:
-    grids = first_grids(scene, needs, tolerance=tolerance, room=room)
-    return Progress(index=index, scene=scene, needs=needs, grids=grids)
-
-
-def _launches(waiting: Iterable[Progress], *, most: int) -> Iterable[list[list[Progress]]]:
-    """Scenes of the same grids and finger shape in groups, groups of like terms in launches.
-
-    The dearest grids come first, so that no long solve is left over at the end.
-
-    Args:
-        most: scenes of a launch.
-    """
-    alike: dict[object, list[Progress]] = defaultdict(list)
-    for progress in waiting:
-        kind = progress.grids, progress.state is None, progress.scene.aspect, progress.needs.terms
-        alike[kind].append(progress)
-    launches: list[list[list[Progress]]] = []
-    current: dict[Terms, _Filled] = {}
-    for group in sorted(alike.values(), key=lambda group: -iteration_flops(group[0].grids[-1])):
-        terms = group[0].needs.terms
-        size = 8 * sum(grid.count for grid in group[0].grids)
-        while group:
-            filled = current.get(terms)
-            if filled is None or filled.scenes == most or filled.size + size > LAUNCH_BYTES:
-                filled = current[terms] = _Filled([])
-                launches.append(filled.groups)
-            room = max((LAUNCH_BYTES - filled.size) // size, 1)
-            some = group[: min(most - filled.scenes, room)]
-            filled.groups.append(some)
-            filled.scenes += len(some)
-            filled.size += size * len(some)
-            group = group[len(some) :]
-    return launches
-
-
-@dataclass
-class _Filled:
-    """A launch that is being put together: its groups, the scenes in it, and their states' size."""
-
-    groups: list[list[Progress]]
-    scenes: int = 0
-    size: int = 0
-
-
-def _batch_of(group: Sequence[Progress], *, tolerance: float, keep_states: bool) -> Batch:
-    scenes = [progress.scene for progress in group]
-    grids = group[0].grids
-    share = LEFT_SHARE if margin_of(group[0].needs.terms) == 1 else ITERATION_SHARE
-    left = (KEPT if keep_states else 1.0) * share * tolerance
-    shares = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
-    known = [progress.state for progress in group if progress.state is not None]
-    if known:  # so that the finer grid does not take the state over as it is
-        shares = [GOING_ON * left] * len(grids)
-    tolerances = dict(zip(grids, shares, strict=True))
-    problems = problems_on(scenes, tolerances, terms=group[0].needs.terms)
-    guess = np.stack(known) if known else None
-    return Batch(grids=grids, problems=problems, guess=guess, every=keep_states)
+def _size(grid: Grid) -> str:
+    return f"{grid.x.full_points} × {grid.y.full_points} × {grid.nt} points"

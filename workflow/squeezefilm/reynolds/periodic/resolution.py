@@ -5,18 +5,19 @@ The guess only decides the cost. Whether it was right is judged afterwards, by t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
-from math import asinh, ceil, inf, log, log10, pi, sqrt
-from typing import TypedDict
+from math import ceil, inf, log, log10, pi, sqrt
+
+import numpy as np
 
 from squeezefilm.film.outline import Outline
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Rows, Scenes
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
-from squeezefilm.reynolds.terms import layer_stiffness_of, numbers_of, unknown_fields
-from squeezefilm.reynolds.under_finger import Probe, UnderFinger
+from squeezefilm.reynolds.terms import Terms, layer_stiffness_of, numbers_of, unknown_fields
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
 MOST_TIME = 192
@@ -61,188 +62,190 @@ UNEVEN_SIGMA = 5e3
 # Above this at the narrowest place of a gap that is shaped at rest the first grid is for a layer as
 # thin again: 60 such films of a draw (1e-4) took half of the time, for fewer went on to more grids.
 THIN_SIGMA = 1e4
+# Stands for zero in a denominator.
+TINY = 1e-300
 
 
 def first_grids(
-    scene: Scene, needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS
-) -> tuple[Grid, ...]:
+    needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS
+) -> tuple[list[tuple[Grid, ...]], np.ndarray]:
     """Those of the first launch: a start, if it pays, and those that it takes to know the error.
 
     Args:
         room: most unknowns of a grid that the device has memory for.
+
+    Returns:
+        The sequences of grids, and which of them each scene is begun on, (n,).
     """
-    plain = needs.outline is None and margin_of(needs.terms) == 1
     # Twice the change to the second grid must be below the tolerance, or a third is needed; but
     # plain films want fewer nodes than the guess.
-    plain_share = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE
-    share, step = (plain_share, TWOS) if plain else (FIRST_SHARE, FOURS)
-    first = grid_for(scene, needs, tolerance=tolerance, share=share, room=room, step=step)
-    return with_finer(first, needs, tolerance, room, step)
+    plain = 1.0 if tolerance > TIGHT_BELOW else TIGHT_SHARE, TWOS
+    chosen, which = _choose(needs, tolerance=tolerance, room=room, plain=plain)
+    return [_with_finer(*each) for each in chosen], which
 
 
-def grid_for(
-    scene: Scene,
-    needs: Needs,
-    *,
-    tolerance: float,
-    share: float = FIRST_SHARE,
-    room: float = MOST_UNKNOWNS,
-    step: int = FOURS,
-) -> Grid:
-    """A grid that is to leave a share of the tolerance."""
-    numbers, terms = gap_numbers(scene), needs.terms
-    return first_grid(
-        **numbers,
-        bearing=abs(scene.bearing_number),
-        aspect=scene.aspect,
-        needs=needs,
-        tolerance=tolerance,
-        share=share,
-        # Only what has unknowns of its own lags; without terms no layer but the squeezing's counts.
-        slow=float(numbers_of(scene, terms)["slow"]) if unknown_fields(terms) > 1 else 1.0,  # type: ignore[arg-type]
-        stiffness=layer_stiffness_of(scene, terms, sigma=numbers["sigma"]) if terms else 1.0,
-        room=room,
-        step=step,
-    )
+def grid_for(needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS) -> list[Grid]:
+    """Each scene's grid that is to leave a share of the tolerance."""
+    chosen, which = _choose(needs, tolerance=tolerance, room=room)
+    grids = [_with_room(*each) for each in chosen]
+    return [grids[each] for each in which.tolist()]
 
 
-def probe_for(needs: Needs, *, tolerance: float) -> Probe:
-    """What is known of a scene's profile as closely as the tolerance asks."""
-    return needs.profile.probe(_share(tolerance))
-
-
-def nodes_for_profile(needs: Needs, *, tolerance: float) -> tuple[int, int]:
-    """Nodes along x and y without which a grid would not see the profile."""
-    return _nodes_for(needs.profile, _share(tolerance))
-
-
-@lru_cache(maxsize=4096)
-def _nodes_for(profile: UnderFinger, share: float) -> tuple[int, int]:
-    return profile.probe(share).nodes(share)
-
-
-def _share(tolerance: float) -> float:
+def share_of(tolerance: float) -> float:
+    """Share of a profile that a grid may miss at a tolerance."""
     return min(LARGEST_MISSED, sqrt(tolerance))
 
 
-@lru_cache(maxsize=4096)
-def unseen_profile(needs: Needs, *, tolerance: float) -> str | None:
-    """Why no grid sees the profile under the finger, if so."""
-    probe, share = probe_for(needs, tolerance=tolerance), _share(tolerance)
-    if not probe.missed < inf:
+def nodes_for_profile(needs: Needs, *, tolerance: float) -> np.ndarray:
+    """Nodes along x and y without which a grid would not see the profile, (n, 2)."""
+    share = share_of(tolerance)
+    return needs.samples(share).nodes(share)
+
+
+def unseen_profiles(needs: Needs, *, tolerance: float) -> dict[int, str]:
+    """The scenes whose profile under the finger no grid sees, and why."""
+    share = share_of(tolerance)
+    missed = needs.samples(share).missed
+    most = np.where(needs.fold_x & needs.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST)
+    nodes = nodes_for_profile(needs, tolerance=tolerance).max(axis=1)
+    rows = np.flatnonzero(~((missed <= share) & (nodes <= most))).tolist()
+    return {row: _unseen(needs, row, float(missed[row]), share) for row in rows}
+
+
+def _unseen(needs: Needs, row: int, missed: float, share: float) -> str:
+    if not missed < inf:
         return "the profile has no finite value at some place under the finger"
-    most = MOST_FIRST_FOLDED * 2 if needs.fold_x and needs.fold_y else MOST_FIRST
-    if probe.missed <= share and max(probe.nodes(share)) <= most:
-        return None
-    finger = needs.profile.finger
+    sampled, position = needs.position(row)
+    finger = sampled.places.pad.finger
     side_m = max(finger.length_x_m, finger.length_y_m)
     apart_m = pi / 2 * side_m / (MOST_SPACE + 1)
     return (
-        f"the profile has a feature about {1e6 * needs.profile.feature_m:.2g} µm wide under the "
-        f"finger: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
+        f"the profile has a feature about {1e6 * sampled.feature_m(position):.2g} µm wide under "
+        f"the finger: the finest grid, {MOST_SPACE} points across {1e3 * side_m:g} mm, up to "
         f"{1e6 * apart_m:.2g} µm apart, does not show it to {share:.1g} of the profile's largest "
         "value, as this tolerance asks"
     )
 
 
-def first_grid(
-    *,
-    epsilon: float,
-    sigma: float,
-    aspect: float,
+Chosen = tuple[Grid, tuple[int, int], float, int]
+"""A grid as it is wanted, nodes that see the profile, room for unknowns, their step."""
+
+
+def _choose(
     needs: Needs,
+    *,
     tolerance: float,
-    bearing: float = 0.0,
-    bend: float = 0.0,
-    share: float = FIRST_SHARE,
-    slow: float = 1.0,
-    stiffness: float = 1.0,
-    room: float = MOST_UNKNOWNS,
-    step: int = FOURS,
-) -> Grid:
-    """A grid whose force error is about a share of ``tolerance``, relative.
+    room: float,
+    plain: tuple[float, int] = (FIRST_SHARE, FOURS),
+) -> tuple[list[Chosen], np.ndarray]:
+    """Grids whose force errors are about a share of the tolerance, and which each scene has, (n,).
+
+    Args:
+        plain: share and step of unknowns for films of no other outline or margin than the plain.
+    """
+    scenes = needs.scenes
+    samples = needs.samples(share_of(tolerance))
+    seen = samples.nodes(share_of(tolerance))
+    known: dict[Chosen, int] = {}
+    which = np.empty(len(needs), dtype=np.int64)
+    outlines = [film.finger.smooth_outline for film in scenes.films]
+    for kind, outline, rows in _alike(needs, outlines):
+        is_plain = outline is None and margin_of(needs.kinds[kind]) == 1
+        share, step = plain if is_plain else (FIRST_SHARE, FOURS)
+        some = scenes if isinstance(rows, slice) else scenes[rows]
+        folds = needs.fold_x[rows], needs.fold_y[rows]
+        wanted = _points(
+            some,
+            needs.kinds[kind],
+            outline,
+            nodes=seen[rows],
+            curvature=samples.curvature[rows],
+            folds=folds,
+            tolerance=tolerance,
+            share=share,
+            step=step,
+        )
+        columns = np.stack([*wanted, *folds, *seen[rows].T]).astype(np.int64)
+        code = np.ravel_multi_index(tuple(columns), (512, 512, 256, 2, 2, 512, 512))
+        _, first, of_code = np.unique(code, return_index=True, return_inverse=True)
+        numbers = []
+        for nx, ny, nt, fold_x, fold_y, *nodes in columns[:, first].T.tolist():
+            grid = Grid(nx, ny, nt, bool(fold_x), bool(fold_y), outline)
+            numbers.append(known.setdefault((grid, tuple(nodes), room, step), len(known)))
+        which[rows] = np.array(numbers)[of_code]
+    return list(known), which
+
+
+def _alike(
+    needs: Needs, outlines: Sequence[Outline | None]
+) -> Iterator[tuple[int, Outline | None, Rows]]:
+    """Scenes of like terms and outlines."""
+    if len(needs.kinds) == len(set(outlines)) == 1:
+        yield 0, outlines[0], slice(None)
+        return
+    different = list(dict.fromkeys(outlines))
+    outline = np.array([different.index(each) for each in outlines])[needs.scenes.film_index]
+    for kind, at in sorted({*zip(needs.kind.tolist(), outline.tolist(), strict=True)}):
+        yield kind, different[at], np.flatnonzero((needs.kind == kind) & (outline == at))
+
+
+def _points(
+    scenes: Scenes,
+    terms: Terms,
+    outline: Outline | None,
+    *,
+    nodes: np.ndarray,
+    curvature: np.ndarray,
+    folds: tuple[np.ndarray, np.ndarray],
+    tolerance: float,
+    share: float,
+    step: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Unknowns nx, ny and instants nt, each (n,), that leave a share of the tolerance.
 
     Time: powers of 1/(1 + ε sin T) have harmonics that decay like ρ^k, ρ = ε / (1 + √(1 − ε²)).
 
     Args:
-        bend: what the gap at rest adds to the profile's curvature.
-        slow: share of the harmonics that the equation is whole for (time_modes.py).
-        stiffness: by which terms make layers at the rim ask for more nodes, in units of σ.
-        room: most unknowns that there is memory for, on the next finer grid too.
+        nodes: along x, y without which a grid would not see the profile, (n, 2).
+        curvature: of the profile, (n, 2).
         step: of which unknowns along the axes are multiples, FOURS or TWOS.
     """
-    wanted = share * tolerance
-    digits = log10(1 / wanted)
-    ratio = epsilon / (1 + sqrt(1 - epsilon**2))
-    instants = float(LEAST_TIME)
-    if ratio > 0:
-        left = min(log(TIME_SHARE / 3), log(TIME_FORCE) + 2 * log(epsilon))
-        instants = (log(tolerance) + left) / log(ratio)
-    if sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE:
-        instants += 4
-    seen = _seen(needs, tolerance)
-    bent_x, bent_y = seen.curvature_x + bend, seen.curvature_y + bend
-    layers = stiffness * sigma
-    layer_x = max(layers, SLIDING_LAYER * (bearing / (1 - epsilon)) ** 2)
-    layer_y = layers * aspect**2
-    if outline := needs.outline:
-        layer_x = layers * outline.rim_stretch[1] * (2 * outline.rim) ** 2
-    nodes_x = max(seen.nodes_x, _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x))
+    digits = log10(1 / (share * tolerance))
+    epsilon, sigma, bend = gap_numbers(scenes)
+    aspect, n = scenes.aspect, len(scenes)
+    with np.errstate(divide="ignore", invalid="ignore"):  # of films at rest
+        ratio = epsilon / (1 + np.sqrt(1 - epsilon**2))
+        left = np.minimum(log(TIME_SHARE / 3), log(TIME_FORCE) + 2 * np.log(epsilon))
+        instants = np.where(ratio > 0, (log(tolerance) + left) / np.log(ratio), LEAST_TIME)
+    instants += 4.0 * (sigma * np.maximum(1.0, aspect) ** 2 < INCOMPRESSIBLE)
+    # Only what has unknowns of its own lags; without terms no layer but the squeezing's counts.
+    lags = unknown_fields(terms) > 1
+    slow = np.minimum(numbers_of(scenes, terms)["slow"], 1.0) if lags else 1.0
+    nt = np.minimum(4 * np.ceil(np.maximum(LEAST_TIME / slow, instants) / 4), MOST_FIRST_TIME)
+    layers = (layer_stiffness_of(scenes, terms, sigma=sigma) if terms else 1.0) * sigma
+    bent_x, bent_y = curvature.T + bend
     if outline:
-        nodes_y = max(seen.nodes_y, _nodes_around(digits, epsilon, bent_y, outline))
+        layer_x = layers * outline.rim_stretch[1] * (2 * outline.rim) ** 2
+        wanted_y = _nodes_around(digits, epsilon, bent_y, outline)
+        along, across = folds if outline.turned else folds[::-1]
+        shares = [1 + along, (1 + along) * (1 + across)]
     else:
-        nodes_y = max(
-            seen.nodes_y, _nodes(digits, epsilon=epsilon, sigma=layer_y, curvature=bent_y)
-        )
-    return _with_room(
-        seen,
-        _unknowns(nodes_x, seen.share_x, step),
-        _unknowns(nodes_y, seen.share_y, step),
-        min(4 * ceil(max(LEAST_TIME / min(slow, 1.0), instants) / 4), MOST_FIRST_TIME),
-        room,
-        step,
+        sliding = (np.abs(scenes.bearing_number) / (1 - epsilon)) ** 2
+        layer_x = np.maximum(layers, SLIDING_LAYER * sliding)
+        wanted_y = _nodes(digits, epsilon=epsilon, sigma=layers * aspect**2, curvature=bent_y)
+        shares = [1 + fold for fold in folds]
+    wanted_x = _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x)
+    unknowns = (
+        _unknowns(np.maximum(at_least, wanted), each, step)
+        for at_least, wanted, each in zip(nodes.T, (wanted_x, wanted_y), shares, strict=True)
     )
+    nx, ny, nt = (np.broadcast_to(each, n) for each in (*unknowns, nt))
+    return nx, ny, nt
 
 
-@dataclass(frozen=True, eq=False)
-class _Seen:
-    """What the profile asks of a grid, whatever the film.
-
-    Attributes:
-        nodes_x, nodes_y: without which a grid would not see it.
-        curvature_x, curvature_y: its largest.
-        plain: a grid of the scene's kind.
-        share_x, share_y: nodes across the finger for each of its unknowns.
-    """
-
-    nodes_x: int
-    nodes_y: int
-    curvature_x: float
-    curvature_y: float
-    plain: Grid
-    share_x: int
-    share_y: int
-
-
-@lru_cache(maxsize=4096)
-def _seen(needs: Needs, tolerance: float) -> _Seen:
-    probe = probe_for(needs, tolerance=tolerance)
-    plain = Grid(4, 4, LEAST_TIME, needs.fold_x, needs.fold_y, needs.outline)
-    nodes = nodes_for_profile(needs, tolerance=tolerance)
-    shares = (along.full_points // along.points for along in (plain.x, plain.y))
-    return _Seen(*nodes, probe.curvature_x, probe.curvature_y, plain, *shares)
-
-
-@lru_cache(maxsize=4096)
-def _with_room(seen: _Seen, nx: int, ny: int, nt: int, room: float, step: int) -> Grid:
-    """The grid, or one that is as much coarser as it takes for a finer one to have room."""
-    grid = replace(seen.plain, nx=nx, ny=ny, nt=nt)
-    while finer_grid(grid, room=room, step=step) is None and grid.sees(seen.nodes_x, seen.nodes_y):
-        grid = _coarser(grid, step)
-    return grid
-
-
-def _nodes(digits: float, *, epsilon: float, sigma: float, curvature: float) -> float:
+def _nodes(
+    digits: float, *, epsilon: np.ndarray, sigma: np.ndarray, curvature: np.ndarray
+) -> np.ndarray:
     """Nodes across the finger for a rim layer and for a narrow gap, whichever wants more.
 
     A Chebyshev grid resolves a layer of width √(2/σ) with a number of nodes proportional to
@@ -251,31 +254,48 @@ def _nodes(digits: float, *, epsilon: float, sigma: float, curvature: float) -> 
     to that of the ellipse through them, r = 2δ + √(1 + 4δ²) per node (Trefethen 2000, ch. 5); the
     force, being a mean, converges with about the power 1.6 of it (fitted).
     """
-    layer = 7 + 0.36 * digits * max(sigma, 1.0) ** 0.25
-    if epsilon == 0 or curvature == 0:
-        return layer
-    width = sqrt(2 * (1 - epsilon) / (epsilon * curvature))
-    narrow = 4 + digits * log(10) / (1.6 * asinh(2 * width))
-    return max(layer, narrow)
+    layer = 7 + 0.36 * digits * np.maximum(sigma, 1.0) ** 0.25
+    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * curvature, TINY))
+    return np.maximum(layer, 4 + digits * log(10) / (1.6 * np.arcsinh(2 * width)))
 
 
-def _nodes_around(digits: float, epsilon: float, curvature: float, outline: Outline) -> float:
+def _nodes_around(
+    digits: float, epsilon: np.ndarray, curvature: np.ndarray, outline: Outline
+) -> np.ndarray:
     """Nodes around an outline.
 
     The layer's width along the rim goes with the area behind a point, which has no zero nearer to
     real ν than about the rim's μ; the gap has those of ``_nodes``. Coefficients fall by as much for
     each of half the nodes.
     """
-    strip = outline.strip
-    if epsilon and curvature:
-        strip = min(strip, sqrt(2 * (1 - epsilon) / (epsilon * curvature)))
-    return 8 + digits * log(10) / (0.8 * strip)
+    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * curvature, TINY))
+    return 8 + digits * log(10) / (0.8 * np.minimum(outline.strip, width))
 
 
-def _unknowns(nodes: float, share: int, step: int) -> int:
+def _unknowns(nodes: np.ndarray, share: np.ndarray, step: int) -> np.ndarray:
     """Unknowns along an axis, one for so many nodes: a multiple of a step."""
-    most = MOST_FIRST_FOLDED if share > 1 else MOST_FIRST
-    return min(step * ceil(nodes / share / step), most)
+    most = np.where(share > 1, MOST_FIRST_FOLDED, MOST_FIRST)
+    return np.minimum(step * np.ceil(nodes / share / step), most)
+
+
+@lru_cache(maxsize=4096)
+def _with_room(grid: Grid, seen: tuple[int, int], room: float, step: int) -> Grid:
+    """The grid, or one that is as much coarser as it takes for a finer one to have room."""
+    while finer_grid(grid, room=room, step=step) is None and grid.sees(*seen):
+        grid = _coarser(grid, step)
+    return grid
+
+
+@lru_cache(maxsize=4096)
+def _with_finer(wanted: Grid, seen: tuple[int, int], room: float, step: int) -> tuple[Grid, ...]:
+    """The grid, one that starts it, if that pays, and the finer one that tells its error."""
+    first = _with_room(wanted, seen, room, step)
+    start = start_grid(first, step)
+    # What does not see the profile is no guess.
+    grids = start if start and start.sees(*seen) else None, first
+    return tuple(
+        each for each in (*grids, finer_grid(first, room=room, step=step)) if each is not None
+    )
 
 
 @lru_cache(maxsize=4096)
@@ -297,42 +317,27 @@ def _fewer(points: int, step: int, *, fold: bool) -> int:
     return max(4 if fold else 8, step * round(START_SHARE * points / step))
 
 
-@lru_cache(maxsize=4096)
-def with_finer(
-    first: Grid, needs: Needs, tolerance: float, room: float, step: int
-) -> tuple[Grid, ...]:
-    """The grid, one that starts it, if that pays, and the finer one that tells its error."""
-    seen = nodes_for_profile(needs, tolerance=tolerance)
-    wanted = _start(first, seen, step), first, finer_grid(first, room=room, step=step)
-    return tuple(grid for grid in wanted if grid is not None)
-
-
-def _start(grid: Grid, seen: tuple[int, int], step: int) -> Grid | None:
-    start = start_grid(grid, step)
-    # What does not see the profile is no guess.
-    return start if start and start.sees(*seen) else None
-
-
-@lru_cache(maxsize=4096)
 def profile_fall(
-    needs: Needs, coarse: tuple[int, int], fine: tuple[int, int], *, tolerance: float
-) -> float:
-    """Factor by which what is missed of the profile falls from nodes to nodes, or degree to degree.
+    needs: Needs,
+    coarse: tuple[int, int],
+    fine: tuple[int, int],
+    *,
+    tolerance: float,
+    rows: Rows = slice(None),
+) -> np.ndarray:
+    """Factors by which what is missed of profiles falls from nodes to nodes, or degree to degree.
 
-    0 if the fine one misses next to nothing: then it is not the profile that changes the force.
+    0 if the fine ones miss next to nothing: then it is not the profile that changes the force.
 
     Args:
         coarse, fine: nodes across the finger along x and y (``Grid.across``).
+        rows: which of the scenes; all if left out.
     """
     least = NEXT_TO_NOTHING * tolerance
-    probe = needs.profile.probe(least)
-    fall = 0.0
-    for tail, before, after in zip((probe.tail_x, probe.tail_y), coarse, fine, strict=True):
-        most = len(tail) - 1
-        missed = float(tail[min(after + 2, most)])
-        if missed > least:
-            fall = max(fall, missed / float(tail[min(before + 2, most)]))
-    return fall
+    samples = needs.samples(least)[rows]
+    missed, before = samples.missed_by(fine), samples.missed_by(coarse)
+    fall = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
+    return np.asarray(fall.max(axis=1))
 
 
 def _coarser(grid: Grid, step: int) -> Grid:
@@ -379,42 +384,33 @@ MOST_FIRST, MOST_FIRST_FOLDED = _most_first(MOST_SPACE), _most_first(MOST_SPACE 
 MOST_FIRST_TIME = _most_first(MOST_TIME)
 
 
-class GapNumbers(TypedDict):
-    """A scene's gap as a first grid goes by it, arguments of ``first_grid``."""
+def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | float]:
+    """Scenes' gaps as first grids go by them: ε, σ, and what the gap adds to a profile's curvature.
 
-    epsilon: float
-    sigma: float
-    bend: float
-
-
-def gap_numbers(scene: Scene) -> GapNumbers:
-    """A gap that is shaped at rest is as hard as its narrowest place, and as closed, everywhere."""
-    if scene.finger.gap.flat:
-        return {"epsilon": scene.epsilon, "sigma": scene.sigma, "bend": 0.0}
-    bulge = 8 * abs(scene.finger.gap.bulge_m) / scene.h0_m
-    return {
-        "epsilon": scene.closure(),
-        "sigma": _hardest_sigma(scene),
-        "bend": bulge / scene.epsilon if scene.epsilon else 0.0,
-    }
+    A gap that is shaped at rest is as hard as its narrowest place, and as closed, everywhere.
+    """
+    flat = scenes.column(lambda film: film.finger.gap.flat)
+    if np.all(flat):
+        return scenes.epsilon, scenes.sigma, 0.0
+    bulge_m = scenes.column(lambda film: abs(film.finger.gap.bulge_m))
+    bend = 8 * bulge_m / scenes.h0_m / np.maximum(scenes.epsilon, TINY) * (scenes.epsilon > 0)
+    return np.where(flat, scenes.epsilon, scenes.closure), _hardest_sigma(scenes), bend
 
 
-def _hardest_sigma(scene: Scene) -> float:
-    least = min(1.0, scene.rest_range[0])
-    sigma = scene.sigma / least**2
-    return sigma if sigma < THIN_SIGMA else sigma / least**2
+def _hardest_sigma(scenes: Scenes) -> np.ndarray:
+    least = np.minimum(1.0, scenes.rest_range[0])
+    sigma = scenes.sigma / least**2
+    return np.where(sigma < THIN_SIGMA, sigma, sigma / least**2)
 
 
-def least_fall(scene: Scene, nodes_x: int) -> float:
-    """Factor by which changes from grid to grid are believed to fall at most.
+def least_fall(scenes: Scenes, nodes_x: int) -> np.ndarray:
+    """Factors by which changes from grid to grid are believed to fall at most, (n,).
 
     Args:
         nodes_x: across the finger along x, of the coarser grid.
     """
-    if scene.bearing_number:
-        layers = abs(scene.bearing_number) / (1 - gap_numbers(scene)["epsilon"])
-        if nodes_x < NODES_PER_SLIDING * sqrt(layers):
-            return SLIDING_FALL
-    sigma = scene.sigma if scene.finger.gap.flat else _hardest_sigma(scene)
-    sigma *= max(1.0, scene.aspect) ** 2
-    return THIN_LAYER_FALL if sigma > UNEVEN_SIGMA else 0.0
+    epsilon, sigma, _ = gap_numbers(scenes)
+    uneven = sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA
+    fall = np.where(uneven, THIN_LAYER_FALL, 0.0)
+    layers = np.abs(scenes.bearing_number) / (1 - epsilon)
+    return np.where(nodes_x < NODES_PER_SLIDING * np.sqrt(layers), SLIDING_FALL, fall)

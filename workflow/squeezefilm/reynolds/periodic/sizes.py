@@ -34,7 +34,7 @@ def sizes_of(grid: Grid, terms: Terms) -> Columns:
         "whole_y": whole_y,
         "whole_modes_x": whole_x and not any("x" in term.BREAKS for term in terms),
     }
-    return Columns(tuple(sizes), np.array(list(sizes.values()), dtype=np.int64))
+    return tuple(sizes), np.array(list(sizes.values()), dtype=np.int64)
 
 
 @lru_cache(maxsize=4096)

@@ -12,13 +12,14 @@ of A d/dT, which are Fourier's for h = 1, this is one number for each mode of sp
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from math import hypot, log10
+from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.layout import Joined, joined
+from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.layout import Packed, packed
 from squeezefilm.reynolds.spectral import period
 
 # Steps in which variation and lag are told apart, which only decide the iterations' number, and the
@@ -67,21 +68,19 @@ class TimeModes:
     settling: np.ndarray
     settling_of_slow: np.ndarray
 
-    @cached_property
-    def parts(self) -> Joined:
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
         """The arrays as kernels know them: transposed, the modes of a pair beside each other."""
         instants = len(self.mean_gap)
-        return joined(
-            {
-                "to_time_modes": self.to_modes[_beside(instants)].T,
-                "time_modes": self.from_modes[:, _beside(instants)].T,
-                "speeds": self.speeds,
-                "decays": self.decays,
-                "mean_resistance": 1 / self.mean_gap,
-                "settling": self.settling.T,
-                "settling_of_slow": self.settling_of_slow.T,
-            }
-        )
+        return {
+            "to_time_modes": self.to_modes[_beside(instants)].T,
+            "time_modes": self.from_modes[:, _beside(instants)].T,
+            "speeds": self.speeds,
+            "decays": self.decays,
+            "mean_resistance": 1 / self.mean_gap,
+            "settling": self.settling.T,
+            "settling_of_slow": self.settling_of_slow.T,
+        }
 
 
 def _beside(instants: int) -> np.ndarray:
@@ -93,27 +92,57 @@ def _beside(instants: int) -> np.ndarray:
 Steps = tuple[float, float, float, float]
 
 
-def steps_of(
-    *, variation: np.ndarray, lagging: np.ndarray, lag: np.ndarray, slow: np.ndarray
-) -> list[Steps]:
+def steps_of(motion: np.ndarray, *, lag: np.ndarray, slow: np.ndarray) -> list[Steps]:
     """What tells the modes of films from each other.
 
     Args:
-        variation, lagging: of the mean gap, both together below 1, shape (films,).
+        motion: variation and lagging of the mean gaps, both together below 1, shape (2, films).
         lag: of the flow behind what drives it, in units of 1/ω; 0 without inertia.
         slow: share of the harmonics that lag (``slow_part``).
     """
-    near = np.rint(np.stack([variation, lagging]) / VARIATION_STEP)
+    near = np.rint(motion / VARIATION_STEP)
     near *= MOST_VARIATION / np.maximum(np.hypot(*near), MOST_VARIATION)
     lags = np.rint(LAGS_PER_DECADE * np.log10(np.maximum(lag, LEAST_LAG)))
     return [*zip(*near.tolist(), lags.tolist(), np.rint(slow / SLOW_STEP).tolist(), strict=True)]
 
 
-def plain_steps(variation: float, lagging: float) -> Steps:
-    """The same of a film whose flow does not lag."""
-    first, second = round(variation / VARIATION_STEP), round(lagging / VARIATION_STEP)
-    share = MOST_VARIATION / max(hypot(first, second), MOST_VARIATION)
-    return first * share, second * share, LAGS_PER_DECADE * log10(LEAST_LAG), 1 / SLOW_STEP
+def modes_of(
+    grids: Sequence[Grid], *, aspect: float, numbers: np.ndarray, motion: np.ndarray
+) -> tuple[Packed, np.ndarray]:
+    """The modes of films on each of some grids, each kind's once, and which kind each film has.
+
+    Args:
+        numbers: of the films' equation, a row for each.
+        motion: factors of sin T and cos T of their mean gaps, (2, films).
+    """
+    instants, lag = [grid.nt for grid in grids], numbers["lag"]
+    if not lag.any():  # all that tells them apart is how the gaps move
+        near = np.rint(motion / VARIATION_STEP)
+        _, first, which = np.unique(
+            1000 * near[0] + near[1], return_index=True, return_inverse=True
+        )
+        kinds = steps_of(motion[:, first], lag=lag[first], slow=np.ones(len(first)))
+        return _packed_kinds(instants, [[steps] * len(grids) for steps in kinds]), which
+    on_grids = []
+    for grid in grids:  # only how many harmonics lag varies
+        across = max(grid.x.full_points, grid.y.full_points / aspect)
+        slow = np.minimum(numbers["slow"], numbers["waves_per_node"] * across / (grid.nt / 2))
+        on_grids.append(steps_of(motion, lag=lag, slow=slow))
+    known: dict[tuple[Steps, ...], int] = {}
+    films = zip(*on_grids, strict=True)
+    which = np.array([known.setdefault(steps, len(known)) for steps in films])
+    return _packed_kinds(instants, list(known)), which
+
+
+def _packed_kinds(instants: Sequence[int], kinds: Sequence[Sequence[Steps]]) -> Packed:
+    return Packed.of_rows([_packed_modes(tuple(instants), tuple(steps)) for steps in kinds])
+
+
+@lru_cache(maxsize=4096)
+def _packed_modes(instants: tuple[int, ...], steps: tuple[Steps, ...]) -> Packed:
+    """The arrays of one kind of films, on each of some grids."""
+    on_grids = (time_modes(*each).arrays for each in zip(instants, steps, strict=True))
+    return packed([{name: array[None] for name, array in each.items()} for each in on_grids])
 
 
 @lru_cache(maxsize=4096)

@@ -6,10 +6,13 @@ Here alone are they listed, in the order in which they are spoken of.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import lru_cache
+from functools import lru_cache, reduce
 from math import inf
+from typing import Any
 
-from squeezefilm.film.scene import Scene
+import numpy as np
+
+from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.gap import AnyGap
 from squeezefilm.reynolds.terms.heat import Heat
@@ -17,9 +20,9 @@ from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import Rarefaction
-from squeezefilm.reynolds.terms.term import HOOKS, LeftOut, Numbers, Term
+from squeezefilm.reynolds.terms.term import HOOKS, Arrays, LeftOut, Numbers, Term
 
-__all__ = ["HOOKS", "TERMS", "LeftOut", "Term", "Terms"]
+__all__ = ["HOOKS", "TERMS", "Arrays", "LeftOut", "Term", "Terms"]
 
 TERMS: tuple[type[Term], ...] = (
     AnyGap,
@@ -48,14 +51,28 @@ def _absent(kinds: tuple[type[Term], ...], present: frozenset[type[Term]]) -> tu
     return tuple(kind.ABSENT for kind in kinds if kind.ABSENT and kind not in present)
 
 
-def numbers_of(scene: Scene, terms: Terms) -> Numbers:
-    """The dimensionless numbers of a scene's equation; ``flow``, unless a term says it: H³ρ ∇P.
+def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
+    """The terms that scenes have, and which of these each scene has, (n,)."""
+    known: dict[Terms, int] = {}
+    which = np.empty(len(scenes), dtype=np.int64)
+    for film, rows, some in scenes.of_each_film():
+        kind = np.zeros(len(some), bool) if film.finger.gap.flat else AnyGap.is_wide(some)
+        of_film = np.empty(len(some), dtype=np.int64)
+        for each in {*kind.tolist()}:
+            terms = terms_of(some.scene(int(np.argmax(kind == each))))
+            of_film[kind == each] = known.setdefault(terms, len(known))
+        which[rows] = of_film
+    return list(known), which
+
+
+def numbers_of(scene: Scenes, terms: Terms) -> Numbers:
+    """The dimensionless numbers of scenes' equation; ``flow``, unless a term says it: H³ρ ∇P.
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
     the harmonics that lag (time_modes.py), no more of them than ``waves_per_node`` for each node
     across the finger.
     """
-    numbers: dict[str, float | tuple[float, ...]] = {
+    numbers: dict[str, Any] = {
         "epsilon": scene.epsilon,
         "sigma": scene.sigma,
         "flow": (1.0,),
@@ -68,22 +85,22 @@ def numbers_of(scene: Scene, terms: Terms) -> Numbers:
     return numbers
 
 
-def stiffness_of(scene: Scene, terms: Terms) -> float:
+def stiffness_of(scene: OperatingPoints, terms: Terms) -> Any:
     """Relative change of pressure with that of density, at ambient pressure."""
-    factor = 1.0
+    factor: Any = 1.0
     for term in terms:
         factor *= term.stiffness(scene)
     return factor
 
 
-def layer_stiffness_of(scene: Scene, terms: Terms, *, sigma: float) -> float:
+def layer_stiffness_of(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> Any:
     """Factor of σ where it chooses a first grid for the layers at the rim."""
-    return max((term.layer_stiffness(scene, sigma=sigma) for term in terms), default=1.0)
+    return reduce(np.maximum, (term.layer_stiffness(scene, sigma=sigma) for term in terms), 1.0)
 
 
-def size_share_of(scene: Scene, terms: Terms) -> float:
+def size_share_of(scene: OperatingPoints, terms: Terms) -> Any:
     """Share of the size of two grids' difference that counts at least."""
-    return max((term.size_share(scene) for term in terms), default=0.0)
+    return reduce(np.maximum, (term.size_share(scene) for term in terms), 0.0)
 
 
 def unknown_fields(terms: Terms) -> int:
@@ -101,9 +118,12 @@ def own_fields(terms: Terms) -> int:
     return sum(term.OWN_FIELDS for term in terms)
 
 
-def state_refused(scene: Scene, terms: Terms, *, thinnest: float) -> str:
-    """Why a state found lies outside the range of a term; empty if it does not."""
-    return first_reason(term.refused_state(scene, thinnest=thinnest) for term in terms)
+def states_refused(scenes: Scenes, terms: Terms, *, thinnest: np.ndarray) -> dict[int, str]:
+    """The scenes whose states lie outside the range of a term, and why."""
+    refused: dict[int, str] = {}
+    for term in reversed(terms):
+        refused.update(term.refused_states(scenes, thinnest=thinnest))
+    return refused
 
 
 def notes_of(scene: Scene) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Bearing(Term):
     def put_back(cls, scene: Scene) -> Scene:
         return replace(scene, finger=replace(scene.finger, speed_x_m_per_s=NEGLIGIBLE))
 
-    def numbers(self, scene: Scene) -> Numbers:
+    def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"bearing": scene.bearing_number}
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from squeezefilm.film.scene import Scene
+import numpy as np
+
+from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 
 SHAPED, TWO_PHASES = "gap that is shaped at rest", "vibration in two phases"
@@ -58,35 +60,42 @@ class AnyGap(Term):
         )
         if not shaped:
             return cls(both)
-        least, most = scene.rest_range
         more = scene.bearing_number or scene.gas.inertia == "included"
         alone = not (more or scene.finger.smooth_outline)
-        return cls(both, 2 if alone and most > TWO_FROM * least else 1)
+        return cls(both, 2 if alone and cls.is_wide(Scenes.of([scene]))[0] else 1)
+
+    @staticmethod
+    def is_wide(scenes: Scenes) -> np.ndarray:
+        """Whether gaps at rest differ by so much from place to place that two pay, (n,)."""
+        least, most = scenes.rest_range
+        return np.asarray(most > TWO_FROM * least)
 
     @classmethod
     def put_back(cls, scene: Scene) -> Scene:
         gap = replace(scene.finger.gap, bulge_m=NEGLIGIBLE * scene.h0_m)
         return replace(scene, finger=replace(scene.finger, gap=gap))
 
-    def numbers(self, scene: Scene) -> Numbers:
-        numbers: Numbers = {"narrowest": scene.narrowest, "per_rise": 1 / scene.h0_m}
-        return {**numbers, **_preconditioners(scene, self.parts)} if self.parts else numbers
+    def numbers(self, scenes: Scenes) -> Numbers:
+        numbers: Numbers = {"narrowest": scenes.narrowest, "per_rise": 1 / scenes.h0_m}
+        return {**numbers, **_preconditioners(scenes, self.parts)} if self.parts else numbers
 
-    def knows_limit(self, name: str) -> bool:
-        return name != "closed-form"
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers:
+        return {}
 
 
-def _preconditioners(scene: Scene, count: int) -> dict[str, tuple[float, ...]]:
+def _preconditioners(scenes: Scenes, count: int) -> Numbers:
     """Diffusivities, in units of an even film's, and the first's part of rows (gap_over_period.cl).
 
     The part in numbers a and b: a + b/G² where the gap at rest is G. That of a single one is the
     typical G over G where that is least and where it is largest.
     """
-    least, most = scene.rest_range
-    least = max(least, LEAST_REST * most)
+    least, most = scenes.rest_range
+    least = np.maximum(least, LEAST_REST * most)
     middle = least * most
     if count == 1:
-        typical = scene.typical_rest * (WITHIN_OUTLINE if scene.finger.smooth_outline else 1.0)
+        typical = scenes.typical_rest * scenes.column(
+            lambda film: WITHIN_OUTLINE if film.finger.smooth_outline else 1.0
+        )
         per_square = typical / (1 / least + 1 / most)
         return {"diffusivities": (typical**2,), "part": (per_square / middle, per_square)}
     spread = (most / least) ** INSIDE

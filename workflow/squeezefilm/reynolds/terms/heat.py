@@ -26,11 +26,11 @@ for 6j². The numbers in w are those of no slip.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, Inertia
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
 
@@ -42,12 +42,10 @@ if TYPE_CHECKING:
 JUMP_WARMS, JUMP_LAGS = 6.0, 4.0
 
 
-def temperature_jump(scene: Scene) -> float:
+def temperature_jump(scene: OperatingPoints) -> Any:
     """ζ Kn of a scene with slip, 0 without: jump of temperature at a wall over its slope there."""
-    if scene.gas.rarefaction == "none":
-        return 0.0
-    ratio = scene.gas.heat_capacity_ratio
-    return 2 * ratio / ((ratio + 1) * scene.gas.prandtl) * scene.knudsen
+    ratio, slips = scene.gas.heat_capacity_ratio, scene.gas.rarefaction != "none"
+    return 2 * ratio / ((ratio + 1) * scene.gas.prandtl) * scene.knudsen * slips
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ class Heat(Term):
     def put_back(cls, scene: Scene) -> Scene:
         return replace(scene, gas=replace(scene.gas, heat="included", prandtl=NEGLIGIBLE))
 
-    def numbers(self, scene: Scene) -> Numbers:
+    def numbers(self, scene: OperatingPoints) -> Numbers:
         conduction = scene.gas.prandtl * scene.modified_reynolds
         return {
             "heating": (1 - 1 / scene.gas.heat_capacity_ratio) * conduction,

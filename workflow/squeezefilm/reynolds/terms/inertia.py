@@ -17,13 +17,12 @@ Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.flux_points import FluxPoints, flux_points
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, Arrays, LeftOut, Numbers, Term
 
@@ -84,19 +83,20 @@ class Inertia(Term):
         gas = replace(scene.gas, inertia="included", density_kg_per_m3=NEGLIGIBLE)
         return replace(scene, gas=gas)
 
-    def numbers(self, scene: Scene) -> Numbers:
+    def numbers(self, scene: OperatingPoints) -> Numbers:
         reynolds = scene.modified_reynolds
         lag = LAG_PER_REYNOLDS * reynolds
-        slow = LEAST_SLOW * max(1.0, STEEP / max(steepness(scene), NEGLIGIBLE)) ** 3
-        thinness = max(scene.sigma**0.5, LEAST_ROOT_SIGMA)
+        steep = np.maximum(steepness(scene), NEGLIGIBLE)
+        slow = LEAST_SLOW * np.maximum(1.0, STEEP / steep) ** 3
+        thinness = np.maximum(scene.sigma**0.5, LEAST_ROOT_SIGMA)
         # Waves travel at 1/√(lag σ), in units of the finger's length times ω.
         waves = (lag * scene.sigma) ** 0.5 * (1 + AGAINST_THEM * steepness(scene))
         return {
             "reynolds": reynolds,
             "lag": lag,
-            "reversing": REVERSING * max(scene.epsilon, NEGLIGIBLE) / thinness,
-            "slow": min(slow, MOST_SLOW),
-            "waves_per_node": max(RESOLVED / waves, DAMPED / lag),
+            "reversing": REVERSING * np.maximum(scene.epsilon, NEGLIGIBLE) / thinness,
+            "slow": np.minimum(slow, MOST_SLOW),
+            "waves_per_node": np.maximum(RESOLVED / waves, DAMPED / lag),
         }
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
@@ -124,18 +124,15 @@ class Inertia(Term):
             "flux_amplitude_y": parts[:, :, inner_x] @ along_y.from_all_nodes.T,
         }
 
-    def layer_stiffness(self, scene: Scene, *, sigma: float) -> float:
-        layered = sigma > THIN_LAYER_SIGMA or steepness(scene) > STIFF
-        return LAYER_STIFFNESS if layered else 1.0
+    def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
+        layered = (sigma > THIN_LAYER_SIGMA) | (steepness(scene) > STIFF)
+        return np.where(layered, LAYER_STIFFNESS, 1.0)
 
-    def size_share(self, scene: Scene) -> float:
-        layered = scene.sigma > LAYERED_SIGMA and steepness(scene) > STEEPENING
-        return SIZE_SHARE if layered else 0.0
+    def size_share(self, scene: OperatingPoints) -> Any:
+        layered = (scene.sigma > LAYERED_SIGMA) & (steepness(scene) > STEEPENING)
+        return np.where(layered, SIZE_SHARE, 0.0)
 
-    def knows_limit(self, name: str) -> bool:
-        return name != "closed-form"
-
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers:
         return {"reynolds": scene.modified_reynolds}
 
     def refused_on_grid(self, scene: Scene) -> str:
@@ -150,9 +147,9 @@ class Inertia(Term):
         return {f"carry_flux_{axis}": its.carried_to(finer) for axis, its, finer in pairs}
 
 
-def steepness(scene: Scene) -> float:
+def steepness(scene: OperatingPoints) -> Any:
     """A velocity in a thick layer, about, over that of sound."""
-    return float(scene.epsilon * (scene.modified_reynolds / 5) ** 0.5)
+    return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
 
 
 def _points(grid: Grid) -> tuple[FluxPoints, FluxPoints]:

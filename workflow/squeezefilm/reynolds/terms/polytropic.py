@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 
 
@@ -24,8 +25,8 @@ class Polytropic(Term):
     def put_back(cls, scene: Scene) -> Scene:
         return replace(scene, gas=replace(scene.gas, polytropic_exponent=1 + NEGLIGIBLE))
 
-    def numbers(self, scene: Scene) -> Numbers:
+    def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"inverse_exponent": 1 / scene.gas.polytropic_exponent}
 
-    def stiffness(self, scene: Scene) -> float:
+    def stiffness(self, scene: OperatingPoints) -> Any:
         return scene.gas.polytropic_exponent

@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
-from squeezefilm.film.scene import Scene
+import numpy as np
+
+from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 from squeezefilm.film.validity import LEAST_INVERSE_KNUDSEN
 from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 
@@ -18,19 +21,18 @@ from squeezefilm.reynolds.terms.term import NEGLIGIBLE, LeftOut, Numbers, Term
 FUKUI_KANEKO = (1.0, 6 * 1.0162, 6 * 1.0653, -6 * 2.1354)
 
 
-def flow_coefficients(scene: Scene) -> tuple[float, ...]:
+def flow_coefficients(scene: OperatingPoints) -> tuple[Any, ...]:
     """Coefficients c_k of the mass flux Σ c_k H^(3−k) ρ^(1−k) ∇P, the first being 1.
 
     Slip of first order adds 6 Kn H² (Burgdorfer 1959), times the gas' ``slip_coefficient``.
     """
-    if scene.gas.rarefaction == "slip":
+    rarefaction = np.ravel(scene.gas.rarefaction)[0]  # scenes of like terms
+    if rarefaction == "slip":
         return (1.0, 6 * scene.slip_knudsen)
-    if scene.gas.rarefaction == "fukui-kaneko":
-        return fukui_kaneko(scene)
-    return (1.0,)
+    return fukui_kaneko(scene) if rarefaction == "fukui-kaneko" else (1.0,)
 
 
-def fukui_kaneko(scene: Scene) -> tuple[float, ...]:
+def fukui_kaneko(scene: OperatingPoints) -> tuple[Any, ...]:
     """The coefficients of Fukui and Kaneko's flow factor, whatever the scene's gas has."""
     inverse = scene.inverse_knudsen
     return tuple(c / inverse**k for k, c in enumerate(FUKUI_KANEKO))
@@ -53,17 +55,17 @@ class Rarefaction(Term):
         gas = replace(scene.gas, rarefaction="fukui-kaneko", mean_free_path_m=path_m)
         return replace(scene, gas=gas)
 
-    def numbers(self, scene: Scene) -> Numbers:
+    def numbers(self, scene: OperatingPoints) -> Numbers:
         return {"flow": flow_coefficients(scene)}
 
-    def knows_limit(self, name: str) -> bool:
-        return self.label == "slip" and name != "closed-form"
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers | None:
+        return {"slip": sum(flow_coefficients(scene)[1:])} if self.label == "slip" else None
 
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
-        return {"slip": sum(flow_coefficients(scene)[1:])}
-
-    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
-        least = scene.inverse_knudsen * thinnest
-        if self.label != "fukui-kaneko" or not least < LEAST_INVERSE_KNUDSEN:
-            return ""
-        return f"gas too rarefied: D falls to {least:.2g}, below {LEAST_INVERSE_KNUDSEN:g}"
+    def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
+        if self.label != "fukui-kaneko":
+            return {}
+        least = scenes.inverse_knudsen * thinnest
+        return {
+            row: f"gas too rarefied: D falls to {least[row]:.2g}, below {LEAST_INVERSE_KNUDSEN:g}"
+            for row in np.flatnonzero(least < LEAST_INVERSE_KNUDSEN).tolist()
+        }

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
 
 if TYPE_CHECKING:  # for types alone: grids ask the terms
     from squeezefilm.reynolds.grid import Grid
@@ -31,7 +31,8 @@ HOOKS = {
 # What is put back to see what leaving it out saves.
 NEGLIGIBLE = 1e-14
 
-Numbers = Mapping[str, float | tuple[float, ...]]
+# A number is one for all scenes, or of shape (n,); a tuple of such is a row of them.
+Numbers = Mapping[str, Any]
 Arrays = Mapping[str, np.ndarray]
 
 
@@ -100,29 +101,26 @@ class Term:
         """Where a scene that has it stretches it; empty elsewhere."""
         return ""
 
-    def numbers(self, scene: Scene) -> Numbers:
-        """Its numbers of a scene, which kernels find under these names."""
+    def numbers(self, scene: Scenes) -> Numbers:
+        """Its numbers of scenes, which kernels find under these names."""
         return {}
 
-    def size_share(self, scene: Scene) -> float:
+    def size_share(self, scene: OperatingPoints) -> Any:
         """Share of the size of two grids' difference that counts, though its moments be smaller."""
         return 0.0
 
-    def layer_stiffness(self, scene: Scene, *, sigma: float) -> float:
+    def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
         """Factor of σ, at its largest, where it chooses a first grid for the layers at the rim."""
         return 1.0
 
-    def stiffness(self, scene: Scene) -> float:
+    def stiffness(self, scene: OperatingPoints) -> Any:
         """Factor of the relative change of pressure with that of density."""
         return 1.0
 
-    def knows_limit(self, name: str) -> bool:
-        """Whether a limit (solver.py) was derived with it."""
-        return False
-
-    def limit_numbers(self, scene: Scene) -> Mapping[str, float]:
-        """Arguments of the limits that know it (limits.py)."""
-        return {}
+    def expansion_numbers(self, scene: OperatingPoints) -> Numbers | None:
+        """Arguments of the expansions for σ → ∞ (asymptotics/); None where they are not derived
+        with the term."""
+        return None
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         """What its lines need of a grid, beside the matrices that all have.
@@ -153,6 +151,6 @@ class Term:
         """Why the periodic state is not solved for a scene that has it; empty where it is."""
         return ""
 
-    def refused_state(self, scene: Scene, *, thinnest: float) -> str:
-        """Why a state found lies outside its range, given the smallest ρ H; else empty."""
-        return ""
+    def refused_states(self, scenes: Scenes, *, thinnest: np.ndarray) -> Mapping[int, str]:
+        """The scenes whose states lie outside its range, given the smallest ρ H, and why."""
+        return {}

@@ -6,8 +6,7 @@ gas' inertia the next order is ε²/σ, without it ε²/σ^(3/2): there `limit_n
 is exact to ε². A scene whose inertia is `auto` counts as having it, for limits cost the same.
 """
 
-from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,18 +28,21 @@ from squeezefilm.models.limit_table import (
     nodes,
     tails,
 )
-from squeezefilm.reynolds.limits.domain import unknown_to
+from squeezefilm.reynolds.asymptotics.composite import (
+    composite_expansion,
+    edge_layer_expansion,
+    high_squeeze_limit,
+)
+from squeezefilm.reynolds.asymptotics.scenes import Expanded, expanded, not_derived_for
 from squeezefilm.reynolds.needs import Needs, needs_of
-from squeezefilm.reynolds.solver import LimitResult, by_limits
-from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import scene_of
 
 TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below what the limits leave out."""
-METHODS = {"fast_limit_n": "fast-limit", "limit_n": "boundary-layer"}
-METHODS_WITH_INERTIA = METHODS | {"limit_n": "matched-limit"}
+EXPANSIONS = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansion}
+EXPANSIONS_WITH_INERTIA = EXPANSIONS | {"limit_n": composite_expansion}
 DOES_NOT_HOLD = "the limit of large squeeze numbers does not hold for this scene"
 CHECK_POINTS, CHECK_SEED = 500, 3
 LINES = 3
@@ -51,44 +53,39 @@ TABLE_TOLERANCE, TABLE_TOLERANCE_WITH_INERTIA = 3e-7, 1e-5
 
 def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
-    scenes = [_with_inertia(scene) for scene in scenes]
-    needs = [needs_of(scene) for scene in scenes]
-    columns = {"sigma": np.array([scene.sigma for scene in scenes])}
+    needs = needs_of([_with_inertia(scene) for scene in scenes])
+    underived = not_derived_for(needs)
+    scale_n = np.broadcast_to(needs.scenes.force_scale_n, len(scenes))
+    columns = {"sigma": needs.scenes.sigma}
     errors: dict[str, np.ndarray] = {}
-    for column in METHODS:
+    for column in EXPANSIONS:
         columns[column], errors[column] = np.full((2, len(scenes)), np.nan)
-        for index, result in _results(scenes, needs, column).items():
+        for row, result in _results(needs, underived, column).items():
             if np.isfinite(result.error):
-                columns[column][index] = result.mean * scenes[index].force_scale_n
-                errors[column][index] = result.error * scenes[index].force_scale_n
+                columns[column][row] = result.mean * scale_n[row]
+                errors[column][row] = result.error * scale_n[row]
     status = [
-        "ok" if known else unknown_to(_methods(scene)["limit_n"], scene, need) or DOES_NOT_HOLD
-        for scene, need, known in zip(scenes, needs, np.isfinite(columns["limit_n"]), strict=True)
+        "ok" if known else underived.get(row, DOES_NOT_HOLD)
+        for row, known in enumerate(np.isfinite(columns["limit_n"]))
     ]
     return table.assign(**columns, limit_error_n=errors["limit_n"], status=status)
 
 
-def _results(
-    scenes: Sequence[Scene], needs: Sequence[Needs], column: str
-) -> dict[int, LimitResult]:
-    """What stands in a column, by the scenes' indices, each by its own method."""
-    groups: dict[bool, list[int]] = defaultdict(list)
-    for index, scene in enumerate(scenes):
-        groups[_has_inertia(scene)].append(index)
-    results = {}
-    for inertia, group in groups.items():
-        found = by_limits(
-            [scenes[index] for index in group],
-            [needs[index] for index in group],
+def _results(needs: Needs, underived: Mapping[int, str], column: str) -> dict[int, Expanded]:
+    """What stands in a column, by the scenes' rows, each by its own expansion."""
+    derived = ~np.isin(np.arange(len(needs)), list(underived))
+    has = np.broadcast_to(needs.scenes.gas.inertia == "included", len(needs))
+    results: dict[int, Expanded] = {}
+    for inertia in (False, True):
+        expand = (EXPANSIONS_WITH_INERTIA if inertia else EXPANSIONS)[column]
+        results |= expanded(
+            expand,
+            needs,
+            np.flatnonzero(derived & (has == inertia)),
             tolerance=TOLERANCE_WITH_INERTIA if inertia else TOLERANCE,
-            method=_methods(scenes[group[0]])[column],
+            layers=expand is composite_expansion,
         )
-        results.update({group[place]: result for place, result in found.items()})
     return results
-
-
-def _methods(scene: Scene) -> dict[str, str]:
-    return METHODS_WITH_INERTIA if _has_inertia(scene) else METHODS
 
 
 def _with_inertia(scene: Scene) -> Scene:
@@ -98,7 +95,7 @@ def _with_inertia(scene: Scene) -> Scene:
 
 
 def _has_inertia(scene: Scene) -> bool:
-    return any("reynolds" in term.limit_numbers(scene) for term in terms_of(_with_inertia(scene)))
+    return _with_inertia(scene).gas.inertia == "included"
 
 
 def limit_table_of(config: Config) -> LimitTable:
@@ -120,7 +117,7 @@ def limit_table_of(config: Config) -> LimitTable:
                 name: coefficients_of(_over_square(limits, at, name).reshape(shape))
                 .ravel()
                 .tolist()
-                for name in METHODS
+                for name in EXPANSIONS
             },
             "sigma_h0_square_m2": limits["sigma"].iloc[0] * limits["h0_m"].iloc[0] ** 2,
             "largest_relative_error": np.nan,
@@ -130,7 +127,7 @@ def limit_table_of(config: Config) -> LimitTable:
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
     checked = _limits(config, drawn)
     found = table.complete(factors_of(checked))
-    errors = [np.abs(found.column(name) / checked[name] - 1).max() for name in METHODS]
+    errors = [np.abs(found.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
     return table.model_copy(update={"largest_relative_error": float(max(errors))})
 
 
@@ -148,7 +145,7 @@ def _counts(
         }
         at[along] = np.tile(between((low, high), chebyshev.chebpts1(LINE_POINTS)), LINES)
         limits = _limits(config, at)
-        lines = (_over_square(limits, at, name).reshape(LINES, LINE_POINTS) for name in METHODS)
+        lines = (_over_square(limits, at, name).reshape(LINES, LINE_POINTS) for name in EXPANSIONS)
         tails_of[along] = np.max([tails(line) for line in lines], axis=0)
     h0_m = ranges["h0_m"][1]
     inertia = _has_inertia(scene_of(ScenePoint("widest", h0_m, 0.1 * h0_m), config, check=False))

@@ -15,9 +15,9 @@ from squeezefilm.film.symmetry import Directions
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit
+from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.limits.films import films_of, limit_axis
-from squeezefilm.reynolds.limits.forces import fast_limit
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
@@ -44,7 +44,7 @@ def scan_errors(
         In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
         ``lowest_n``, ``highest_n``, standard deviation and range over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
-        and all that was taken off the profile's maximum as the noise's, or lost by averaging;
+        and all that was taken off the profile's maximum as the noise's;
         ``out_of_phase_n``, by what the force is low without motion out of phase that was left out;
         ``scan_error_n``, the sum of both.
 
@@ -67,7 +67,7 @@ def scan_errors(
     spread_n = forces[1:].std(axis=0, ddof=1)
     quantile = float(stdtrit(draws - 1, (1 + COVERAGE) / 2))
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
-    share = smoothed.profile.largest - 1 + smoothed.averaging_loss
+    share = smoothed.profile.largest - 1
     bias = np.array([2 * share / (1 - scene.epsilon) for scene in scenes])
     effect = np.zeros(len(scenes))
     if not smoothed.profile.is_complex:
@@ -95,7 +95,7 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     (the derivation of the paper's eq. (6) with H = 1 + ε (s₁ sin T + s₂ cos T)). Taken on the
     finger's rectangle at an even gap; of other pads on the largest rectangle within.
     """
-    nodes = limit_axis(LIMIT_POINTS).all_nodes
+    nodes = expansion_axis(LIMIT_POINTS).all_nodes
     within = scene.finger.rectangle_within
     x, y = np.meshgrid(*2 * [0.5 + within * (nodes - 0.5)], indexing="ij")
     other = replace(scene, actuator=replace(scene.actuator, profile=smoothed.out_of_phase))
@@ -111,7 +111,7 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
         np.stack([first, both]),
         aspect=scene.aspect,
     )
-    mean = fast_limit(films).mean
+    mean = high_squeeze_limit(films).mean
     return max(float(mean[1] / mean[0] - 1), 0.0) if mean[0] > 0 else math.inf
 
 

@@ -1,1 +1,0 @@
-"""Steps of the workflow: what the paper alone has."""

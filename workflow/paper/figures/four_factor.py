@@ -1,0 +1,120 @@
+"""Figures 15 and 16: the positions of the finger, and the optimal design with four factors."""
+
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from paper.figures.vibration import centre_limit_mm
+from reporting.figures import style
+from reporting.figures.axes import dots, set_up_plane, set_up_positions
+from reporting.figures.tables import add_limits, plane_table
+from reporting.results import Results
+
+_LOOKS: tuple[dict[str, Any], ...] = (
+    {"marker": "o", "color": style.BLUE, "markersize": 8, "markerfacecolor": "none"},
+    {"marker": "D", "color": style.VERMILLION, "markersize": 4},
+)
+
+
+def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
+    """One dot per position; the dashed line is the largest radius on the actuator."""
+    plan = results.scenes("four_factor")
+    positions = plan.groupby(["phi_r_m", "phi_deg"], as_index=False).size()
+    data = pd.DataFrame(
+        {
+            "phi_deg": positions["phi_deg"],
+            "phi_r_mm": (positions["phi_r_m"] * 1e3).round(9),
+            "points": positions["size"],
+            "phi_r_limit_mm": centre_limit_mm(results.config),
+        }
+    )
+    figure = style.new_figure()
+    axes = figure.subplots()
+    axes.axhline(
+        data["phi_r_limit_mm"].iloc[0],
+        color=style.VERMILLION,
+        linestyle=(0, (4, 2)),
+        label="finger stays on the actuator at every angle",
+    )
+    look = {"markersize": 5, "markeredgewidth": 0.5}
+    dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
+    for angle in data["phi_deg"][data["phi_r_mm"] == 0]:
+        axes.annotate(
+            "centre: the same at every angle",
+            (angle, 0),
+            xytext=(8, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=7,
+        )
+    top = 1.15 * max(data["phi_r_mm"].max(), data["phi_r_limit_mm"].max())
+    axes.set_ylim(-0.06 * top, top)
+    set_up_positions(axes, data["phi_deg"], margin=1 / 15)
+    figure.legend(loc="outside upper center", handlelength=1.8)
+    note = f"{len(plan)} simulations at {len(positions)} positions, our assumption."
+    style.add_note(figure, note, results.beyond)
+    return figure, data
+
+
+def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
+    """Panel a: amplitude over gap; panel b: radius over angle. Numbers tell the points apart."""
+    designs = {
+        "the paper's criterion": results.design("four_factor"),
+        "physically distinct points": results.design("four_factor_distinct"),
+    }
+    screen, plan = results.scenes("screen"), results.scenes("four_factor")
+    parts = [
+        plane_table(design, layer="design").assign(
+            form=form,
+            point=range(1, len(design) + 1),
+            phi_r_mm=(design["phi_r_m"] * 1e3).round(9),
+            phi_deg=design["phi_deg"].round(9),
+        )
+        for form, design in designs.items()
+    ]
+    data = add_limits(pd.concat(parts, ignore_index=True), screen)
+    data = data.assign(
+        phi_r_max_mm=round(float(plan["phi_r_m"].max()) * 1e3, 9), phi_max_deg=plan["phi_deg"].max()
+    )
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.0)
+    left, right = figure.subplots(1, 2)
+    for order, (form, points) in enumerate(data.groupby("form", sort=False)):
+        look = _LOOKS[order % len(_LOOKS)]
+        for axes, x, y in ((left, "h0_um", "hv_um"), (right, "phi_deg", "phi_r_mm")):
+            axes.plot(
+                points[x],
+                points[y],
+                linestyle="none",
+                clip_on=False,
+                zorder=3,
+                label=form if axes is left else None,
+                **look,
+            )
+            _number(axes, points, x=x, y=y, above=order == 0, colour=look["color"])
+    set_up_plane(left, data)
+    left.set_title("(a)")
+    radius = float(data["phi_r_max_mm"].iloc[0])
+    set_up_positions(right, data["phi_max_deg"], margin=0.1)
+    right.set_ylim(-0.13 * radius, 1.15 * radius)
+    right.set_title("(b)")
+    figure.legend(loc="outside upper center", ncols=2, handletextpad=0.3)
+    style.add_note(figure, "At radius 0 every angle is one and the same scene.", results.beyond)
+    return figure, data
+
+
+def _number(axes: Axes, points: pd.DataFrame, *, x: str, y: str, above: bool, colour: str) -> None:
+    """Write the points' numbers, together where points coincide in this projection."""
+    places = points.assign(x=points[x].round(2), y=points[y].round(2)).groupby(["x", "y"])
+    for (at_x, at_y), here in places:
+        axes.annotate(
+            ", ".join(f"{number}" for number in here["point"]),
+            (at_x, at_y),
+            xytext=(0, 6 if above else -6),
+            textcoords="offset points",
+            ha="center",
+            va="bottom" if above else "top",
+            fontsize=7,
+            color=colour,
+        )

@@ -1,0 +1,115 @@
+"""Figures 5 and 6: the model of the vibration over the actuator's disc."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from reporting.figures import axes as drawing
+from reporting.figures import style
+from reporting.figures.axes import grid_of
+from reporting.results import Results
+from squeezefilm.studies.config import Config
+from squeezefilm.studies.study import finger_of, profile_of
+
+
+def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
+    """The profile seen from above; layers surface, centre_limit (dashed) and finger."""
+    config = results.config
+    finger, limit_mm = finger_of(config), centre_limit_mm(config)
+    rim = np.round(np.array(finger.outline()) * 1e3, 9)
+    closed = np.vstack([rim, rim[:1]])
+    outline = pd.DataFrame({"layer": "finger", "x_mm": closed[:, 0], "y_mm": closed[:, 1]})
+    angle_deg = np.linspace(0, 360, 121)
+    circle = pd.DataFrame(
+        {
+            "layer": "centre_limit",
+            "radius_mm": limit_mm,
+            "angle_deg": angle_deg,
+            "x_mm": np.round(limit_mm * np.cos(np.radians(angle_deg)), 9),
+            "y_mm": np.round(limit_mm * np.sin(np.radians(angle_deg)), 9),
+        }
+    )
+    surface = profile_table(config, radii=41, angles=61)
+    data = pd.concat([surface, circle, outline], ignore_index=True)
+    figure = style.new_figure(height_in=3.5)
+    axes = figure.subplots()
+    x, y, amplitude = _polar_grid(surface)
+    levels = np.linspace(-1, 1, 41)
+    levels = levels[(levels >= amplitude.min() - 0.05) & (levels <= amplitude.max() + 0.01)]
+    filled = axes.contourf(x, y, amplitude, levels=levels, cmap=style.SEQUENTIAL)
+    if amplitude.min() < 0 < amplitude.max():
+        node = axes.contour(x, y, amplitude, levels=[0], colors="white", linewidths=0.7)
+        axes.clabel(node, fmt={0: "$h_a = 0$"}, fontsize=6, manual=[(0, float(y.max()))])
+    axes.plot(
+        circle["x_mm"],
+        circle["y_mm"],
+        color=style.VERMILLION,
+        linestyle=(0, (4, 2)),
+        linewidth=1.4,
+        label="limit of the finger's centre",
+    )
+    axes.plot(outline["x_mm"], outline["y_mm"], color="black", label="finger, centred")
+    axes.set_aspect("equal")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+    reach = 1.04 * surface["radius_mm"].max()
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-reach, reach)
+    axes.set_xlabel("$x$ (mm)")
+    axes.set_ylabel("$y$ (mm)")
+    bar = figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02)
+    bar.set_label("amplitude $h_a/h_v$ (–)")
+    bar.set_ticks([tick for tick in np.arange(-0.2, 1.01, 0.2) if tick >= levels[0]])
+    figure.legend(loc="outside upper center", ncols=2, handlelength=1.8, columnspacing=1.0)
+    note = f"The finger's centre may be up to {limit_mm:.2f} mm off."
+    style.add_note(figure, note, results.beyond)
+    return figure, data
+
+
+def fig06(results: Results) -> tuple[Figure, pd.DataFrame]:
+    """The profile as a mesh in polar coordinates."""
+    data = profile_table(results.config, radii=17, angles=49)
+    figure = style.new_figure(height_in=3.1)
+    axes = drawing.add_space(
+        figure,
+        labels=("$x$ (mm)", "$y$ (mm)", "amplitude $h_a/h_v$ (–)"),
+        azimuth_deg=-60,
+        bottom=style.add_note(figure, results.beyond),
+    )
+    drawing.mesh(axes, *_polar_grid(data))
+    return figure, data
+
+
+def _polar_grid(surface: pd.DataFrame) -> list[np.ndarray]:
+    """x, y and the amplitude over radius (rows) and angle."""
+    return [
+        grid_of(surface, name, x="angle_deg", y="radius_mm")[2]
+        for name in ("x_mm", "y_mm", "amplitude_ratio")
+    ]
+
+
+def profile_table(config: Config, *, radii: int, angles: int) -> pd.DataFrame:
+    """The profile on a polar grid over the disc, as layer ``surface``."""
+    radius_m = np.linspace(0, config["actuator"]["surface_radius_m"], radii)
+    angle_deg = np.linspace(0, 360, angles)
+    radius_m, angle_deg = (v.ravel() for v in np.meshgrid(radius_m, angle_deg, indexing="ij"))
+    x_m, y_m = radius_m * np.cos(np.radians(angle_deg)), radius_m * np.sin(np.radians(angle_deg))
+    s = profile_of(config).amplitude(x_m=x_m, y_m=y_m)
+    shown = np.abs(s) if np.iscomplexobj(s) else s
+    return pd.DataFrame(
+        {
+            "layer": "surface",
+            "radius_mm": np.round(radius_m * 1e3, 9),
+            "angle_deg": angle_deg,
+            "x_mm": np.round(x_m * 1e3, 9),
+            "y_mm": np.round(y_m * 1e3, 9),
+            "amplitude_ratio": np.round(shown, 12),
+        }
+    )
+
+
+def centre_limit_mm(config: Config) -> float:
+    """Largest distance of the finger's centre at which the pad is on the disc at every angle."""
+    free_m = config["actuator"]["surface_radius_m"] - finger_of(config).reach_m
+    return round(1e3 * float(free_m), 9)

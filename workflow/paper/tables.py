@@ -1,0 +1,109 @@
+"""Tables I to III of the paper, with our values: the paper's own are not legible to us."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+
+from reporting.notes import rounded_up
+from reporting.results import Results
+
+SYMBOLS = {"theta0": "θ0", "theta1": "θ1", "theta2": "θ2", "theta3": "θ3", "theta4": "θ4"}
+UNITS = {"theta2": "N", "theta4": "1/m"}
+ASSUMED = "our assumption: the paper's table is not legible to us"
+
+
+@dataclass(frozen=True)
+class PaperTable:
+    """A table: its title, one row per value (tidy), the same for people, and a note below."""
+
+    title: str
+    data: pd.DataFrame
+    shown: pd.DataFrame
+    note: str
+
+
+def table1(results: Results) -> PaperTable:
+    """Parameters of the two-factor model, from the screen and from the optimal design alone."""
+    fits = (("screen", "screen"), ("optimal design", "two_factor_design"))
+    return _parameters(
+        results, fits, plan="screen", title="Table I. Parameters of the two-factor model"
+    )
+
+
+def table2(results: Results) -> PaperTable:
+    """The space of four factors: gap and amplitude are the paper's, positions our assumption."""
+    screen, plan = results.scenes("screen"), results.scenes("four_factor")
+    rows = [
+        ("mean gap", "h0", "µm", 1e6 * screen["h0_m"], "paper"),
+        ("amplitude at the centre", "hv", "µm", 1e6 * screen["hv_m"], "paper"),
+        ("radial position", "φr", "mm", 1e3 * plan["phi_r_m"], ASSUMED),
+        ("angular position", "φφ", "°", plan["phi_deg"], ASSUMED),
+    ]
+    data = pd.DataFrame(
+        [
+            (*about, round(float(values.min()), 9), round(float(values.max()), 9), source)
+            for *about, values, source in rows
+        ],
+        columns=["factor", "symbol", "unit", "minimum", "maximum", "source"],
+    )
+    positions = len(plan[["phi_r_m", "phi_deg"]].drop_duplicates())
+    limits = {name: data[name].map("{:g}".format) for name in ("minimum", "maximum")}
+    return PaperTable(
+        title="Table II. Space of the experiment with four factors",
+        data=data,
+        shown=data.assign(**limits),
+        note=f"{len(plan)} simulations at {positions} positions of the finger's centre.",
+    )
+
+
+def table3(results: Results) -> PaperTable:
+    """Parameters of the four-factor model, from the plan and from two optimal designs alone."""
+    fits = (
+        ("plan", "four_factor"),
+        ("optimal design, the paper's form", "four_factor_design"),
+        ("optimal design, distinct scenes", "four_factor_design_distinct"),
+    )
+    title = "Table III. Parameters of the four-factor model"
+    return _parameters(results, fits, plan="four_factor", title=title)
+
+
+TABLES: dict[str, Callable[[Results], PaperTable]] = {"1": table1, "2": table2, "3": table3}
+
+
+def _parameters(
+    results: Results, fits: Sequence[tuple[str, str]], *, plan: str, title: str
+) -> PaperTable:
+    """The parameters of fits and their errors on the points of a plan, to which the first is."""
+    forces, rows = results.forces(plan), []
+    judged_on = f"{results.fit(fits[0][1]).points} points of the {fits[0][0]}"
+    for shown, name in fits:
+        fit = results.fit(name)
+        for key, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
+            rows.append((shown, fit.points, SYMBOLS[key], UNITS.get(key, "–"), value))
+        error = fit.global_error if name == plan else results.validation(name, plan)["global_error"]
+        rows.append((shown, fit.points, f"global error on the {judged_on}", "%", 100 * error))
+    data = pd.DataFrame(rows, columns=["fit", "points", "quantity", "unit", "value"])
+    error = float((forces["force_error_n"] / forces["force_n"].abs()).max())
+    note = f"Simulations: estimated error ≤ {rounded_up(error)} of the force."
+    if plan == "four_factor":
+        note += " φφ in degrees, φr in metres."
+    return PaperTable(title, data, _side_by_side(data), note)
+
+
+def _side_by_side(data: pd.DataFrame) -> pd.DataFrame:
+    """A row per quantity, a column per fit, five digits."""
+    table = data.assign(
+        fit=data["fit"] + " (" + data["points"].astype(str) + " points)",
+        value=data["value"].map(five_digits),
+    )
+    wide = table.pivot(index=["quantity", "unit"], columns="fit", values="value")
+    order = data[["quantity", "unit"]].drop_duplicates()
+    return wide.loc[
+        list(order.itertuples(index=False, name=None)), table["fit"].unique()
+    ].reset_index()
+
+
+def five_digits(value: float) -> str:
+    """Five digits; what is zero but for rounding, beside parameters of order 1 to 100, reads 0."""
+    return "0" if abs(value) < 1e-12 else f"{value:.5g}".replace("-", "−")

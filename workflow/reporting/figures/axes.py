@@ -1,0 +1,198 @@
+"""Axes that several figures have: planes of gap and amplitude and of position, forces in space."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import NDArray
+
+from reporting.figures import style
+
+H0_LABEL = r"mean gap $h_0$ (µm)"
+HV_LABEL = r"amplitude $h_v$ (µm)"
+LIMIT_COLUMNS = ("h0_min_um", "h0_max_um", "hv_min_um", "hv_max_um")
+
+
+def label_plane(axes: Axes) -> None:
+    """Gap to the right, amplitude upwards."""
+    axes.set_xlabel(H0_LABEL)
+    axes.set_ylabel(HV_LABEL)
+
+
+def set_up_plane(axes: Axes, data: pd.DataFrame, *, headroom: float = 0.15) -> None:
+    """Label the axes and leave room around the experimental space, whose limits the table has.
+
+    headroom is the room above the space, as a share of its height.
+    """
+    low_h0, high_h0, low_hv, high_hv = (float(data[name].iloc[0]) for name in LIMIT_COLUMNS)
+    width, height = high_h0 - low_h0, high_hv - low_hv
+    label_plane(axes)
+    axes.set_xlim(low_h0 - 0.1 * width, high_h0 + 0.1 * width)
+    axes.set_ylim(low_hv - 0.13 * height, high_hv + headroom * height)
+    axes.grid(True)
+
+
+def set_up_positions(axes: Axes, angles_deg: pd.Series, *, margin: float) -> None:
+    """Label the axes of polar positions and leave a margin, a share of the range, at the angles."""
+    low, high = min(0.0, float(angles_deg.min())), float(angles_deg.max())
+    room = margin * ((high - low) or 45)
+    axes.set_xlim(low - room, high + room)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
+    axes.set_xlabel(r"angular position $\phi_\varphi$ (°)")
+    axes.set_ylabel(r"radial position $\phi_r$ (mm)")
+    axes.grid(True)
+
+
+def dots(
+    axes: Axes, data: pd.DataFrame, *, x: str = "h0_um", y: str = "hv_um", fill: str, **look: Any
+) -> None:
+    """A dot for each row, also on the rim of the axes; ``look`` as matplotlib has it."""
+    usual: dict[str, Any] = {"markeredgecolor": "black", "clip_on": False}
+    axes.plot(data[x], data[y], "o", color=fill, **usual | look)
+
+
+def grid_of(data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um") -> Any:
+    """x, y and the values over them (rows along y) of a table that is a grid."""
+    table = data.pivot(index=y, columns=x, values=value)
+    return table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
+
+
+def error_contours(
+    axes: Axes, data: pd.DataFrame, *, bins: int, ticks: Sequence[float], **lines: Any
+) -> tuple[ContourSet, ContourSet]:
+    """Relative errors on a grid as filled contours, and the lines between them.
+
+    The amplitude's axis is logarithmic: the error changes fastest at small amplitudes. The edge of
+    the band is a thick line where the error reaches it.
+    """
+    grid = grid_of(data, "relative_error_percent")
+    reach = float(np.abs(grid[2]).max())
+    levels = MaxNLocator(nbins=bins, symmetric=True).tick_values(-reach, reach)
+    axes.set_xlim(grid[0][0], grid[0][-1])
+    axes.set_ylim(grid[1][0], grid[1][-1])
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=ticks))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    filled = axes.contourf(*grid, levels=levels, cmap=style.DIVERGING)
+    drawn = axes.contour(*grid, levels=levels, **lines)
+    band = float(data["band_percent"].iloc[0])
+    if reach > band:
+        error = np.abs(grid[2])
+        axes.contour(*grid[:2], error, levels=[band], colors="black", linewidths=1.8)
+    return filled, drawn
+
+
+def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> None:
+    """Write a label beside each point, towards the middle of the axes, or above one at the top."""
+    middle_h0 = sum(axes.get_xlim()) / 2
+    low_hv, high_hv = axes.get_ylim()
+    for h0_um, hv_um, label in zip(data["h0_um"], data["hv_um"], labels, strict=True):
+        left, height = h0_um < middle_h0, (hv_um - low_hv) / (high_hv - low_hv)
+        below = 0.4 < height < 0.7
+        axes.annotate(
+            label,
+            (h0_um, hv_um),
+            xytext=(5 if left else -5, -4 if below else 4),
+            textcoords="offset points",
+            ha="left" if left else "right",
+            va="top" if below else "bottom",
+            fontsize=7,
+            path_effects=[withStroke(linewidth=2, foreground="white")],
+            zorder=4,
+        )
+
+
+def add_space(
+    figure: Figure, *, labels: tuple[str, str, str], azimuth_deg: float, bottom: float
+) -> Axes3D:
+    """Axes in space that fill the figure above ``bottom``, a share of its height.
+
+    Axes in space do not take part in the usual layout.
+    """
+    figure.set_layout_engine("none")
+    axes = figure.add_axes((0.025, bottom, 0.935, 1 - bottom), projection="3d")
+    assert isinstance(axes, Axes3D)
+    axes.set_box_aspect((1.2, 1.2, 0.85), zoom=1.0)
+    axes.view_init(elev=24, azim=azimuth_deg)
+    axes.computed_zorder = False  # so that points can stand in front of the mesh
+    axes.set_xlabel(labels[0], labelpad=-5)
+    axes.set_ylabel(labels[1], labelpad=-5)
+    axes.set_zlabel(labels[2], labelpad=-5)
+    axes.tick_params(pad=-2)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_pane_color((1, 1, 1, 0))
+        axis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+    return axes
+
+
+def mesh(
+    axes: Axes3D, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]
+) -> None:
+    """Draw a mesh of shape (m, n) coloured by its height z."""
+    colours = mpl.colormaps[style.SEQUENTIAL](mpl.colors.Normalize()(z))
+    colours[..., :3] = 0.45 * colours[..., :3] + 0.55  # light, so that points stand out
+    axes.plot_surface(
+        x,
+        y,
+        z,
+        facecolors=colours,
+        edgecolor="0.4",
+        linewidth=0.25,
+        rcount=z.shape[0],
+        ccount=z.shape[1],
+        shade=False,
+        zorder=1,
+    )
+
+
+def add_force_space(figure: Figure, *, bottom: float) -> Axes3D:
+    """Axes of force over gap and amplitude, seen so that no part of the surface hides another."""
+    labels = (H0_LABEL, HV_LABEL, r"force $\eta$ (N)")
+    return add_space(figure, labels=labels, azimuth_deg=-132, bottom=bottom)
+
+
+def force_mesh(axes: Axes3D, data: pd.DataFrame) -> None:
+    """Draw a grid of rows h0_um, hv_um, force_n as a mesh."""
+    table = data.pivot(index="h0_um", columns="hv_um", values="force_n")
+    h0, hv = np.meshgrid(table.index, table.columns, indexing="ij")
+    mesh(axes, h0, hv, table.to_numpy())
+
+
+def force_points(
+    axes: Axes3D, data: pd.DataFrame, *, color: str, label: str, s: float = 11
+) -> None:
+    """Draw rows h0_um, hv_um, force_n as dots in front of the mesh."""
+    axes.scatter(
+        data["h0_um"],
+        data["hv_um"],
+        data["force_n"],
+        s=s,
+        color=color,
+        edgecolor="black",
+        linewidth=0.5,
+        depthshade=False,
+        label=label,
+        zorder=5,
+    )
+
+
+def model_and_points(
+    data: pd.DataFrame, points: Mapping[str, Mapping[str, Any]], *, notes: Sequence[str]
+) -> Figure:
+    """Layer model as a mesh, and layers of dots, each with its look (see force_points)."""
+    figure = style.new_figure(height_in=3.1)
+    axes = add_force_space(figure, bottom=style.add_note(figure, *notes))
+    force_mesh(axes, style.rows(data, "model"))
+    for layer, look in points.items():
+        force_points(axes, style.rows(data, layer), **look)
+    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
+    return figure

@@ -1,0 +1,129 @@
+"""Maps over gap and amplitude: the error of the five-point model, and the force."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, MaxNLocator
+
+from reporting.figures import style
+from reporting.figures.axes import dots, error_contours, grid_of, label_plane
+from reporting.figures.tables import (
+    error_note,
+    error_table,
+    micrometres,
+    plane_table,
+    simulations_note,
+)
+from reporting.notes import percent
+from reporting.results import Results
+from squeezefilm.models.data import factors_of
+
+ALONE_MM = 5.0
+"""What is shown either way of a single position."""
+DECADE = 10.0
+"""Forces that span more than this are drawn on a logarithmic scale."""
+
+
+def error_map(results: Results) -> Figure:
+    """Relative error of the model fitted to the design, over the whole space."""
+    grid = error_table(results, "two_factor_design", "error_map", layer="map")
+    design = plane_table(results.forces("two_factor_design"), layer="design")
+    figure = style.new_figure(width_in=style.SINGLE_COLUMN_IN, height_in=3.2)
+    axes = figure.subplots()
+    filled, lines = error_contours(
+        axes, grid, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
+    )
+    axes.clabel(lines, fontsize=6, fmt=lambda level: f"{level:g}".replace("-", "−"))
+    dots(
+        axes,
+        design,
+        fill="black",
+        markersize=6,
+        markeredgecolor="white",
+        markeredgewidth=0.7,
+        zorder=4,
+        label="design point",
+    )
+    label_plane(axes)
+    bar = figure.colorbar(filled, ax=axes, pad=0.02)
+    bar.set_label("relative error (%)")
+    figure.legend(loc="outside upper center", handletextpad=0.2)
+    note = error_note(results, "two_factor_design", "error_map")
+    style.add_note(figure, note, simulations_note(results.forces("error_map")), results.beyond)
+    return figure
+
+
+def force_map(results: Results) -> Figure:
+    """The force at the centre, and at each position the amplitude for the wanted force."""
+    forces = plane_table(results.forces("error_map"), layer="map")
+    table = results.table("models/recommended.csv", "space", "model", "h0_m", "force_n")
+    table = table[table["model"].notna()]
+    wanted_n = results.config["extrapolation"]["force_n"]
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=3.2)
+    figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
+    left, right = figure.subplots(1, 2)
+    _draw_forces(figure, left, forces, wanted_n=wanted_n)
+    if table.empty:
+        right.set_visible(False)
+        note = "(b): no model compared can be judged."
+    else:
+        anywhere = table[table["space"] == table["space"].iloc[-1]]
+        first = anywhere.iloc[0]
+        note = (
+            f"Wanted: {wanted_n:g} N. (b): h0 = {1e6 * first['h0_m']:g} µm, model "
+            f"{first['model']}, {percent(float(first['validation_error']))} off over the "
+            f"validation sample, at most {percent(float(first['worst_error']))}."
+        )
+        _draw_positions(right, anywhere)
+    style.add_note(figure, note, results.beyond)
+    return figure
+
+
+def _draw_forces(figure: Figure, axes: Axes, rows: pd.DataFrame, *, wanted_n: float) -> None:
+    grid = grid_of(rows, "force_n")
+    low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
+    wide = low > 0 and high > DECADE * low
+    ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
+    levels = np.asarray(ticks.tick_values(low, high))
+    levels = levels[(levels > low / 3) & (levels < 3 * high)]
+    drawn = axes.contourf(
+        *grid, levels=levels, cmap=style.SEQUENTIAL, norm="log" if wide else None, extend="both"
+    )
+    axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
+    if low < wanted_n < high:
+        axes.contour(*grid, levels=[wanted_n], colors="black", linewidths=2.0)
+    dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
+    label_plane(axes)
+    axes.set_title("(a) force at the centre")
+    bar = figure.colorbar(drawn, ax=axes, format="%g")
+    bar.ax.minorticks_off()
+    bar.set_label("mean force (N)")
+
+
+def _draw_positions(axes: Axes, table: pd.DataFrame) -> None:
+    """Amplitudes at positions: hollow where the model is not validated, a cross without any."""
+    at = factors_of(table.assign(hv_m=0.0))
+    x_mm, y_mm, hv_um = 1e3 * at.x_m, 1e3 * at.y_m, micrometres(table["hv_m"])
+    known = np.isfinite(hv_um)
+    validated = table["error_95_percent"].notna().to_numpy()
+    for chosen, fill in ((known & validated, style.BLUE), (known & ~validated, "white")):
+        axes.plot(x_mm[chosen], y_mm[chosen], "o", color=style.BLUE, ms=5, mfc=fill)
+    axes.plot(x_mm[~known], y_mm[~known], "x", color=style.VERMILLION)
+    for x, y, value in zip(x_mm[known], y_mm[known], hv_um[known], strict=True):
+        axes.annotate(
+            f"{value:.2f}",
+            (x, y),
+            xytext=(0, 5),
+            textcoords="offset points",
+            ha="center",
+            fontsize=6,
+        ).set_in_layout(False)
+    axes.margins(0.15)
+    if len(table) == 1:  # nothing else says how large a millimetre is
+        axes.set_xlim(-ALONE_MM, ALONE_MM)
+        axes.set_ylim(-ALONE_MM, ALONE_MM)
+    axes.set_xlabel("finger's centre, $x$ (mm)")
+    axes.set_ylabel("$y$ (mm)")
+    axes.set_title("(b) amplitude wanted (µm)")
+    axes.grid(True)

@@ -1,0 +1,227 @@
+"""Models compared, D-optimal designs, and models refined; each for a space of factors."""
+
+from math import ceil
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm, SymLogNorm
+from matplotlib.figure import Figure
+
+from reporting.figures import style
+from reporting.figures.axes import label_plane
+from reporting.results import Results
+from squeezefilm.io.tables import ROUND_COLUMNS, WHERE_COLUMNS
+from squeezefilm.models.data import factors_of
+
+ACROSS = 4
+DECADES = 5
+LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
+LARGEST_DOT = 140
+"""Area in points² of a design point with all the weight."""
+LINEAR = 0.02
+"""Share of the largest error, at least, up to which a map's colours are linear."""
+VERDICTS = {
+    "reached": "as good as wanted",
+    "model": "limited by the model",
+    "simulation": "limited by the simulations",
+    "budget": "out of simulations",
+    "left out": "left out",
+}
+
+
+def _without_anything(text: str) -> Figure:
+    """A figure of words alone."""
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.0)
+    figure.text(0.5, 0.6, text, ha="center")
+    return figure
+
+
+def model_errors(results: Results, space: str) -> Figure:
+    """A panel for each model: errors on the validation sample, larger ones over smaller ones."""
+    data = pd.read_csv(results.folder / f"models/{space}_errors.csv")
+    if data.empty:
+        return _without_anything("no model can be judged on these points")
+    models = list(dict.fromkeys(data["model"]))
+    across = min(ACROSS, len(models))
+    down = ceil(len(models) / across)
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 1.85 * down)
+    panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
+    size = data["relative_error_percent"].abs()
+    top = max(float(size.max()), 1e-10)
+    lowest = top * 10.0**-DECADES
+    for axes in panels[len(models) :]:
+        axes.set_visible(False)
+    for axes, model in zip(panels, models, strict=False):
+        rows = data[data["model"] == model].assign(size=size).sort_values("size", kind="stable")
+        dots = axes.scatter(
+            rows["h0_um"],
+            rows["hv_um"],
+            c=np.maximum(rows["size"], lowest),
+            norm=LogNorm(vmin=lowest, vmax=top),
+            cmap=style.SEQUENTIAL,
+            s=5,
+            linewidths=0,
+        )
+        first = rows.iloc[0]
+        axes.set_title(
+            f"{model} ({first['parameters']:.0f})\n{first['validation_error_percent']:.3g} %",
+            fontsize=7,
+        )
+    for number, axes in enumerate(panels[: len(models)]):
+        axes.tick_params(labelsize=6)
+        label_plane(axes)
+        axes.yaxis.label.set_visible(number % across == 0)
+        axes.xaxis.label.set_visible(number >= len(models) - across)
+        if number >= len(models) - across:
+            axes.tick_params(labelbottom=True)
+    bar = figure.colorbar(dots, ax=list(panels), pad=0.02, extend="min")
+    bar.set_label("|relative error| (%)")
+    note = "Above each panel: the number of parameters, the global error."
+    style.add_note(figure, note, results.beyond)
+    return figure
+
+
+def sensitivity(results: Results, space: str) -> Figure:
+    """d(x)/p over gap and amplitude, and over the finger's position where it moves."""
+    data = results.table(f"designs/optimal_{space}_sensitivity.csv", "layer", "sensitivity")
+    moved = bool((data["layer"] == "position").any())
+    width = style.DOUBLE_COLUMN_IN if moved else style.SINGLE_COLUMN_IN
+    figure = style.new_figure(width_in=width, height_in=3.2)
+    panels = figure.subplots(1, 2 if moved else 1, squeeze=False)[0]
+    colours = _draw_sensitivity(panels[0], data, "gap", ("h0_um", "hv_um"))
+    label_plane(panels[0])
+    if moved:
+        _draw_sensitivity(panels[1], data, "position", ("x_mm", "y_mm"))
+        _label_position(panels[1])
+    bar = figure.colorbar(colours, ax=list(panels), pad=0.02)
+    bar.set_label("sensitivity d/p (–)")
+    style.add_note(figure, "Circles: design points, their area the weight.", results.beyond)
+    return figure
+
+
+def _label_position(axes: Axes) -> None:
+    axes.set_xlabel("finger x (mm)")
+    axes.set_ylabel("finger y (mm)")
+
+
+def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[str, str]) -> Any:
+    rows, points = style.rows(data, layer), style.rows(data, "design")
+    x, y, level = (rows[name].to_numpy(dtype=float) for name in (*names, "sensitivity"))
+    shading: dict[str, Any] = {"cmap": style.SEQUENTIAL, "vmin": 0.0, "vmax": 1.0}
+    colours = axes.tripcolor(x, y, level, shading="gouraud", rasterized=True, **shading)
+    reached = [each for each in LEVELS if level.min() < each < level.max()]
+    if reached:
+        axes.tricontour(x, y, level, levels=reached, colors="white", linewidths=0.5)
+    axes.scatter(
+        points[names[0]],
+        points[names[1]],
+        s=LARGEST_DOT * points["weight"].to_numpy(dtype=float),
+        facecolor="none",
+        edgecolor=style.VERMILLION,
+        linewidths=1.4,
+        clip_on=False,
+        zorder=3,
+    )
+    return colours
+
+
+def refined(results: Results, space: str) -> Figure:
+    """A row for each refined model: errors against simulations, maps of gap and of position."""
+    table = results.table(f"refine/{space}.csv", "model", "verdict", "simulations")
+    table = table[table["verdict"] != "left out"]
+    if table.empty:
+        return _without_anything("no model of this space was refined")
+    simulated = {
+        model: _places(results.table(f"refine/{space}/{model}/forces.csv", "h0_m", "hv_m"))
+        for model in table["model"]
+    }
+    moved = any(bool(places["x_mm"].abs().max() > 0) for places in simulated.values())
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=0.5 + 2.1 * len(table))
+    panels = figure.subplots(len(table), 3 if moved else 2, squeeze=False)
+    for row, (_, model) in zip(panels, table.iterrows(), strict=True):
+        folder = f"refine/{space}/{model['model']}"
+        verdict = results.summary(f"{folder}/verdict.json")
+        rounds = results.table(f"{folder}/rounds.csv", *ROUND_COLUMNS)
+        _draw_rounds(row[0], rounds, wanted=verdict["wanted"], truth=model)
+        row[0].set_title(f"{model['model']}: {VERDICTS[model['verdict']]}")
+        where = results.table(f"{folder}/where.csv", *WHERE_COLUMNS)
+        sample = where[where["layer"] == "sample"]
+        error = 100 * sample["error_n"].to_numpy(dtype=float) / verdict["mean_force_n"]
+        places = _places(sample).assign(error_percent=error)
+        points = simulated[model["model"]]
+        dots = _draw_errors(row[1], places, points, "h0_um", "hv_um")
+        label_plane(row[1])
+        if moved:
+            _draw_errors(row[2], places, points, "x_mm", "y_mm")
+            _label_position(row[2])
+        bar = figure.colorbar(dots, ax=row[-1], pad=0.02)
+        bar.set_label("error (%)")
+        bar.ax.tick_params(labelsize=6)
+    panels[0][0].legend(loc="best")
+    note = "Dashed: wanted; stars: on simulations that no refinement used; bars: 95 % limits."
+    style.add_note(figure, note, results.beyond)
+    return figure
+
+
+def _places(table: pd.DataFrame) -> pd.DataFrame:
+    at = factors_of(table)
+    return pd.DataFrame(
+        {
+            "h0_um": 1e6 * table["h0_m"].to_numpy(dtype=float),
+            "hv_um": 1e6 * table["hv_m"].to_numpy(dtype=float),
+            "x_mm": 1e3 * at.x_m,
+            "y_mm": 1e3 * at.y_m,
+        }
+    )
+
+
+def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, wanted: Any, truth: pd.Series) -> None:
+    """Estimates with their limits, the wanted errors dashed, the truth as stars."""
+    rounds = rounds.assign(**{name: 100 * rounds[name] for name in ROUND_COLUMNS if "_" in name})
+    for name, colour, label in (
+        ("worst_error", style.VERMILLION, "worst"),
+        ("global_error", style.BLUE, "global"),
+    ):
+        known = rounds[np.isfinite(rounds[name])]
+        axes.plot(known["simulations"], known[name], "o-", color=colour, markersize=3, label=label)
+        axes.axhline(100 * wanted[name], color=colour, linestyle="--", linewidth=0.6)
+        star = 100 * truth[f"unseen_{name}"]
+        axes.plot(truth["simulations"], star, "*", color=colour, markersize=8, mec="black")
+    centre = rounds["global_error"]
+    axes.errorbar(
+        rounds["simulations"],
+        centre,
+        yerr=[centre - rounds["global_lower"], rounds["global_upper"] - centre],
+        fmt="none",
+        color=style.BLUE,
+        linewidth=0.8,
+        capsize=2,
+    )
+    axes.set_yscale("log")
+    axes.set_xlim(rounds["simulations"].min() - 1, rounds["simulations"].max() + 1)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set_xlabel("simulations (–)")
+    axes.set_ylabel("error (%)")
+    axes.grid(axis="y")
+
+
+def _draw_errors(axes: Axes, sample: pd.DataFrame, simulated: pd.DataFrame, x: str, y: str) -> Any:
+    """The error at a fair sample of the space, the largest on top; simulated points circled."""
+    error = sample["error_percent"].to_numpy()
+    order = np.argsort(np.abs(error))
+    top = max(float(np.nanmax(np.abs(error))), 1e-12)
+    dots = axes.scatter(
+        sample[x].to_numpy()[order],
+        sample[y].to_numpy()[order],
+        c=error[order],
+        # Linear up to a power of ten, so that the ticks keep apart.
+        norm=SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR * top)), vmin=-top, vmax=top),
+        cmap=style.DIVERGING,
+        s=6,
+        linewidths=0,
+    )
+    axes.plot(simulated[x], simulated[y], "o", mfc="none", mec="black", mew=0.6, markersize=4)
+    axes.tick_params(labelsize=6)
+    return dots

@@ -1,1 +1,0 @@
-"""What several figures share: their style, planes, surfaces, and the tables behind them."""

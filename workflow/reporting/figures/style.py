@@ -1,0 +1,171 @@
+"""What the figures have in common: size, type, colour, the note below, and saving."""
+
+from collections.abc import Container, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import pandas as pd
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.legend import Legend
+from matplotlib.text import Text
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+from squeezefilm.io.atomic import whole_file
+from squeezefilm.io.errors import InputError
+
+SINGLE_COLUMN_IN = 3.5
+DOUBLE_COLUMN_IN = 7.16
+PNG_DPI = 300
+CHECK_DPI = 50
+PLAIN = ".plain.png"
+"""How the name of a small picture without texts ends."""
+
+# Okabe and Ito's colours, told apart with every common colour vision.
+BLUE, VERMILLION, GREEN, ORANGE, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7"
+GREY = "#6E6E6E"
+SEQUENTIAL = "viridis"
+DIVERGING = "PuOr_r"
+
+NOTE_SIZE_PT = 6.0
+_NOTE_LINE_IN = NOTE_SIZE_PT * 1.3 / 72
+_MARGIN_IN = 0.03
+_NOTE_INDENT_IN = 0.05
+
+# DejaVu comes with matplotlib, so figures are the same on every machine; a viewer of the SVG that
+# lacks it falls back to narrower fonts, which still fit.
+_SETTINGS: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "Helvetica"],
+    "mathtext.fontset": "dejavusans",
+    "font.size": 8,
+    "axes.labelsize": 8,
+    "axes.titlesize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "axes.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "grid.linewidth": 0.4,
+    "grid.color": "0.85",
+    "lines.linewidth": 1.0,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "savefig.dpi": PNG_DPI,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "squeezefilm",
+}
+
+
+# Dates and versions would make equal drawings differ.
+_NO_METADATA: dict[str, dict[str, None]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": None},
+    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+
+
+_with_notes: ContextVar[bool] = ContextVar("with_notes", default=True)
+
+
+@contextmanager
+def settings(*, notes: bool = True) -> Iterator[None]:
+    """The style, as a context in which figures are drawn and saved, with their notes or without."""
+    everything: dict[Any, Any] = dict(mpl.rcParamsDefault)
+    token = _with_notes.set(notes)
+    with mpl.rc_context(everything | {"backend": "agg"} | _SETTINGS):
+        yield
+    _with_notes.reset(token)
+
+
+def new_figure(*, width_in: float = SINGLE_COLUMN_IN, height_in: float = 2.7) -> Figure:
+    """An empty figure of a journal's column width whose parts make room for each other."""
+    return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
+def add_note(figure: Figure, *lines: str) -> float:
+    """Write lines below the figure; returns the share of the height they take.
+
+    Without any there is room for one.
+    """
+    width_in, height_in = figure.get_size_inches()
+    shown = [line for line in lines if line and _with_notes.get()] or [""]
+    figure.text(
+        _NOTE_INDENT_IN / width_in,
+        _MARGIN_IN / height_in,
+        "\n".join(shown),
+        fontsize=NOTE_SIZE_PT,
+        color="0.25",
+        va="bottom",
+        ha="left",
+        linespacing=1.2,
+    )
+    taken = float((2 * _MARGIN_IN + len(shown) * _NOTE_LINE_IN) / height_in)
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        engine.set(rect=(0, taken, 1, 1 - taken))
+    return taken
+
+
+def plain_numbers(axis: Axis) -> None:
+    """A logarithmic axis with plain numbers at 1, 2 and 5 of each decade."""
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def check_known(styles: Container[Any], keys: Iterable[Any], *, what: str) -> None:
+    """Refuse a table with something that would not be drawn, for no style is known for it.
+
+    Raises InputError naming it.
+    """
+    unknown = sorted({str(key) for key in keys if key not in styles})
+    if unknown:
+        raise InputError(f"no style is known for the {what} {', '.join(unknown)}")
+
+
+def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
+    """The rows of one layer, in the table's order."""
+    return data[data["layer"] == layer]
+
+
+def settle(figure: Figure) -> None:
+    """Lay the figure out once, in places of nine digits: the last ones differ from run to run."""
+    if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        for part in figure.subfigs:
+            part.bbox_relative.set_points(part.bbox_relative.get_points().round(9))
+        for axes in figure.axes:
+            places = axes.get_position(original=True).bounds
+            axes.set_position((*(round(place, 9) for place in places),), which="both")
+
+
+def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
+    """Save small pictures that no font changes: without texts, numbers at axes and legends."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis, getattr(axes, "zaxis", None)):
+            if axis is not None:
+                axis.set_major_formatter(NullFormatter())
+                axis.set_minor_formatter(NullFormatter())
+    for part in (*figure.findobj(Text), *figure.findobj(Legend)):
+        part.set_visible(False)
+    for path in paths:
+        with whole_file(path) as name:
+            figure.savefig(name, format="png", dpi=CHECK_DPI, metadata=_NO_METADATA[".png"])
+
+
+def save(figure: Figure, paths: Iterable[Path | str]) -> None:
+    """Save in the formats that the names ask for, byte for byte the same each time."""
+    settle(figure)
+    for path in map(Path, paths):
+        with whole_file(path) as part:
+            kind = path.suffix.removeprefix(".")
+            figure.savefig(part, format=kind, metadata=_NO_METADATA[path.suffix])

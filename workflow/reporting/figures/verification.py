@@ -1,0 +1,122 @@
+"""The solver examined: stiff and extreme films, and its error against run time."""
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from reporting.figures import style
+from reporting.results import Results
+
+STYLES = {
+    "solver": ("black", "o", "-"),
+    "solver, in a batch": ("black", "o", ":"),
+    "same algorithm, NumPy, no symmetry": (style.BLUE, "D", "-"),
+    "Chebyshev, Radau, Anderson": (style.GREEN, "v", "-"),
+    "finite elements, Anderson": (style.PURPLE, "<", "-"),
+    "finite elements from rest": (style.VERMILLION, "p", "-"),
+}
+"""Colour, marker and line of each method."""
+MARKERS = {"solved": "o", "unchecked": "D", "refused": "s", "failed": "X"}
+EPSILON_TICKS = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99)
+LARGEST_EPSILON = 0.998
+APART = 0.25
+"""Of films in one place, in decades of σ."""
+
+
+def stability(results: Results) -> Figure:
+    """Left the films without inertia over (ε, σ), right those with it over (Re, σ)."""
+    data = results.table("numerics/stability.csv", "verdict", "worst_over_allowed")
+    style.check_known(MARKERS, data["verdict"], what="verdict")
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=4.4)
+    left, right = figure.subplots(1, 2, width_ratios=(3, 2), sharey=True)
+    moving = data["reynolds"] > 0
+    shown = _films(left, data[~moving].assign(x=data["epsilon"].clip(upper=LARGEST_EPSILON)))
+    left.set_xscale("logit")
+    left.set_xticks(EPSILON_TICKS, [f"{tick:g}" for tick in EPSILON_TICKS])
+    left.set_xlim(4e-4, 0.9988)
+    left.set_xlabel("excursion ratio ε (–); contact at the right edge")
+    left.set_ylabel("squeeze number σ (–)")
+    left.set_title("(a) without inertia")
+    _films(right, data[moving].sort_values("epsilon", kind="stable").assign(x=data["reynolds"]))
+    right.set_xscale("log")
+    right.set_xlim(0.2, 120)
+    right.set_xlabel("modified Reynolds number Re (–)")
+    right.set_title("(b) with inertia, ε rising upwards")
+    bar = figure.colorbar(shown, ax=(left, right), pad=0.01, aspect=40)
+    bar.set_label("worst deviation over what is allowed (–)")
+    for verdict, count in data["verdict"].value_counts().items():
+        marker = MARKERS[str(verdict)]
+        left.plot([], [], marker, color="0.4", linestyle="", label=f"{verdict} ({count})")
+    figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=4)
+    style.add_note(figure, "Films of one place stand one above the other.")
+    return figure
+
+
+def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
+    """Dots coloured by the worst deviation, those of one place apart; the last of them."""
+    place = films.groupby(["x", "sigma"])
+    rank = place.cumcount() - (place["x"].transform("size") - 1) / 2
+    films = films.assign(y=films["sigma"] * 10 ** (APART * rank))
+    for verdict, marker in MARKERS.items():
+        some = films[films["verdict"] == verdict]
+        dots = axes.scatter(
+            some["x"],
+            some["y"],
+            c=some["worst_over_allowed"],
+            marker=marker,
+            s=26,
+            cmap=mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white"),
+            norm=LogNorm(1e-4, 1.0, clip=True),
+            plotnonfinite=True,
+            edgecolors="0.3",
+            linewidths=0.6,
+        )
+    axes.set_yscale("log")
+    axes.grid(True)
+    return dots
+
+
+def work_precision(results: Results) -> Figure:
+    """A panel for each film, a line for each method."""
+    data = results.table("numerics/work_precision.csv", "film", "method", "relative_error")
+    style.check_known(STYLES, data["method"], what="method")
+    films = list(dict.fromkeys(data["film"]))
+    columns = min(2, len(films))
+    rows = -(-len(films) // columns)
+    figure = style.new_figure(width_in=style.DOUBLE_COLUMN_IN, height_in=1.0 + 2.3 * rows)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    lowest = 0.2 * float(data["reference_uncertainty"].min())
+    for panel, film in zip(panels, films, strict=False):
+        here = data[data["film"] == film]
+        floor = float(here["reference_uncertainty"].iloc[0])
+        panel.axhline(float(here["model_error"].iloc[0]), color=style.ORANGE, linewidth=1.5)
+        panel.axhspan(lowest, floor, color="0.85", linewidth=0, zorder=0)
+        for method, (colour, marker, line) in STYLES.items():
+            path = here[(here["method"] == method) & (here["status"] == "ok")]
+            panel.plot(
+                path["cpu_seconds"],
+                np.maximum(path["relative_error"], floor),
+                color=colour,
+                marker=marker,
+                linestyle=line,
+                markersize=4,
+                markerfacecolor="white" if line == ":" else colour,
+                label=method,
+            )
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.set_ylim(lowest, 1)
+        panel.set_title(film)
+        panel.grid(True)
+        panel.set_xlabel("processor time per film (s)")
+        panel.set_ylabel("relative error of the force (–)")
+        panel.label_outer()
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    note = "Orange: error of the empirical model; grey: what the reference cannot tell apart."
+    style.add_note(figure, note)
+    return figure

@@ -1,0 +1,231 @@
+"""The candidates for the force model side by side, and the one that is recommended.
+
+One half of a space's validation sample ranks the models, the other calibrated their prediction
+intervals (``squeezefilm fit``). Points that have no force are excluded from the errors and counted.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from reporting.notes import percent
+from reporting.results import Results
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import form_of
+from squeezefilm.io.tables import read_forces, read_json
+from squeezefilm.models.amplitude_for_force import working_point
+from squeezefilm.models.cross_validation import error_sizes, relative_errors
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import SPACES, check_columns
+from squeezefilm.models.prediction_interval import QUANTITIES, ranking_half
+
+COLUMNS = (
+    "model",
+    "parameters",
+    "fit_points",
+    "fit_error",
+    "left_out_error",
+    "validation_points",
+    "validation_failed",
+    "validation_error",
+    "validation_worst_relative",
+    "validation_worst_n",
+    "error_95_percent",
+    "coverage",
+    "coverage_least",
+    "coverage_least_in",
+    "expression",
+    "about",
+    "note",
+)
+COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
+ERROR_COLUMNS = (
+    *("model", "parameters", "validation_error_percent", "h0_um", "hv_um"),
+    "relative_error_percent",
+)
+RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in SPACES))
+"""The plans that the recommended model is judged by; the first has the positions."""
+RECOMMENDED = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
+"""Columns of a table with one empty row: no model can be judged."""
+
+
+def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The candidates of a space, columns COLUMNS, and their errors at each ranking point.
+
+    A model that cannot be judged keeps its row, with the reason in ``note``.
+
+    Raises InputError for a file that is missing or lacks what it must have.
+    """
+    plan = results.folder / f"simulations/validation_{space}"
+    sample = read_forces(plan / "forces.csv")
+    half = ranking_half(len(sample))
+    known = half & (sample["status"] == "ok").to_numpy()
+    factors = factors_of(sample, limits=plan / "limits.csv").take(known)
+    forces = sample[known].reset_index(drop=True)
+    rows, errors = [], [pd.DataFrame(columns=list(ERROR_COLUMNS))]
+    for name in results.config["comparison"][space]:
+        row, relative = _judged(results, f"{space}/{name}", factors, forces)
+        rows.append({**row, "validation_failed": int(half.sum() - known.sum())})
+        if relative is not None:
+            errors.append(_error_table(row, forces, relative))
+    table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(COUNTS, "Int64"))
+    table.loc[table["validation_error"].isna(), "validation_failed"] = pd.NA
+    return table, pd.concat(errors[1:] or errors, ignore_index=True)
+
+
+def _judged(
+    results: Results, model_file: str, factors: Factors, forces: pd.DataFrame
+) -> tuple[dict[str, Any], np.ndarray | None]:
+    """A model's row, and its relative error at each point, unless it cannot be judged."""
+    path = results.folder / f"models/{model_file}.json"
+    values = read_json(path)
+    try:
+        fit = read_fit(path)
+        model = fit.force_model
+        if fit.interval is None:
+            raise InputError("not validated: fit it with a validation sample")
+        check_columns(model, factors)
+        predicted = model.evaluate(fit.theta, factors)
+        undefined = int(np.sum(~np.isfinite(predicted)))
+        if undefined:
+            raise InputError(f"undefined at {undefined} points of the validation sample")
+        errors = error_sizes(model_n=predicted, simulation_n=forces["force_n"])
+    except InputError as error:
+        reason = str(values.get("refused", error))
+        return {"model": values.get("model", path.stem), "note": reason}, None
+    least = min(fit.interval.coverage, key=lambda region: region["coverage"])
+    cross = fit.cross_validation
+    row = {
+        "model": values["model"],
+        "parameters": len(fit.theta),
+        "fit_points": fit.points,
+        "fit_error": fit.global_error,
+        "left_out_error": np.nan if cross is None else cross["global_error"],
+        "validation_points": len(forces),
+        "validation_error": errors["global_error"],
+        "validation_worst_relative": errors["largest_relative"],
+        "validation_worst_n": errors["largest_n"],
+        "error_95_percent": 100
+        * float(np.median(fit.interval.error_n(predicted) / np.abs(predicted))),
+        "coverage": fit.interval.mean_coverage,
+        "coverage_least": least["coverage"],
+        "coverage_least_in": f"{least['third']} third of the {QUANTITIES[least['quantity']]}",
+        "expression": model.expression,
+        "about": model.about or values.get("about", ""),
+        "note": "",
+    }
+    return row, relative_errors(model_n=predicted, simulation_n=forces["force_n"])
+
+
+def _error_table(row: dict[str, Any], forces: pd.DataFrame, relative: np.ndarray) -> pd.DataFrame:
+    """A model's relative errors at the ranking points, lengths in µm and mm."""
+    places = {
+        name.replace("_m", "_mm") if name.endswith("_m") else name: forces[name]
+        * (1e3 if name.endswith("_m") else 1.0)
+        for name in form_of(forces)
+    }
+    return pd.DataFrame(
+        {
+            "model": row["model"],
+            "parameters": row["parameters"],
+            "validation_error_percent": 100 * row["validation_error"],
+            "h0_um": 1e6 * forces["h0_m"],
+            "hv_um": 1e6 * forces["hv_m"],
+            **places,
+            "relative_error_percent": 100 * relative,
+        }
+    )
+
+
+def comparison_values(results: Results, space: str, table: pd.DataFrame) -> dict[str, Any]:
+    """What the template ``models.md`` shows: the best on the validation sample first."""
+    judged = table[table["validation_error"].notna()].sort_values("validation_error", kind="stable")
+    fits = [read_fit(results.folder / f"models/{space}/{model}.json") for model in judged["model"]]
+    shown = pd.DataFrame(
+        {
+            "model": judged["model"],
+            "parameters": judged["parameters"],
+            "global error, fitted points": _percent(judged["fit_error"]),
+            "left out in turn": _percent(judged["left_out_error"]),
+            "validation sample": _percent(judged["validation_error"]),
+            "largest relative error there": _percent(judged["validation_worst_relative"]),
+            "95 % error, median": _percent(judged["error_95_percent"] / 100),
+            "inside it": [f"{value:.1%}" for value in judged["coverage"]],
+            "least, by region": [
+                f"{row.coverage_least:.1%} ({row.coverage_least_in})" for row in judged.itertuples()
+            ],
+            "what it is": judged["about"],
+        }
+    )
+    return {
+        "space": space,
+        "shown": shown,
+        "statement": next((fit.interval.statement for fit in fits if fit.interval), ""),
+        "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
+        "formulas": dict(zip(judged["model"], judged["expression"], strict=True)),
+        "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
+    }
+
+
+def _percent(shares: pd.Series) -> list[str]:
+    return [percent(value) if np.isfinite(value) else "–" for value in shares.astype(float)]
+
+
+def recommend(results: Results) -> pd.DataFrame:
+    """The best model of each space, and the amplitude that it needs at each position.
+
+    Recommended is the model with the least global error on the half of the validation sample that
+    ranks, that with fewer parameters where two are the same. ``worst_error`` is the largest
+    relative error at any simulation of RECOMMENDED_BY, fitted or not. The amplitude gives the
+    study's wanted force at its gap (section ``extrapolation``). One empty row where no model can be
+    judged.
+    """
+    forces = {
+        plan: read_forces(results.folder / f"simulations/{plan}/forces.csv").query("status == 'ok'")
+        for plan in RECOMMENDED_BY
+    }
+    rows = [row for space in SPACES for row in _recommended(results, space, forces)]
+    return pd.DataFrame(rows or [dict.fromkeys(RECOMMENDED)])
+
+
+def _recommended(
+    results: Results, space: str, forces: dict[str, pd.DataFrame]
+) -> Iterator[dict[str, Any]]:
+    """A space's model at its positions; nothing where the study has not compared any there."""
+    if not results.exists(f"models/{space}.csv"):
+        return
+    names = ("model", "parameters", "validation_points", "validation_error")
+    table = results.table(f"models/{space}.csv", *names)
+    judged = table[table["validation_error"].notna()]
+    if judged.empty:
+        return
+    best = judged.sort_values(["validation_error", "parameters"], kind="stable").iloc[0]
+    fit = read_fit(results.folder / f"models/{space}/{best['model']}.json")
+    every = pd.concat(list(forces.values()), ignore_index=True)
+    known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
+    about = {
+        "space": space,
+        **{name: best[name] for name in names},
+        "simulations": len(known),
+        "worst_error": _worst(fit, known),
+    }
+    wanted = results.config["extrapolation"]
+    positions = forces[RECOMMENDED_BY[0]][list(form_of(every))].drop_duplicates()
+    if space == "two_factor":  # the centre alone: models know no other
+        positions = pd.DataFrame([dict.fromkeys(form_of(every), 0.0)])
+    for row in positions.sort_values(list(positions.columns)).to_dict("records"):
+        place = {str(name): float(value) for name, value in row.items()}
+        at = Factors.of(h0_m=wanted["h0_m"], hv_m=wanted["hv_m"], **place)
+        found = working_point(fit, at, force_n=wanted["force_n"])
+        yield {**about, "h0_m": wanted["h0_m"], **place, **found}
+
+
+def _worst(fit: FittedModel, table: pd.DataFrame) -> float:
+    """The largest relative error at simulations; infinite where the model is undefined at one."""
+    model_n = fit.force_model.evaluate(fit.theta, fit.complete(factors_of(table)))
+    if not np.isfinite(model_n).all():
+        return float("inf")
+    return float(np.abs(relative_errors(model_n=model_n, simulation_n=table["force_n"])).max())

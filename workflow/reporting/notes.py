@@ -1,0 +1,80 @@
+"""Numbers as pages and figures show them, and how far a study's films go beyond its equation."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from squeezefilm.film.validity import LIMITS, Limit
+
+
+def percent(share: float) -> str:
+    """A share as a percentage with three digits: 0.00533 → 0.533 %."""
+    return f"{100 * share:.3g} %".replace("-", "−")
+
+
+def one_digit(value: float) -> str:
+    """A small number with one digit: 5.2e-06 → 5e-6."""
+    mantissa, _, exponent = f"{value:.0e}".partition("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def rounded_up(value: float) -> str:
+    """The next number with one digit that is not below a positive value: 2.1e-7 → 3e-7."""
+    if value <= 0:
+        return "0"
+    exponent = math.floor(math.log10(value))
+    digit = math.ceil(round(value / 10.0**exponent, 6))
+    return one_digit(digit * 10.0**exponent)
+
+
+def reynolds_limit(films: str) -> Limit:
+    """The limit of validity in the modified Reynolds number of films of a kind."""
+    return next(each for each in LIMITS if each.symbol == "Re" and each.films == films)
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """How large the gas's inertia is in a study, for pages that have no scene.
+
+    reynolds_per_h0_square: the modified Reynolds number ρωh0²/μ over h0², in 1/m²; kind: of film,
+    as the limits of validity have it (``auto`` has inertia and heat where they matter).
+    """
+
+    reynolds_per_h0_square: float
+    kind: str
+
+    @classmethod
+    def of(cls, config: Mapping[str, Any]) -> "Inertia":
+        """From a study's sections gas and actuator."""
+        gas, omega = config["gas"], 2 * math.pi * config["actuator"]["frequency_hz"]
+        terms = [name for name in ("heat", "inertia") if gas[name] != "none"]
+        return cls(
+            omega * gas["density_kg_per_m3"] / gas["viscosity_pa_s"],
+            f"{terms[0]} included" if "inertia" in terms else "inertia neglected",
+        )
+
+    @property
+    def most_reynolds(self) -> float:
+        """The modified Reynolds number above which the error of a force is unknown."""
+        return reynolds_limit(self.kind).unknown_above
+
+    @property
+    def beyond(self) -> str:
+        """What a modified Reynolds number above most_reynolds means."""
+        limit = reynolds_limit(self.kind)
+        text = f"{self.kind}, error unknown above Re {limit.unknown_above:g}"
+        if limit.not_above < math.inf:
+            text += f"; above Re {limit.not_above:g} the equation does not apply"
+        return text + "."
+
+    def note(self, h0_m: float) -> str:
+        """A line for a study whose gaps reach h0_m; empty up to most_reynolds."""
+        reynolds = self.reynolds_per_h0_square * h0_m**2
+        if reynolds <= self.most_reynolds:
+            return ""
+        edge_um = 1e6 * math.sqrt(self.most_reynolds / self.reynolds_per_h0_square)
+        return (
+            f"Beyond Re {self.most_reynolds:g} from h0 = {edge_um:.3g} µm: Re = ρωh0²/μ is "
+            f"{reynolds:.3g} at {1e6 * h0_m:.3g} µm ({self.beyond})"
+        )

@@ -1,0 +1,150 @@
+"""What refinements estimated of their models' errors, beside points that they have never seen."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from reporting.figures.models import VERDICTS
+from reporting.notes import percent
+from reporting.results import Results
+from squeezefilm.designs.continuous_design import sensitivity
+from squeezefilm.io.tables import read_forces, read_ok_forces
+from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.models.force_model import check_columns
+
+COLUMNS = (
+    "model",
+    "parameters",
+    "verdict",
+    "simulations",
+    "estimated_global_error",
+    "estimated_global_upper",
+    "unseen_global_error",
+    "unseen_global_error_of_all_points",
+    "estimated_worst_error",
+    "unseen_worst_error",
+    "unseen_points",
+    "share_in_interval",
+)
+
+
+def refinement_table(results: Results, space: str) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """A row for each model that was refined, columns COLUMNS, and what ``refine.md`` shows.
+
+    The unseen points are the space's validation sample.
+
+    Raises InputError for a file that is missing or lacks what it must have.
+    """
+    plan = results.folder / f"simulations/validation_{space}"
+    sample = read_forces(plan / "forces.csv")
+    known = (sample["status"] == "ok").to_numpy()
+    unseen = sample[known]
+    factors = factors_of(sample, limits=plan / "limits.csv").take(known)
+    rows, reasons, profile_uncertainty = [], {}, 0.0
+    for name in results.config["refine"][space]:
+        folder = f"refine/{space}/{name}"
+        verdict = results.summary(f"{folder}/verdict.json")
+        if "refused" in verdict:
+            rows.append({"model": verdict["model"], "verdict": "left out"})
+            reasons[verdict["model"]] = ("left out", f"{verdict['refused']}.")
+            continue
+        fit = read_fit(results.folder / folder / "fit.json")
+        profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
+        rows.append(_row(results, folder, verdict, fit, factors, unseen["force_n"].to_numpy()))
+        reasons[verdict["model"]] = (
+            VERDICTS[verdict["verdict"]],
+            f"{verdict['reason']}. {verdict['error_by_region_text']} "
+            f"(by {verdict['errors_mapped_by']}).",
+        )
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    return table, {
+        "points": len(unseen),
+        "reasons": reasons,
+        "profile_uncertainty": profile_uncertainty,
+        "shown": _shown(table[table["verdict"] != "left out"]),
+    }
+
+
+def _row(
+    results: Results,
+    folder: str,
+    verdict: Mapping[str, Any],
+    fit: FittedModel,
+    factors: Factors,
+    force_n: np.ndarray,
+) -> dict[str, Any]:
+    model, estimated = fit.force_model, verdict["estimated"]
+    check_columns(model, factors)
+    error = model.evaluate(fit.theta, factors) - force_n
+    best = model.evaluate(np.array(verdict["theta_of_all_points"]), factors) - force_n
+    size_n = np.linalg.norm(force_n)
+    return {
+        "model": model.name,
+        "parameters": len(fit.theta),
+        "verdict": verdict["verdict"],
+        "simulations": verdict["simulations"],
+        "estimated_global_error": estimated["global_error"],
+        "estimated_global_upper": estimated["global_upper"],
+        "unseen_global_error": float(np.linalg.norm(error) / size_n),
+        "unseen_global_error_of_all_points": float(np.linalg.norm(best) / size_n),
+        "estimated_worst_error": estimated["worst_error"],
+        "unseen_worst_error": float(np.abs(error).max() / np.sqrt(np.mean(force_n**2))),
+        "unseen_points": len(force_n),
+        "share_in_interval": _coverage(results, folder, verdict, fit, factors, error),
+    }
+
+
+def _coverage(
+    results: Results,
+    folder: str,
+    verdict: Mapping[str, Any],
+    fit: FittedModel,
+    factors: Factors,
+    error_n: np.ndarray,
+) -> float:
+    """Share of the unseen points whose error is within their own 95 % interval.
+
+    NaN where there are none: the design does not settle the parameters.
+    """
+    if verdict["lack_of_fit_n"] is None:
+        return float("nan")
+    spread, model = np.zeros(len(error_n)), fit.force_model
+    if fit.theta:
+        own = read_ok_forces(results.folder / folder / "forces.csv")
+        at = factors_of(own, limits=results.folder / folder / "limits.csv")
+        design = at.take(own["point_id"].str.startswith("design").to_numpy())
+        f = model.gradient(fit.theta, design)
+        # The sensitivity is f' (F'F/n)^-1 f / p.
+        scale = len(fit.theta) / len(design)
+        spread = sensitivity(f, model.gradient(fit.theta, factors)) * scale
+    quantile = float(stats.t.ppf(0.975, verdict["verification_points"]))
+    allowed_n = quantile * verdict["lack_of_fit_n"] * np.sqrt(1 + spread)
+    return float(np.mean(np.abs(error_n) <= allowed_n))
+
+
+def _shown(table: pd.DataFrame) -> pd.DataFrame:
+    """The table as texts for people."""
+
+    def shares(name: str, unknown: str = "") -> pd.Series:
+        return table[name].map(lambda value: unknown if pd.isna(value) else percent(value))
+
+    upper = shares("estimated_global_upper")
+    return pd.DataFrame(
+        {
+            "model": table["model"],
+            "verdict": table["verdict"].map(VERDICTS),
+            "simulations": table["simulations"],
+            "global error, estimated": shares("estimated_global_error") + " (below " + upper + ")",
+            "unseen points": shares("unseen_global_error"),
+            "fitted to all": shares("unseen_global_error_of_all_points"),
+            "worst error, estimated": shares("estimated_worst_error", "open"),
+            "worst of the unseen": shares("unseen_worst_error"),
+            "in their interval": table["share_in_interval"].map(
+                lambda value: "none known" if pd.isna(value) else f"{value:.0%}"
+            ),
+        }
+    )

@@ -1,0 +1,266 @@
+"""What a study found, as values: for its page (report/summary.md) and its report's first page."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from reporting.notes import percent, rounded_up
+from reporting.results import Results
+from squeezefilm.io.positions import POLAR, form_of
+from squeezefilm.io.typed_units import to_its_error, with_error
+
+PURPOSES = {
+    "screen": "finger centred, gap and amplitude on a grid: the first fit",
+    "two_factor_design": "the few points that teach most about the two-factor model",
+    "error_map": "control points on another grid over the screen's ranges",
+    "extrapolation": "a chosen point, and where the models expect the wanted force",
+    "four_factor": "the two-factor design at every position of the finger",
+    "four_factor_control": "random control points in all four factors",
+    "four_factor_design": "the few points that teach most about the four-factor model",
+    "four_factor_design_distinct": "the same, with points kept physically distinct",
+}
+SPACES = {"two_factor": "with the finger at the centre", "four_factor": "with the finger anywhere"}
+POSITIONS = {
+    "phi_r_m": ("φr (mm)", 1e3),
+    "phi_deg": ("φφ (°)", 1.0),
+    "x_m": ("x (mm)", 1e3),
+    "y_m": ("y (mm)", 1e3),
+}
+EFFECTS = {
+    "inertia": "inertia",
+    "slip": "slip",
+    "heat": "heat",
+    "rim": "loss at the rim, C = 1",
+    "left_out_least": "in all, with higher orders: from",
+    "left_out_most": "in all, with higher orders: to",
+}
+NOTHING = 1e-3
+"""Share of a range's largest value below which its least is as good as 0."""
+
+
+def summary_values(
+    results: Results, *, plans: Sequence[str], fits: Sequence[str], pairs: Sequence[str]
+) -> dict[str, Any]:
+    """What the template ``summary.md`` shows, and ``in_short.md`` within it.
+
+    Args:
+        pairs: validations, each ``FIT_on_PLAN``.
+
+    Raises InputError for a result that is missing or lacks what it must have.
+    """
+    config = results.config
+    tables = {plan: results.forces(plan) for plan in plans}
+    first = next(iter(tables.values()))
+    sections = ("gas", "actuator", "finger", "solver")
+    settings = [leaf for section in sections for leaf in _leaves(section, config[section])]
+    profile_uncertainty = max(results.fit(fit).profile_uncertainty for fit in fits)
+    on_disc = form_of(first) == POLAR
+    return {
+        **headline_values(results),
+        "frequency_khz": f"{config['actuator']['frequency_hz'] / 1e3:g}",
+        "terms": list(_terms(config["gas"], tables)),
+        "position": "radius φr and angle φφ" if on_disc else "x and y from the surface's centre",
+        "total": sum(len(table) for table in tables.values()),
+        "plans": pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]),
+        "settings": pd.DataFrame(settings, columns=["setting", "value"]),
+        "tolerance": f"{config['solver']['tolerance']:g}",
+        "largest_error": max(map(_largest_error, tables.values())),
+        "methods": sorted({method for table in tables.values() for method in table["method"]}),
+        "device": results.summary("simulations/device.json").get("device", "unknown"),
+        "profile_uncertainty": profile_uncertainty,
+        "errors": pd.DataFrame([_errors(results, pair) for pair in pairs]),
+        "effects": _effects(results),
+    }
+
+
+def headline_values(results: Results) -> dict[str, Any]:
+    """What the template ``in_short.md`` shows; a result that is not there is left out."""
+    config, wanted = results.config, results.config["extrapolation"]
+    recommended = None
+    if not config["paper"] and results.exists("models/recommended.csv"):
+        columns = ("space", "model", "validation_error", "force_n")
+        recommended = results.table("models/recommended.csv", *columns)
+        recommended = recommended[recommended["model"].notna()]
+    return {
+        "study": config["study"],
+        "operating": _operating(results),
+        "five_points": _five_points(results),
+        "claims": _claims(results) if config["paper"] else None,
+        "recommended": [] if recommended is None else list(_best(recommended)),
+        "band": config["validation"]["relative_error_band"],
+        "amplitudes": None if recommended is None else _amplitudes(recommended),
+        "wanted": {"force_n": f"{wanted['force_n']:g}", "h0_um": f"{1e6 * wanted['h0_m']:g}"},
+        "neglected": _neglected(results),
+        "beyond": results.beyond,
+    }
+
+
+def _operating(results: Results) -> dict[str, Any] | None:
+    """The force at the operating point, beyond the screen."""
+    if not results.exists(file := "simulations/extrapolation/forces.csv"):
+        return None
+    table = results.table(file, "point_id", "status", "force_n", "force_error_n")
+    table = table[(table["point_id"] == "operating_point") & (table["status"] == "ok")]
+    if table.empty:
+        return None
+    row, noise = table.iloc[0], 0.0
+    if results.exists("profile/summary.json"):
+        noise = results.summary("profile/summary.json").get("largest_force_noise_share", 0.0)
+    return {
+        "h0_um": f"{1e6 * row['h0_m']:g}",
+        "hv_um": f"{1e6 * row['hv_m']:g}",
+        "force": with_error(row["force_n"], row["force_error_n"]),
+        "noise": noise,
+    }
+
+
+def _five_points(results: Results) -> dict[str, Any] | None:
+    """How far off the fit to the design is."""
+    validation = "validation/two_factor_design_on_screen.json"
+    if not results.exists(validation, "fits/two_factor_design.json"):
+        return None
+    errors = results.validation("two_factor_design", "screen")
+    return {
+        "fitted": results.fit("two_factor_design").points,
+        "points": round(errors["points"]),
+        "error": errors["global_error"],
+    }
+
+
+def _claims(results: Results) -> dict[str, Any]:
+    """How many of the paper's agree, and those that differ."""
+    claims = results.table("claims.csv", "claim", "paper", "ours", "verdict")
+    differs = claims["verdict"].str.startswith("differs")
+    shown = claims.loc[differs, ["claim", "paper", "ours", "unit", "verdict"]]
+    reason = shown["verdict"].str.removeprefix("differs because ")
+    return {
+        "total": len(claims),
+        "agreeing": int((~differs).sum()),
+        "differing": shown.assign(verdict=reason).rename(columns={"verdict": "differs because"}),
+    }
+
+
+def _best(table: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Each space's best model and its errors."""
+    for space, rows in table.groupby("space", sort=False):
+        row = rows.iloc[0]
+        yield {
+            "where": SPACES[str(space)],
+            "validation_points": f"{row['validation_points']:.0f}",
+            "simulations": f"{row['simulations']:.0f}",
+            **row[["model", "validation_error", "worst_error"]],
+        }
+
+
+def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
+    """The amplitude for the wanted force at each position, and the error of that force."""
+    rows = []
+    for row in table.to_dict("records"):
+        hv_um, error = 1e6 * row["hv_m"], row["error_95_percent"]
+        shown, _ = to_its_error(hv_um, 1e6 * row["hv_error_95_m"])
+        positions = {POSITIONS[name]: row[name] for name in form_of(table)}
+        rows.append(
+            {
+                "model": row["model"],
+                **{name: f"{scale * value:g}" for (name, scale), value in positions.items()},
+                "hv (µm)": shown if np.isfinite(hv_um) else "none",
+                "95 % error": f"{error:.2g} %" if np.isfinite(error) else str(row["note"]),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _budget(results: Results) -> pd.DataFrame:
+    """What the equation leaves out of the screen's forces."""
+    columns = ("h0_m", "hv_m", "left_out_least_percent", "left_out_most_percent", "above_range")
+    return results.table("simulations/screen/budget.csv", *columns)
+
+
+def _neglected(results: Results) -> dict[str, Any] | None:
+    """The ends of what is left out in all over the screen; None where they are not known."""
+    table = _budget(results)
+    ends = table[["left_out_least_percent", "left_out_most_percent"]].to_numpy(dtype=float)
+    if not np.isfinite(ends).all():
+        return None
+    return {
+        "lower": _signed(ends.min()),
+        "upper": _signed(ends.max()),
+        "above_range": bool(table["above_range"].fillna("").ne("").any()),
+    }
+
+
+def _effects(results: Results) -> pd.DataFrame:
+    """Each effect at the screen's least and largest gap, at its largest amplitude."""
+    table = _budget(results)
+    table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
+    effects = {name: text for name, text in EFFECTS.items() if f"{name}_percent" in table}
+    shown: dict[str, Any] = {"effect": list(effects.values())}
+    for _, row in table.iloc[[0, -1]].iterrows():
+        present = str(row["in_force"]).split("; ")
+        shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
+            "in the forces" if name in present else _signed(row[f"{name}_percent"])
+            for name in effects
+        ]
+    return pd.DataFrame(shown)
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.2g}".replace("-", "−") if np.isfinite(value) else "not known"
+
+
+def _terms(gas: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
+    """What the study's equation has beyond the paper's: as the simulations had it, if any did."""
+    without = [row.split("; ") for each in tables.values() for row in each["left_out"].dropna()]
+    for name in ("inertia", "heat"):
+        if gas[name] != "none" and not all(name in left_out for left_out in without):
+            yield name if gas[name] == "included" else f"{name} where it matters"
+
+
+def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
+    positions = {POSITIONS[name]: table[name] for name in form_of(table)}
+    return {
+        "plan": plan,
+        "simulations": str(len(table)),
+        "h0 (µm)": _range(1e6 * table["h0_m"]),
+        "hv (µm)": _range(1e6 * table["hv_m"]),
+        **{name: _range(scale * values) for (name, scale), values in positions.items()},
+        "F (N)": _range(table["force_n"]),
+        "largest estimated error of F": rounded_up(_largest_error(table)),
+        "what for": PURPOSES.get(plan, ""),
+    }
+
+
+def _errors(results: Results, pair: str) -> dict[str, str]:
+    fit, _, plan = pair.partition("_on_")
+    errors = results.validation(fit, plan)
+    inside, band = 100 * errors["share_within_band"], 100 * errors["band"]
+    return {
+        "model fitted on": f"{fit} ({results.fit(fit).points} points)",
+        "judged on": f"{plan} ({errors['points']:g} points)",
+        "global error": percent(errors["global_error"]),
+        "worst": percent(errors["worst_relative_error"]),
+        "within the band": f"{inside:.3g} % within ±{band:g} %",
+    }
+
+
+def _largest_error(table: pd.DataFrame) -> float:
+    return float((table["force_error_n"] / table["force_n"].abs()).max())
+
+
+def _range(column: pd.Series) -> str:
+    """From the least to the largest; what is nothing beside the largest is 0."""
+    low, high = float(column.min()), float(column.max())
+    low = 0.0 if abs(low) < NOTHING * abs(high) else low
+    return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} – {high:.3g}"
+
+
+def _leaves(place: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves(f"{place}: {key}", inner)
+    elif isinstance(value, Sequence) and not isinstance(value, str):
+        yield place, ", ".join(map(str, value))
+    else:
+        yield place, f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,18 @@
+"""Draw figures: all that a rule has as its output."""
+
+from collections import defaultdict
+from pathlib import Path
+
+from paper.figures import FIGURES as OF_THE_PAPER
+from reporting.figures import FIGURES, save
+from reporting.results import Results
+from scripts.job import begin
+from squeezefilm.studies.config import load_config
+
+snakemake = begin()
+results = Results(Path(snakemake.params.results), load_config(snakemake.config["study_file"]))
+files = defaultdict(list)
+for file in map(Path, snakemake.output):
+    files[f"{file.parent.name}/{file.name.partition('.')[0]}"].append(file)
+for place, paths in files.items():
+    save((FIGURES | OF_THE_PAPER)[place], results, paths)

@@ -1,0 +1,25 @@
+"""Write the explorer: one HTML file in which the fitted models can be played with."""
+
+from pathlib import Path
+
+from plotly.offline import get_plotlyjs
+
+from reporting.explorer import explorer_page, models_of, modulation_of
+from reporting.results import Results
+from scripts.job import begin
+from squeezefilm.io.atomic import write_text
+from squeezefilm.studies.config import load_config
+
+snakemake = begin()
+config, params = load_config(snakemake.config["study_file"]), snakemake.params
+results = Results(Path(params.results), config)
+films = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "status")
+gains = results.table("simulations/screen/gains.csv", "h0_m", "hv_m", "frequency_hz", "gain")
+page = explorer_page(
+    config,
+    models_of(results, fits=params.fits, candidates=params.candidates),
+    {plan: results.forces(plan) for plan in params.plans},
+    drawing_library=get_plotlyjs(),
+    modulation=modulation_of(films, gains),
+)
+write_text(page, snakemake.output[0])

@@ -1,0 +1,28 @@
+"""Write how far each assumption would have to move to explain the differences from the paper."""
+
+from paper.uncertainty import compare, shown
+from reporting.pages import render, write_pages
+from scripts.job import begin
+from squeezefilm.film.scene import Scene
+from squeezefilm.io.tables import write_table
+from squeezefilm.reynolds import solve
+from squeezefilm.studies.config import load_config
+from squeezefilm.studies.solver_settings import device_of
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+tolerance, device = config["solver"]["tolerance"], device_of(config)
+
+
+def force(scene: Scene) -> float:
+    """The force of a scene."""
+    [solution] = solve([scene], tolerance=tolerance, device=device)
+    return solution.force_n
+
+
+table, curves = compare(config, force=force)
+explaining = (table["verdict"] == "explains").groupby(table["claim"], sort=False).sum()
+write_table(table, snakemake.output.csv)
+write_table(curves, snakemake.output.curves)
+text = render("uncertainty.md", explaining=explaining, shown=shown(table))
+write_pages(text, snakemake.output.markdown, snakemake.output.page)

@@ -1,0 +1,274 @@
+"""Expansions of the mean overpressure in 1/√σ and in ε: core, edge layer, and second order.
+
+At σ → ∞ the mass HP = ψ(x, y) rests but in a layer at the pad's edge. Without inertia ψ²/2 + slip ψ
+exceeds its value at rest by what is harmonic with its value on the edge.
+
+With inertia (terms/inertia.py), without slip, it obeys, with a = ε s,
+
+    ∇·(α ∇ψ² + β ψ² ∇a²) = 0,   α = 1 − a² β,   ψ² on the edge as the layer there leaves it.
+
+The flux is −(1/σ) ψ (A ∇ψ − ψ B ∇a) with A/H + c ∂A/∂T = 1, c = Re ψ/10, B likewise with sin T/H;
+α and (1 − α)/a = a β are the means of A and of −B, for B = (A − 1)/a. With θ the angle in which the
+gap is H = √(1 − a²) Σ (∓ρ)^|k| exp ikθ, dT = H dθ/√(1 − a²), each harmonic of A stands by itself:
+
+    α = κ + 2 κ Σ_k ρ^2k / (1 + k² κ² c²),   κ = √(1 − a²),   ρ² = (1 − κ)/(1 + κ),   k = 1, 2, …
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from math import ceil, log, sqrt
+from typing import TypeVar
+
+import numpy as np
+
+from squeezefilm.reynolds.asymptotics import edge_layer
+from squeezefilm.reynolds.asymptotics.edge_layer_with_inertia import rim_values
+from squeezefilm.reynolds.asymptotics.films import Films, wide
+
+# d(a)/a², g(a)/a and q(a)/a of the edge layer at a = 0.
+LINEAR = -5 * sqrt(2) / 8, 3 / sqrt(2), -3 / sqrt(2)
+# Of the sums over harmonics, and of the rounds that solve the core's equation.
+PRECISION, MOST_HARMONICS = 1e-10, 200
+ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
+# Where functions of a over their leading power are taken for a → 0.
+TINY = 1e-4
+
+Number = float | np.ndarray
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """A mean overpressure to order 1/√σ: the mean of ``density`` over the finger and ``layer``.
+
+    ``gross`` is what ``layer`` is made of without cancellation. Shapes (B, nx + 2, ny + 2), (B,)
+    and (B,).
+    """
+
+    density: np.ndarray
+    layer: np.ndarray
+    gross: np.ndarray
+
+
+@dataclass(frozen=True)
+class SecondOrder:
+    """The mean overpressure over ε² for ε → 0: that of ``flow`` − ``loss``, and ``rim``.
+
+    ``rim``, shape (B,), is what the rim drives by itself.
+    """
+
+    flow: np.ndarray
+    loss: np.ndarray
+    rim: np.ndarray
+
+
+Part = TypeVar("Part", Expansion, SecondOrder)
+
+
+def joined(which: np.ndarray, there: Part, elsewhere: Part) -> Part:
+    """Parts of a batch put together: ``there`` where the mask ``which``, (B,), says so."""
+    values: dict[str, np.ndarray] = {}
+    for each in fields(there):
+        some: np.ndarray = getattr(there, each.name)
+        values[each.name] = np.empty((len(which), *some.shape[1:]))
+        values[each.name][which] = some
+        values[each.name][~which] = getattr(elsewhere, each.name)
+    return type(there)(**values)
+
+
+def layer_correction(
+    films: Films, *, d: np.ndarray, change: np.ndarray, influence: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(∮ d dl + ∫ u weight dA) / (√σ area), u with ``change`` on the rim; net and gross.
+
+    u jumps at corners, so it is never computed. With χ the solution of the adjoint equation with
+    the source weight that is zero on the rim, Green's identity turns ∫ u weight dA into
+    −∮ u ∂χ/∂n dl, n inward: ``influence`` is −∂χ/∂n. Under a gap G at rest the layer is G times as
+    thick, and Green's identity is that of ∇·(G³∇).
+    """
+    gap = films.rest_on_rim
+    thick = gap / np.sqrt(films.sigma / (1 + films.slip))[:, None]
+    by_core = gap**3 * influence * change
+    net = films.rim_integral(thick * (d + by_core))
+    return net, films.rim_integral(thick * (np.abs(d) + np.abs(by_core)))
+
+
+def expand(films: Films) -> Expansion:
+    """The high-squeeze limit and its edge layer's correction, without inertia."""
+    square, thick = wide(films.epsilon) ** 2, 1 + wide(films.slip)
+    gap_square = square * films.square
+    # ψ²/2 + slip ψ exceeds its value at rest by rise/2, of which `inner` is the part that makes it
+    # harmonic.
+    # Under a gap G at rest that is so of ψ²/G², and harmonic is what ∇·(G³∇) maps to zero.
+    inner = films.solve_diffusion(-(0.25 + 0.5 * thick) * square * films.diffusion(films.square))
+    rise = (0.5 + thick) * gap_square + 2 * inner
+    total = np.sqrt(thick**2 + rise)
+    root = np.sqrt(1 - gap_square)
+    # ψ/√(1 − ε²s²) − 1, free of cancellation.
+    density = (rise / (total + thick) + gap_square / (1 + root)) / root
+    epsilon = films.epsilon[:, None]
+    layer, gross = layer_correction(
+        films,
+        **_at_rim(films, *epsilon**2 * edge_layer.ratios(epsilon * np.abs(films.rim))),
+        influence=-films.inward(films.solve_diffusion(1 / (2 * total * root))),
+    )
+    return Expansion(density=density, layer=layer, gross=gross)
+
+
+def expand_second_order(films: Films) -> Expansion:
+    """The same over ε² for ε → 0."""
+    thick = 1 + wide(films.slip)
+    inner = films.solve(-(0.25 + 0.5 * thick) * films.laplacian(films.square))
+    rise = (0.5 + thick) * films.square + 2 * inner
+    weight = np.broadcast_to(1 / (2 * thick), films.s.shape)
+    layer, gross = layer_correction(
+        films, **_at_rim(films, *LINEAR), influence=-films.inward(films.solve(weight))
+    )
+    return Expansion(density=rise / (2 * thick) + films.square / 2, layer=layer, gross=gross)
+
+
+def _at_rim(films: Films, d: Number, g: Number, q: Number) -> dict[str, np.ndarray]:
+    """What the layer changes: with s as its phase, the slope's part in phase goes by g, else by q.
+
+    Args:
+        d, g, q: over the square of the amplitude, or for g and q of its product with the slope.
+    """
+    turned = films.rim.conj() * films.slope
+    return {"d": d * np.abs(films.rim) ** 2, "change": g * turned.real + q * turned.imag}
+
+
+def second_order(films: Films) -> SecondOrder:
+    """Densities v and |p̂|²/(4 (1 + slip)) of the mean over ε² (``small_amplitude_expansion``)."""
+    thick, number = 1 + wide(films.slip), wide(films.layer_number)
+    linear = films.solve(1j * number * films.s, shift=1j * number)
+    # 2 Re s*∇p̂ = Re ∇(s* p̂) + Re (s*∇p̂ − p̂ ∇s*): the first part is integrated by itself and the
+    # divergence of the second needs no derivative of p̂, whose Laplacian is iσ(p̂ + s).
+    along = films.s.conj() * linear
+    rest = films.solve(-number * along.imag - (linear * films.curvature.conj()).real)
+    drive = 0.75 * (1 + 2 * thick) / (3 * thick)
+    flow = -drive * (along.real + rest)
+    loss = np.abs(linear) ** 2 / (4 * thick)
+    return SecondOrder(flow=flow, loss=loss, rim=np.zeros_like(films.epsilon))
+
+
+def core_coefficient(
+    gap_square: np.ndarray, rate_square: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """β and ∂β/∂c² at a² and c², of one shape."""
+    kappa = np.sqrt(1 - gap_square)
+    rho_square = (1 - kappa) / (1 + kappa)
+    most = float(rho_square.max())
+    harmonics = ceil(log(PRECISION) / log(most)) if 0 < most < 1 else 1
+    scaled = kappa**2 * rate_square
+    beta, change = np.zeros_like(scaled), np.zeros_like(scaled)
+    power = 2 * kappa / (1 + kappa) ** 2
+    for k in range(1, min(harmonics, MOST_HARMONICS) + 1):
+        share = power * k**2 / (1 + k**2 * scaled)
+        beta += share * scaled
+        change += share * kappa**2 / (1 + k**2 * scaled)
+        power = power * rho_square
+    return beta, change
+
+
+def expand_with_inertia(films: Films) -> Expansion:
+    """The high-squeeze limit and its edge layer's correction, with inertia and without slip."""
+    gap_square = wide(films.epsilon) ** 2 * films.s**2
+    over_gap = films.gradient(gap_square)
+    rim = rim_values(films.epsilon[:, None] * films.rim, films.reynolds)
+    at_rim = films.from_rim(rim.rise)
+    curvature = films.laplacian(at_rim)
+    rate_square = wide(films.reynolds / 10) ** 2
+
+    def from_rise(rise: np.ndarray) -> np.ndarray:
+        beta, _ = core_coefficient(gap_square, rate_square * (1 + rise))
+        flux = (
+            beta * (gap_square * along - (1 + rise) * slope)
+            for along, slope in zip(films.gradient(rise), over_gap, strict=True)
+        )
+        return at_rim + films.solve(films.divergence(*flux) - curvature)
+
+    rise = _fixed_point(from_rise, at_rim)
+    total, root = np.sqrt(1 + rise), np.sqrt(1 - gap_square)
+    density = (rise / (total + 1) + gap_square / (1 + root)) / root
+
+    # The core's equation is linear in a small change u of ψ²: ∇·(α∇u + b u) = 0.
+    beta, change = core_coefficient(gap_square, rate_square * (1 + rise))
+    drift = [
+        beta * slope + rate_square * change * ((1 + rise) * slope - gap_square * along)
+        for along, slope in zip(films.gradient(rise), over_gap, strict=True)
+    ]
+    weight = 1 / (2 * total * root)
+
+    def from_adjoint(chi: np.ndarray) -> np.ndarray:
+        along = films.gradient(chi)
+        flux = films.divergence(*(gap_square * beta * each for each in along))
+        return films.solve(weight + flux + drift[0] * along[0] + drift[1] * along[1])
+
+    chi = _fixed_point(from_adjoint, films.solve(weight))
+    layer, gross = layer_correction(
+        films,
+        d=rim.d,
+        change=rim.g * films.epsilon[:, None] * films.slope + rim.h * films.inward(rise),
+        influence=-films.on_rim(1 - gap_square * beta) * films.inward(chi),
+    )
+    return Expansion(density=density, layer=layer, gross=gross)
+
+
+def expand_second_order_with_inertia(films: Films) -> Expansion:
+    """The same over ε² for ε → 0: ψ² − 1 is ε² (rim s² + what makes it + ½ k s² harmonic)."""
+    ratio = films.reynolds / 10
+    lag = wide(ratio**2 / (1 + ratio**2))
+    tiny = rim_values(np.full((len(ratio), 1), TINY), films.reynolds)
+    inner = films.solve(-0.5 * lag * films.laplacian(films.s**2))
+    at_rim = films.from_rim(tiny.rise / TINY**2 * films.rim**2)
+    rise = at_rim + inner - films.solve(films.laplacian(at_rim))
+    weight = np.full(films.s.shape, 0.5)
+    layer, gross = layer_correction(
+        films,
+        d=tiny.d / TINY**2 * films.rim**2,
+        change=tiny.g / TINY * films.rim * films.slope,
+        influence=-films.inward(films.solve(weight)),
+    )
+    return Expansion(density=rise / 2 + films.s**2 / 2, layer=layer, gross=gross)
+
+
+def second_order_with_inertia(films: Films) -> SecondOrder:
+    """The mean over ε² for ε → 0, any σ (see ``composite.small_amplitude_expansion``).
+
+    With m = 1/(1 + i Re/10) and λ = iσ/m the linear pressure obeys ∇²p̂ = λ(p̂ + s) and the mean one
+
+        ∇²v = −∇·(s ∇Re p̂) + ½ ∇·Re((C p̂* + E s) ∇p̂) − K ∇²|∇p̂|²,
+        C = 8/7 − 15 m/7,   E = 15/7 − 22 m/7,   K = (9/28) (Re/10) |m|²/σ.
+
+    Products are brought under Laplacians, so that no derivative of p̂ is needed inside.
+    """
+    ratio, number = wide(films.reynolds / 10), wide(films.sigma)
+    mobility = 1 / (1 + 1j * ratio)
+    lag = 1j * number / mobility
+    square_factor, profile_factor = 8 / 7 - 15 / 7 * mobility, 15 / 7 - 22 / 7 * mobility
+    linear = films.solve(lag * films.s, shift=lag)
+    curved = lag * (linear + films.s)
+    crossed = linear.conj() * curved
+    direct = 0.25 * films.s * ((profile_factor - 2) * linear).real
+    source = 0.25 * ((profile_factor - 2) * (films.s * curved - linear * films.curvature)).real
+    source = source + 0.5 * ((square_factor * crossed).real - square_factor.real * crossed.real)
+    kinetic = 9 / 28 * ratio * np.abs(mobility) ** 2 / number
+    # Over the finger |∇p̂|² has the mean of −Re p̂*∇²p̂.
+    flow = direct + films.solve(source) + kinetic * crossed.real
+    loss = -0.25 * square_factor.real * np.abs(linear) ** 2
+    influence = -films.inward(films.solve(np.ones(films.s.shape)))
+    at_rim = kinetic[:, 0] * np.abs(films.inward(linear)) ** 2
+    return SecondOrder(flow=flow, loss=loss, rim=films.rim_integral(influence * at_rim))
+
+
+def _fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> np.ndarray:
+    """The field that ``step`` leaves as it is; NaN for films whose rounds do not settle."""
+    field = start
+    for _ in range(MOST_ROUNDS):
+        last, field = field, step(field)
+        change = np.abs(field - last).max(axis=(1, 2))
+        if not np.any(change > ROUND_PRECISION * np.abs(field).max(axis=(1, 2))):
+            break
+    settled = change <= 1e3 * ROUND_PRECISION * np.abs(field).max(axis=(1, 2))
+    return np.where(wide(settled), field, np.nan)

@@ -1,0 +1,165 @@
+"""The edge's boundary layer at large squeeze number: two functions of the local excursion ratio.
+
+Within √(1/σ) of the finger's rim the film exchanges gas with the surroundings. With ξ = n√σ, n the
+distance from the rim, the mass M = HP of the layer obeys
+
+    ∂²/∂ξ² (H M²/2) = ∂M/∂T,   H = 1 + a sin T,   M = H at ξ = 0,   M → ψ = √(1 + 3a²/2) inside,
+
+where a = ε s is the excursion ratio at that point of the rim. What the force sees of the layer is
+
+    d(a) = ∫₀^∞ ⟨P − ψ/H⟩ dξ, even in a,     g(a) = 3 ∫₀^∞ ⟨sin T M²⟩ dξ, odd in a.
+
+Where the surface moves in two phases the layer at a point is that of a = ε √(s₁² + s₂²), at another
+instant; the gap's slope then has a part a quarter of a period from the motion itself, of which the
+force sees q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
+
+They are computed once, by ``python -m squeezefilm.reynolds.asymptotics.edge_layer``, and stored as
+d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series give them.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import log, sqrt
+from pathlib import Path
+
+import numpy as np
+
+from squeezefilm.reynolds.spectral import Axis, axis, period
+
+TABLE = Path(__file__).with_name("edge_layer.csv")
+LARGEST = 0.98
+ROWS = 41
+
+# The layer on [0, DEPTH]: ξ = DEPTH (exp(STRETCH z) − 1)/(exp(STRETCH) − 1), z on a Chebyshev axis.
+DEPTH = 60.0
+STRETCH = 6.0
+NODES = 112
+MOST_NEWTON = 40
+
+
+def integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """d and g at excursion ratios |a| ≤ LARGEST, any shape; beyond, both are NaN."""
+    d, g, _ = ratios(a)
+    return np.square(a) * d, a * g
+
+
+def ratios(a: np.ndarray) -> np.ndarray:
+    """d/a², g/a and q/a at excursion ratios |a| ≤ LARGEST, shape (3, …); NaN beyond."""
+    size = np.abs(np.asarray(a, dtype=float))
+    place = 2 * _stretched(np.minimum(size, LARGEST)) / _stretched(LARGEST) - 1
+    # All polynomials at once: chebval goes through them one by one.
+    polynomials = np.cos(np.multiply.outer(np.arange(ROWS), np.arccos(np.clip(place, -1, 1))))
+    values = np.tensordot(_series().T, polynomials, axes=1)
+    return np.where(size > LARGEST * (1 + 1e-12), np.nan, values)
+
+
+def compute(a: float) -> tuple[float, float, float]:
+    """d/a², g/a and q/a at one excursion ratio 0 ≤ a < 1, from the layer's periodic state.
+
+    At a = 0 the linear layer gives −5√2/8, 3/√2 and −3/√2.
+    """
+    from scipy.sparse.linalg import LinearOperator, gmres
+
+    if a == 0:
+        return -5 * sqrt(2) / 8, 3 / sqrt(2), -3 / sqrt(2)
+    time = period(_instants(a))
+    gap = 1 + a * np.sin(time.nodes)
+    core = sqrt(1 + 1.5 * a**2)
+    second, weights = _half_line()
+    inner = second[:, 1:-1]
+    shape = NODES, time.points
+    mass = np.full((NODES + 2, time.points), core)
+    mass[0] = gap
+
+    # In the time ∫H dT the layer is ∂²(M²/2) = ∂M: with M replaced by its value inside, the
+    # linear operator is diagonal in the eigenvectors of both directions.
+    root = 1 / np.sqrt(gap)
+    rates, vectors = np.linalg.eigh(1j * root[:, None] * time.derivative * root)
+    across, shapes = np.linalg.eig(inner)
+    back = np.linalg.inv(shapes)
+    divisor = core * across[:, None] + 1j * rates
+
+    def precondition(field: np.ndarray) -> np.ndarray:
+        modes = back @ ((field * root) @ vectors.conj()) / divisor
+        return ((shapes @ modes @ vectors.T).real * root).ravel()
+
+    for _ in range(MOST_NEWTON):
+        diffusivity = gap * mass[1:-1]
+
+        def apply(change: np.ndarray, diffusivity: np.ndarray = diffusivity) -> np.ndarray:
+            change = change.reshape(shape)
+            return precondition(inner @ (diffusivity * change) - change @ time.derivative.T)
+
+        residual = second @ (gap * mass**2 / 2) - mass[1:-1] @ time.derivative.T
+        target = -precondition(residual)
+        if np.abs(target).max() < 1e-12:
+            break
+        operator = LinearOperator((target.size, target.size), matvec=apply, dtype=float)
+        change, _ = gmres(operator, target, rtol=1e-5, restart=150, maxiter=3)
+        change = change.reshape(shape)
+        share = 1.0
+        while np.min(mass[1:-1] + share * change) <= 0.1 * np.min(mass[1:-1]):
+            share /= 2
+        mass[1:-1] += share * change
+    else:
+        raise ArithmeticError(f"the boundary layer at a = {a:g} did not converge")
+    d = weights @ np.mean((mass - core) / gap, axis=1)
+    square = mass**2 - core**2
+    g, q = (3 * weights @ (square @ each(time.nodes)) / time.points for each in (np.sin, np.cos))
+    return float(d / a**2), float(g / a), float(q / a)
+
+
+def table_nodes() -> np.ndarray:
+    """The excursion ratios of the table's rows, rising from 0 to LARGEST, shape (ROWS,)."""
+    return np.sqrt(-np.expm1(-_stretched(LARGEST) * axis(ROWS - 2, False).all_nodes))
+
+
+def read_table() -> np.ndarray:
+    """Rows a, d/a², g/a, q/a, shape (ROWS, 4)."""
+    return np.loadtxt(TABLE, delimiter=",", skiprows=1)
+
+
+def write_table() -> None:
+    """Compute every row anew; a minute or two."""
+    rows = [(a, *compute(a)) for a in map(float, table_nodes())]
+    lines = ["a,d_over_a_squared,g_over_a,q_over_a"] + [",".join(map(repr, row)) for row in rows]
+    TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+@lru_cache(maxsize=256)
+def all_weights(line: Axis) -> np.ndarray:
+    """Clenshaw–Curtis weights on all nodes of an unfolded axis, ends included, shape (n + 2,)."""
+    order = line.points + 1
+    end = 1 / order**2 if order % 2 else 1 / (order**2 - 1)
+    return np.concatenate([[end / 2], line.weights, [end / 2]])
+
+
+def _stretched(a: np.ndarray | float) -> np.ndarray:
+    return -np.log1p(-np.square(a))
+
+
+@lru_cache(maxsize=1)
+def _series() -> np.ndarray:
+    """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (ROWS, 3)."""
+    rows = read_table()
+    nodes = 2 * _stretched(rows[:, 0]) / _stretched(LARGEST) - 1
+    return np.linalg.solve(np.polynomial.chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
+
+
+def _instants(a: float) -> int:
+    """Time nodes: powers of 1/H have harmonics that fall like ρ^k, ρ = a/(1 + √(1 − a²))."""
+    ratio = a / (1 + sqrt(1 - a**2))
+    return 4 * max(6, round(1.2 * log(1e-14) / log(ratio) / 4))
+
+
+def _half_line() -> tuple[np.ndarray, np.ndarray]:
+    """Second derivative at the inner nodes (NODES, NODES + 2) and weights of the integral."""
+    line = axis(NODES, False)
+    slope = DEPTH * STRETCH * np.exp(STRETCH * line.all_nodes) / np.expm1(STRETCH)
+    first = line.derivative / slope[:, None]
+    return (first @ first)[1:-1], all_weights(line) * slope
+
+
+if __name__ == "__main__":
+    write_table()

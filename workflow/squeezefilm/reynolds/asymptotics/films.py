@@ -1,0 +1,351 @@
+"""A batch of films on one grid: operators, and the features that error estimates need."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
+from squeezefilm.reynolds.spectral import Axis, axis
+
+# The error estimates' constants.
+RIM_SLOPES, INNER_CURVATURE, CORNERS, MEETING = 4.5, 3.0, 0.9, 4.5
+STIFF, FREE, FREE_SIGMA = 0.8, 6.0, 6.0
+STREAMING = 1.5
+SHAPE = 0.02
+SLIP_SHARE = 0.5
+INERTIA_SLOPES, INERTIA_CORNERS, INERTIA_SQUARE = 1.8, 1.2, 2.0
+# Forces on two grids can agree by cancellation where the densities do not.
+DENSITY_SHARE = 0.1
+
+# Of the rounds that solve for the core under a gap that is shaped at rest.
+ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
+
+Numbers = float | np.ndarray
+
+
+def expansion_axis(points: int) -> Axis:
+    """The axis of an expansion's grid: ``points`` unknowns, odd: every other node makes a grid."""
+    if points % 2 == 0 or points < 5:
+        raise ValueError(f"{points} points: the grid of an expansion has an odd number, at least 5")
+    return axis(points, False)
+
+
+@dataclass(frozen=True)
+class Films:
+    """A batch on one grid: its operators, and the features that the error estimates need.
+
+    Fields have shape (B, nx + 2, ny + 2); values on the rim (B, 2 (nx + ny + 4)), side after side:
+    x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. A vibration in two
+    phases has s₁ + i s₂ for s. Of a gap that is shaped at rest s is over that gap, which is
+    ``rest``, in units of h0; None where it is even.
+    """
+
+    epsilon: np.ndarray
+    sigma: np.ndarray
+    s: np.ndarray
+    aspect: np.ndarray
+    slip: np.ndarray
+    reynolds: np.ndarray
+    rest: np.ndarray | None = None
+
+    @property
+    def x(self) -> Axis:
+        return axis(self.s.shape[1] - 2, False)
+
+    @property
+    def y(self) -> Axis:
+        return axis(self.s.shape[2] - 2, False)
+
+    @property
+    def coarser(self) -> Films:
+        """The same films on every other node."""
+        rest = None if self.rest is None else self.rest[:, ::2, ::2]
+        return replace(self, s=self.s[:, ::2, ::2], rest=rest)
+
+    def take(self, which: np.ndarray) -> Films:
+        """Some of the films, by a mask (B,); those with inertia have an even gap."""
+        own = (self.epsilon, self.sigma, self.s, self.aspect, self.slip, self.reynolds)
+        return Films(*(values[which] for values in own))
+
+    def mean(self, field: np.ndarray) -> np.ndarray:
+        """Mean over the finger, shape (B,)."""
+        return (field @ all_weights(self.y)) @ all_weights(self.x)
+
+    def gradient(self, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives along x and y."""
+        along_y = field @ self.y.derivative.T / wide(self.aspect)
+        return self.x.derivative @ field, along_y
+
+    def divergence(self, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:
+        across = along_y @ self.y.derivative.T / wide(self.aspect)
+        return self.x.derivative @ along_x + across
+
+    def laplacian(self, field: np.ndarray) -> np.ndarray:
+        along_y = (field @ _second_derivative(self.y.points).T) / wide(self.aspect) ** 2
+        return _second_derivative(self.x.points) @ field + along_y
+
+    def solve(self, source: np.ndarray, *, shift: np.ndarray | float = 0.0) -> np.ndarray:
+        """The u with ∇²u − shift u = source that is zero on the rim; by fast diagonalisation."""
+        values_x, vectors_x, inverse_x = self.x.modes
+        values_y, vectors_y, inverse_y = self.y.modes
+        divisor = values_x[:, None] + values_y / wide(self.aspect) ** 2 - shift
+        modes = inverse_x @ source[:, 1:-1, 1:-1] @ inverse_y.T / divisor
+        u = np.zeros(source.shape, dtype=modes.dtype)
+        u[:, 1:-1, 1:-1] = vectors_x @ modes @ vectors_y.T
+        return u
+
+    def diffusion(self, field: np.ndarray) -> np.ndarray:
+        """∇·(G³∇field) with the gap at rest G."""
+        if self.rest is None:
+            return self.laplacian(field)
+        along_x, along_y = self.gradient(field)
+        return self.divergence(self.rest**3 * along_x, self.rest**3 * along_y)
+
+    def solve_diffusion(self, source: np.ndarray) -> np.ndarray:
+        """The u with ∇·(G³∇u) = source that is zero on the rim; NaN where none is found.
+
+        With v = G^(3/2) u that is Δv − q v = source/G^(3/2), q = Δ(G^(3/2))/G^(3/2) (Liouville),
+        where q is nearly the same everywhere: in rounds by Δ less its middle.
+        """
+        if self.rest is None:
+            return self.solve(source)
+        half = self.rest**1.5
+        bend = self.laplacian(half) / half
+        middle = wide((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
+        v = np.zeros_like(half)
+        for _ in range(MOST_ROUNDS):
+            before, v = v, self.solve(source / half + (bend - middle) * v, shift=middle)
+            change = np.abs(v - before).max(axis=(1, 2))
+            known = change <= ROUND_PRECISION * np.abs(v).max(axis=(1, 2))
+            if known.all():
+                break
+        return np.where(wide(known), v / half, np.nan)
+
+    def on_rim(self, field: np.ndarray) -> np.ndarray:
+        sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
+        return np.concatenate(sides, axis=1)
+
+    def from_rim(self, values: np.ndarray) -> np.ndarray:
+        """A smooth field with these values on the rim, blended between opposite sides (Coons)."""
+        nx, ny = self.x.points + 2, self.y.points + 2
+        left, right, low, high = np.split(values, [ny, 2 * ny, 2 * ny + nx], axis=1)
+        x, y = self.x.all_nodes[:, None], self.y.all_nodes
+        corners = (1 - x) * (_row(left[:, :1]) * (1 - y) + _row(left[:, -1:]) * y) + x * (
+            _row(right[:, :1]) * (1 - y) + _row(right[:, -1:]) * y
+        )
+        between_x = (1 - x) * _row(left) + x * _row(right)
+        between_y = (1 - y) * _column(low) + y * _column(high)
+        field: np.ndarray = between_x + between_y - corners
+        return field
+
+    def inward(self, field: np.ndarray) -> np.ndarray:
+        """Derivative along the inward normal, on the rim."""
+        ends_x, ends_y = self.x.derivative[[0, -1]], self.y.derivative[[0, -1]]
+        across_x = ends_x @ field
+        across_y = field @ ends_y.T / wide(self.aspect)
+        sides = [across_x[:, 0], -across_x[:, 1], across_y[:, :, 0], -across_y[:, :, 1]]
+        return np.concatenate(sides, axis=1)
+
+    def rim_integral(self, values: np.ndarray) -> np.ndarray:
+        """Integral along the rim over the finger's area, shape (B,)."""
+        sides = np.split(values, [2 * (self.y.points + 2)], axis=1)
+        weights = (np.tile(all_weights(line), 2) for line in (self.y, self.x))
+        along_y, along_x = (side @ each for side, each in zip(sides, weights, strict=True))
+        integral: np.ndarray = along_y + along_x / self.aspect
+        return integral
+
+    @cached_property
+    def rest_on_rim(self) -> np.ndarray | float:
+        """The gap at rest there."""
+        return 1.0 if self.rest is None else self.on_rim(self.rest)
+
+    @cached_property
+    def square(self) -> np.ndarray:
+        """|s|², all that films see of the motion where they need no time."""
+        return np.square(np.abs(self.s))
+
+    @cached_property
+    def rim(self) -> np.ndarray:
+        """The profile on the rim."""
+        return self.on_rim(self.s)
+
+    @cached_property
+    def slope(self) -> np.ndarray:
+        """The profile's inward derivative on the rim."""
+        return self.inward(self.s)
+
+    @cached_property
+    def curvature(self) -> np.ndarray:
+        """∇²s."""
+        return self.laplacian(self.s)
+
+    @cached_property
+    def depth(self) -> np.ndarray:
+        """1/(1 − ε² max s²): grows as the narrowest gap closes."""
+        return 1 / (1 - (self.epsilon * np.abs(self.s).max(axis=(1, 2))) ** 2)
+
+    @property
+    def layer_number(self) -> np.ndarray:
+        """Squeeze number that sets the layer's thickness: slip makes gas flow more freely.
+
+        Where the gap at rest is not even, that of its widest place.
+        """
+        widest = 1.0 if self.rest is None else self.rest.max(axis=(1, 2))
+        return self.sigma / ((1 + self.slip) * widest**2)
+
+    @property
+    def decay_number(self) -> np.ndarray:
+        """Squeeze number of a layer that decays as fast: with inertia, waves reach farther."""
+        ratio = self.reynolds / 10
+        return self.layer_number * (np.hypot(1, ratio) - ratio)
+
+    @property
+    def slip_share(self) -> np.ndarray:
+        """Share of the layer by which slip may change it beyond its thickness."""
+        return SLIP_SHARE * self.slip
+
+    @property
+    def corner_remainder(self) -> np.ndarray:
+        """Error from the corners, where two layers meet: of order ε⁴/σ."""
+        corners = self.square[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1)
+        return CORNERS * self.epsilon**4 * self.depth * corners / (self.layer_number * self.aspect)
+
+    @property
+    def layer_remainder(self) -> np.ndarray:
+        """Error of the edge layer's expansion: slopes, curvature of s, corners, meeting layers."""
+        sigma = self.layer_number
+        curvature = self.mean(np.abs(self.curvature) ** 2)
+        meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
+        remainder = self.corner_remainder + np.sqrt(self.depth) * self.inertia_remainder
+        return (
+            remainder
+            + self.streaming_remainder
+            + self.shape_remainder
+            + self.epsilon**2
+            * (
+                RIM_SLOPES * np.sqrt(self.depth) * self.rim_unevenness / sigma**1.5
+                + INNER_CURVATURE * np.sqrt(self.depth) * curvature / sigma**2
+                + MEETING * self.rim_integral(np.abs(self.rim) ** 2) * meeting / np.sqrt(sigma)
+            )
+        )
+
+    @property
+    def streaming_remainder(self) -> np.ndarray | float:
+        """Error of the edge layer's expansion by two phases: of order ε²/σ; none in one phase."""
+        if not np.iscomplexobj(self.s):
+            return 0.0
+        uneven = self.mean(self.unevenness)
+        return STREAMING * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+
+    @property
+    def shape_remainder(self) -> np.ndarray | float:
+        """Error of the edge layer's expansion by a gap that is shaped at rest: of order ε²/σ."""
+        if self.rest is None:
+            return 0.0
+        along_x, along_y = self.gradient(self.rest)
+        steep = self.on_rim((along_x**2 + along_y**2) / self.rest**2)
+        bent = self.on_rim(np.abs(self.laplacian(self.rest)) / self.rest)
+        uneven = self.rim_integral((steep + bent) * np.abs(self.rim) ** 2)
+        return SHAPE * self.epsilon**2 * np.sqrt(self.depth) * uneven / self.layer_number
+
+    @property
+    def inertia_remainder(self) -> np.ndarray | float:
+        """Error of the edge layer's expansion by inertia: of order ε²/σ, at corners ε² ln σ/σ."""
+        if not self.reynolds.any():
+            return 0.0
+        corners = self.square[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1) / self.aspect
+        spread = np.maximum(np.log(self.sigma) - 2.2, 0.5)
+        uneven = INERTIA_SLOPES * self.rim_unevenness + INERTIA_CORNERS * spread * corners
+        return self.epsilon**2 * uneven * self.reynolds / 10 / self.decay_number
+
+    @cached_property
+    def rim_unevenness(self) -> np.ndarray:
+        """Integral of the unevenness along the rim, over the area."""
+        return self.rim_integral(self.on_rim(self.unevenness))
+
+    @cached_property
+    def unevenness(self) -> np.ndarray:
+        """|∇s|² + |s ∇²s|."""
+        along_x, along_y = self.gradient(self.s)
+        return np.abs(along_x) ** 2 + np.abs(along_y) ** 2 + np.abs(self.s * self.curvature)
+
+    @property
+    def amplitude_remainder(self) -> np.ndarray:
+        """Relative error of the second-order mean: of order ε².
+
+        From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
+        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with the power 9/2 of ``depth``). In
+        two phases twice that.
+        """
+        effective = self.decay_number / (1 + self.aspect**-2.0)
+        free = 1 / (1 + (effective / FREE_SIGMA) ** 2)
+        phases = 2 if np.iscomplexobj(self.s) else 1
+        return phases * self.epsilon**2 * (STIFF + FREE * free) * self.depth ** (1 + 3.5 * free)
+
+
+def films_of(
+    epsilon: np.ndarray,
+    sigma: np.ndarray,
+    amplitude: np.ndarray,
+    *,
+    aspect: Numbers = 1.0,
+    slip: Numbers = 0.0,
+    reynolds: Numbers = 0.0,
+    rest: np.ndarray | None = None,
+) -> Films:
+    """Films of profiles over h0, and of gaps at rest likewise if they are not even.
+
+    Args:
+        epsilon, sigma: excursion ratio and squeeze number, shape (B,).
+        amplitude: profile s, or s₁ + i s₂ of a vibration in two phases, on the nodes
+            ``expansion_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2);
+            nx and ny odd, at least 5 (``composite.expansion_points``). With inertia in one phase
+            alone.
+        aspect: finger's length along y over that along x, a number or shape (B,).
+        slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
+        reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
+        rest: gap at rest over h0 on the same nodes where it is not even, without slip and inertia;
+            for the high-squeeze limit and the edge layer alone.
+    """
+    for points in amplitude.shape[1:]:
+        expansion_axis(points - 2)
+    given = (epsilon, sigma, aspect, slip, reynolds)
+    numbers = (np.asarray(value, dtype=float) for value in given)
+    epsilon, sigma, aspect, slip, reynolds = np.broadcast_arrays(*numbers)
+    local = amplitude if rest is None else amplitude / rest
+    return Films(epsilon, sigma, local, aspect, slip, reynolds, rest)
+
+
+def grid_error(
+    films: Films, fine: np.ndarray, coarse: np.ndarray, *, rest: np.ndarray | float = 0.0
+) -> np.ndarray:
+    """Change of the mean against every other node, or a share of the density's where it is larger.
+
+    Args:
+        fine, coarse: densities whose means over the finger are compared, on the two grids.
+        rest: change of what is not in the densities.
+    """
+    half = films.coarser
+    change = films.mean(fine) - half.mean(coarse) + rest
+    return np.maximum(np.abs(change), DENSITY_SHARE * half.mean(np.abs(fine[:, ::2, ::2] - coarse)))
+
+
+def _row(values: np.ndarray) -> np.ndarray:
+    return values[:, None, :]
+
+
+def _column(values: np.ndarray) -> np.ndarray:
+    return values[:, :, None]
+
+
+def wide(values: np.ndarray) -> np.ndarray:
+    return values[:, None, None]
+
+
+@lru_cache(maxsize=64)
+def _second_derivative(points: int) -> np.ndarray:
+    first = axis(points, False).derivative
+    return first @ first

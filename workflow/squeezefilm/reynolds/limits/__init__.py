@@ -1,1 +1,0 @@
-"""Mean forces without a time step: limits of the film equation."""
