@@ -5,7 +5,8 @@ import tomllib
 
 import pytest
 
-from squeezefilm.cli.main import commands_of, installed
+from squeezefilm.cli.main import commands_of
+from verification.__main__ import GROUPS as VERIFICATION
 
 from .commands import (
     BY_HAND,
@@ -62,8 +63,8 @@ def test_what_is_named_is_there(repository, texts):
     targets = {*re.findall(r"^ *(?:rule|checkpoint) (\w+):", rules, re.MULTILINE)}
     figures = {path.stem for path in repository.glob("workflow/*/figures/*.py")}
     known = {
-        "squeezefilm": commands_of(installed()),
-        "verification": commands_of(("verification.commands",)),
+        "squeezefilm": commands_of(),
+        "verification": commands_of(VERIFICATION),
         "snakemake": targets | figures,
     }
     for text in texts:

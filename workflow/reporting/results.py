@@ -9,8 +9,7 @@ import pandas as pd
 
 from reporting.notes import Inertia
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import read_design, read_json, read_ok_forces, read_scenes
+from squeezefilm.io.tables import read_columns, read_design, read_json, read_ok_forces, read_scenes
 from squeezefilm.models.fit_file import FittedModel, number, read_fit
 from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.effective import NAME as STUDY

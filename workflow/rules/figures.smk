@@ -100,7 +100,7 @@ OF_THE_PAPER = [
     *expand("simulations/{plan}/scenes.csv", plan=["screen", "four_factor"]),
     "simulations/screen/timings.csv",
     "simulations/extrapolation/budget.csv",
-    *expand("fits/{fit}.json", fit=FITS),
+    *expand("fits/{fit}.json", fit=MODEL_OF_FIT),
     "fits/screen_runs.csv",
     *expand("designs/{name}", name=["two_factor.csv", "two_factor.json", "four_factor.csv"]),
     *ON_SCREEN,
@@ -119,26 +119,6 @@ CATEGORIES = {
     "designs": "7 Designs and refinement",
     "refine": "7 Designs and refinement",
 }
-
-
-def in_report(place):
-    """A figure's drawing as the report lists it: the paper's by their numbers."""
-    folder, name = place.split("/")
-    labels = {"shows": FIGURES[place]}
-    if folder == "figures":
-        labels = {"figure": name.replace("fig", "Fig. ").replace("_", " "), **labels}
-    caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
-    return report(
-        f"<results>/{place}.svg",
-        category=CATEGORIES[folder],
-        labels=labels,
-        caption=f"../report/captions/{caption.get(folder, name)}.rst",
-    )
-
-
-def numbered(places):
-    """Those of the paper's numbered figures, which keep the table that they draw."""
-    return [place for place in places if place.startswith("figures/fig")]
 
 
 for page, (places, files) in PAGES.items():

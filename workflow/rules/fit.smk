@@ -1,20 +1,11 @@
 # From forces to the parameters of an empirical model. A fit bears the name of its plan.
 
-MODEL_OF_FIT = {
-    "screen": "two-factor",
-    "two_factor_design": "two-factor",
-    "four_factor": "four-factor",
-    "four_factor_design": "four-factor",
-    "four_factor_design_distinct": "four-factor",
-}
-SPACE_OF_FIT = {fit: model.replace("-", "_") for fit, model in MODEL_OF_FIT.items()}
-
 
 rule fit:
     input:
         forces="<results>/simulations/{fit}/forces.csv",
         sample=lambda wildcards: (
-            f"<results>/simulations/validation_{SPACE_OF_FIT[wildcards.fit]}/forces.csv"
+            f"<results>/simulations/validation_{MODEL_OF_FIT[wildcards.fit]}/forces.csv"
         ),
         scan=SCAN_SUMMARY,
     output:

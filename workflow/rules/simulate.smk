@@ -1,27 +1,5 @@
 # From a plan to its forces. As CSV, or for a sweep's many rows as Parquet.
 
-# What a plan is made from: a design, or the fits that an extrapolation is beyond.
-SOURCES_OF_PLAN = {
-    "two_factor_design": ["<results>/designs/two_factor.csv"],
-    "four_factor": ["<results>/designs/two_factor.csv"],
-    "four_factor_design": ["<results>/designs/four_factor.csv"],
-    "four_factor_design_distinct": ["<results>/designs/four_factor_distinct.csv"],
-    "extrapolation": ["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
-}
-# Sections of the study that decide the points of a plan, besides its sources.
-SECTIONS_OF_PLAN = {
-    "screen": ["screen"],
-    "error_map": ["error_map"],
-    "four_factor_control": ["four_factor_control", "screen", "positions"],
-    "sweep": ["sweep", "screen", "positions"],
-    "validation_two_factor": ["validation", "screen", "positions"],
-    "validation_four_factor": ["validation", "screen", "positions"],
-    "two_factor_design": [],
-    "four_factor": ["positions"],
-    "four_factor_design": [],
-    "four_factor_design_distinct": [],
-    "extrapolation": ["extrapolation"],
-}
 # Plans that are simulated by several jobs; all others by one that makes the plan too.
 DIVIDED = [plan for plan in SECTIONS_OF_PLAN if CHUNKS.get(plan, 1) > 1]
 

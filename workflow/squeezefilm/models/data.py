@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN, POLAR, as_in
-from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
+from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
 Array = NDArray[np.float64]
 
