@@ -15,7 +15,7 @@ from selenium.webdriver.support.ui import Select
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
-from squeezefilm.models.amplitude_for_force import amplitude_for_force, gap_for_force
+from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.models.force_model import get_model
@@ -215,19 +215,24 @@ def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer)
     for hv, load_n in ((1.2, 0.1), (1.9, 0.4)):
         explorer.type(h0=6.0, hv=hv, wanted=load_n)
         place = {n: v for n, v in explorer.factors().items() if n in ("phi_r_m", "phi_deg")}
-        given = {"force_n": load_n, "complete": fit.complete, **place}
-        gaps_m = _data(explorer, "fits", name)["gaps_m"]
-        for element, find, free in (
-            ("gap", gap_for_force, {"hv_m": 1e-6 * hv, "gaps_m": gaps_m}),
-            ("amplitude", amplitude_for_force, {"h0_m": 6e-6}),
-        ):
-            shown = explorer.element(element).get_attribute("data-metres")
-            try:
-                length_m = find(fit.force_model, fit.theta, **free, **given)
-            except InputError:
-                assert shown == ""
-            else:
-                assert float(shown) == pytest.approx(length_m, rel=1e-6)
+        shown = explorer.element("amplitude").get_attribute("data-metres")
+        try:
+            amplitude_m = amplitude_for_force(
+                *(fit.force_model, fit.theta),
+                **{"force_n": load_n, "h0_m": 6e-6, "complete": fit.complete, **place},
+            )
+        except InputError:
+            assert shown == ""
+        else:
+            assert float(shown) == pytest.approx(amplitude_m, rel=1e-6)
+        shown = explorer.element("gap").get_attribute("data-metres")
+        gaps_m = np.linspace(*_data(explorer, "fits", name)["gaps_m"], 400)
+        wide = gaps_m[gaps_m > (float(shown) * (1 + 1e-6) if shown else 0)]
+        excess = fit.evaluate(Factors.of(h0_m=wide, hv_m=1e-6 * hv, **place)) - load_n
+        assert (excess < 0).all() or (excess > 0).all()  # the widest such gap, or none
+        if shown:
+            at = Factors.of(h0_m=float(shown), hv_m=1e-6 * hv, **place)
+            assert fit.evaluate(at) == pytest.approx([load_n], rel=1e-6)
 
 
 def _data(explorer, section, name):

@@ -13,12 +13,13 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-from reporting.check.pictures import PLACE
-from reporting.check.study import study_quantities
-from reporting.figures import PLAIN, figure_module
-from reporting.figures.parts import style
+from paper.figures import FIGURES
+from reporting.check.quantities import PLACE_OF_PICTURES as PLACE
+from reporting.check.quantities import study_quantities
+from reporting.figures import style
+from reporting.figures.style import PLAIN
+from reporting.results import Results as StudyResults
 from squeezefilm.io.tables import read_json, write_json
-from squeezefilm.studies.config import load_config
 
 from ..workflow.conftest import copy_checkout
 from .conftest import REFERENCE, Results, run_check
@@ -38,11 +39,11 @@ def edit(path: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
 
 
 def redraw(results: Results, name: str, change: Callable[[Figure], None]) -> None:
-    """Draw a figure's picture anew from its table, with something changed."""
-    data = pd.read_csv(results.folder / "figures" / f"{name}.csv")
+    """Draw a figure's picture anew, with something changed."""
     path = results.folder / PLACE / f"{name}{PLAIN}"
-    with style.settings():
-        figure = figure_module(name).draw(data.assign(note=""))
+    study = StudyResults.of(results.folder, results.checkout / "config/quick.yaml")
+    with style.settings(notes=False):
+        figure, _ = FIGURES[f"figures/{name}"](study)
         change(figure)
         path.unlink()
         style.save_without_text(figure, [path])
@@ -197,8 +198,8 @@ def test_stiff_films_are_compared_where_they_are_the_sample_of_the_reference(res
     full = tmp_path / "full.yaml"
     full.write_text(sample.read_text().replace("extent: sample", "extent: full"))
     for config, compared in ((sample, True), (full, False)):
-        settings = load_config(config)
-        quantities = study_quantities(results.folder, settings, results.checkout / REFERENCE)
+        study = StudyResults.of(results.folder, config)
+        quantities = study_quantities(study, results.checkout / REFERENCE)
         assert any(each.part == "numerics" for each in quantities) == compared
 
 

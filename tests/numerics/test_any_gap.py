@@ -8,11 +8,11 @@ import pytest
 from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, periodic_state
 from physics_facts import fast_piston
 
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Formula, Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion, high_squeeze_limit
 from squeezefilm.reynolds.device import choose_device

@@ -9,16 +9,16 @@ from films import PISTON, film
 from physics_facts import fast_piston
 from scipy.special import ellipe, iv
 
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import cartesian
 from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.explain import explain
+from squeezefilm.reynolds.plan import previews
 from squeezefilm.reynolds.solver import solve
 
 TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, bulge_m=-0.2e-6)
@@ -163,12 +163,12 @@ def test_what_is_even_about_the_middle_is_solved_on_a_quarter_of_a_disc():
     assert mean(off, tolerance=1e-4) == pytest.approx(mean(folded, tolerance=1e-4), rel=2e-4)
 
 
-def test_explain_says_how_an_ellipse_or_a_tilted_pad_is_solved():
+def test_a_preview_is_how_an_ellipse_or_a_tilted_pad_is_solved():
     disc = ellipse(epsilon=0.4, sigma=583.0)
     tilted = pad(film(epsilon=0.4, sigma=583.0), gap=GapShape(tilt_x_m=2e-6))
     # At 1e-5 the disc's first grid is not always its last.
     for scene, domain, tolerance in ((disc, "quarter", 1e-4), (tilted, "half", 1e-5)):
-        (way,) = explain([scene], tolerance=tolerance)
+        (way,) = previews([scene], tolerance=tolerance)
         solution = solved(scene, tolerance=tolerance)
         assert (way.method, way.domain) == (solution.method, domain)
         assert (way.nx, way.ny, way.nt) == (solution.nx, solution.ny, solution.nt)
@@ -204,9 +204,9 @@ def test_a_tilted_pad_carries_as_a_slider_bearing():
 def test_an_ellipse_that_slides_is_not_supported(bearing, method):
     scene = ellipse(epsilon=0.4, sigma=583.0, bearing=bearing)
     (solution,) = solve([scene], tolerance=1e-3, method=method)
-    (explanation,) = explain([scene], tolerance=1e-3, method=method)
+    (preview,) = previews([scene], tolerance=1e-3, method=method)
     assert solution.status == "not supported: a sliding pad that is not a rectangle"
-    assert explanation.status == solution.status
+    assert preview.status == solution.status
     assert np.isnan(solution.force_n)
 
 

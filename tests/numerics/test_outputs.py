@@ -400,18 +400,20 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
     assert "'lift' is none of" in refused(*command, "--outputs", "lift", status=2)
 
 
-def test_explain_says_which_outputs_a_study_asks_for_in_vain(
+def test_a_dry_run_shows_which_outputs_a_study_asks_for_in_vain(
     tmp_path: Path, edited, capsys
 ) -> None:
-    plan, output = tmp_path / "plan.csv", tmp_path / "explained.csv"
+    plan, output = tmp_path / "plan.csv", tmp_path / "previews.csv"
     rows = {"h0_m": 5e-6, "hv_m": [2e-6], "phi_r_m": [0.0], "phi_deg": 0.0}
     write_table(pd.DataFrame({"point_id": ["1"], **rows}), plan)
     slides = edited(gas={"rarefaction": "fukui-kaneko"}, finger={"speed_x_m_per_s": 0.1})
     study = json.loads(slides.read_text(encoding="utf-8")) | {"outputs": ["power", "thrust"]}
     slides.write_text(json.dumps(study), encoding="utf-8")
-    assert main(["explain", str(plan), "--config", str(slides), "--output", str(output)]) == 0
+    assert (
+        main(["simulate", str(plan), "--dry-run", f"--config={slides}", f"--output={output}"]) == 0
+    )
     reason = "thrust: the shear of a sliding wall is not derived with fukui-kaneko"
-    assert f"such as point 1, lack {reason}" in capsys.readouterr().out
+    assert f"outputs_refused    {reason}" in capsys.readouterr().out
     assert list(pd.read_csv(output)["outputs_refused"]) == [reason]
 
 

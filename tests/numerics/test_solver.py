@@ -12,12 +12,11 @@ from squeezefilm.film.profiles import Sinc
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import launch, refinement
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.solver import METHODS
+from squeezefilm.reynolds.plan import METHODS, previews
 from squeezefilm.studies.study import scene_of
 
 
@@ -153,7 +152,7 @@ def test_a_film_at_rest_bears_nothing_and_does_not_touch_the_others(method):
     first, still, last = solve(scenes, tolerance=1e-2, method=method)
     assert alike([first, last], solve(good, tolerance=1e-2, method=method))
     assert (still.status, still.force_n) == ("ok", 0)
-    assert explain(scenes, tolerance=1e-2, method=method)[1].status == still.status
+    assert previews(scenes, tolerance=1e-2, method=method)[1].status == still.status
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
@@ -170,8 +169,8 @@ def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance):
     assert solutions[4].status == "the profile has no finite value at some place under the finger"
     assert np.isnan([solutions[1].force_n, solutions[4].force_n]).all()
     assert sum(finished) == len(scenes)
-    explained = [each.status for each in explain(scenes, tolerance=tolerance)]
-    assert explained == [each.status for each in solutions]
+    planned = [each.status for each in previews(scenes, tolerance=tolerance)]
+    assert planned == [each.status for each in solutions]
 
 
 def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch):

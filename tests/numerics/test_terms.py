@@ -12,8 +12,8 @@ from squeezefilm.reynolds import solve, terms
 from squeezefilm.reynolds.answers.outputs import with_outputs
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
-from squeezefilm.reynolds.explain import explain
 from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.plan import previews
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import numbers_of
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
@@ -162,7 +162,7 @@ class Drift(Term):
 
 
 def test_a_new_term_is_one_module_and_a_place_in_the_list(tmp_path, monkeypatch):
-    """Solved, explained, left out and refused from what it says of itself."""
+    """Solved, planned, left out and refused from what it says of itself."""
     (tmp_path / "drift.cl").write_text(DRIFT)
     monkeypatch.setattr(Drift, "OVER_PERIOD", str(tmp_path / "drift.cl"))
     monkeypatch.setattr(terms, "TERMS", (*terms.TERMS, Drift))
@@ -173,7 +173,7 @@ def test_a_new_term_is_one_module_and_a_place_in_the_list(tmp_path, monkeypatch)
     assert found.force_n == pytest.approx(exact.force_n, rel=2e-7)
     assert without.force_n != pytest.approx(exact.force_n, rel=1e-3)
     assert without.left_out == found.left_out + "; drift"
-    assert explain([drifting], tolerance=1e-7)[0].terms == ("squeeze", "bearing", "drift")
+    assert previews([drifting], tolerance=1e-7)[0].terms == ("squeeze", "bearing", "drift")
     (found,) = solve([drifting], tolerance=1e-2, method="composite")
     assert found.status == "the composite expansion is not derived with bearing and drift"
 

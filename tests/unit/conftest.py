@@ -84,10 +84,8 @@ def study(tmp_path_factory, repository, script):
 def _write_forces(root: Path, plan: str, forces: pd.DataFrame) -> None:
     solved = Solution(status="ok", method="periodic", nx=24, ny=24, nt=16, krylov_iterations=33)
     force_n = forces["force_n"]
-    observed = {name: getattr(solved, name) for name in SOLUTION_COLUMNS} | {
-        "force_n": force_n,
-        "force_error_n": 2.4e-7 * force_n,
-    }
+    observed = {name: getattr(solved, name) for name in SOLUTION_COLUMNS}
+    observed |= {"force_n": force_n, "force_error_n": 2.4e-7 * force_n}
     table = forces.assign(**observed)
     folder = root / "simulations" / plan
     write_table(table[list(FORCE_COLUMNS)], folder / "forces.csv")
@@ -200,7 +198,9 @@ def _write_extras(root: Path, config: Path) -> None:
         "y_m": 0.0,
         "force_n": 0.3,
         "hv_m": [1.4e-6, 1.4e-6, float("nan")],
+        "hv_error_95_m": [1e-8, 1e-8, float("nan")],
         "error_95_percent": [1.0, 2.0, float("nan")],
+        "note": ["", "", "no amplitude gives it"],
     }
     write_table(pd.DataFrame(recommended), root / "models" / "recommended.csv")
     """A film over a period, what a force rests on, and what equation it is of."""

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import pandas as pd
 import pytest
 
-from reporting.figures.parts import style
+from reporting.figures import style
 from squeezefilm.io import atomic
 from squeezefilm.io.atomic import whole_file, write_text
 from squeezefilm.io.errors import InputError

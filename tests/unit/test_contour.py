@@ -56,6 +56,7 @@ def test_points_make_one_curve_in_any_unit_direction_and_place(z_mm, header, uni
 SPIKE = OVAL * np.where(np.arange(60) == 7, 1.2, 1.0)
 HOOK = np.exp(1j * np.linspace(0, 5.2, 40))
 HOOK = np.concatenate([5 * HOOK, 3.5 * HOOK[::-1]])
+LOOP = (3 + 5 * np.cos(TURN)) * np.exp(1j * TURN)
 NOTCH = (1 - 0.85 * np.exp(-((TURN - np.pi) ** 2) / 0.1)) * OVAL
 
 
@@ -71,6 +72,7 @@ NOTCH = (1 - 0.85 * np.exp(-((TURN - np.pi) ** 2) / 0.1)) * OVAL
             "is 10.0999 mm × 8.08004 mm, and the study says 10 mm × 8 mm: write",
         ),
         (HOOK, "the outline is not star-shaped"),
+        (LOOP, "the outline is not star-shaped"),
         (NOTCH, "a notch, a neck or a corner is too sharp"),
     ],
 )

@@ -1,16 +1,12 @@
 """The paper's study beside the one with inertia: what is compared, when its conclusion holds."""
 
-import shutil
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
 
-from paper.equations import FITS, INPUTS, Study, compare, conditions, survives, to_markdown
-from squeezefilm.cli import main as cli
+from paper.equations import CONDITIONS, FITS, compare, survives
+from reporting.results import Results
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_json, write_json
 from squeezefilm.studies.config import load_config
 
 MORE = 1.02
@@ -21,18 +17,17 @@ MORE = 1.02
 def other(study, tmp_path_factory):
     """The same study with every force of the screen and the plan larger by one factor."""
     root = tmp_path_factory.mktemp("other")
-    for file in INPUTS.values():
-        (root / file).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(study.root / file, root / file)
-    for name in ("screen", "plan", "extrapolation"):
-        forces = pd.read_csv(root / INPUTS[name])
-        forces.assign(force_n=MORE * forces["force_n"]).to_csv(root / INPUTS[name], index=False)
-    return root
+    results = study.changed(root, "designs/two_factor.csv", lambda table: table)
+    for plan in ("screen", "four_factor", "extrapolation"):
+        file = f"simulations/{plan}/forces.csv"
+        table = pd.read_csv(root / file)
+        table.assign(force_n=MORE * table["force_n"]).to_csv(root / file, index=False)
+    return results
 
 
 @pytest.fixture
 def table(study, other):
-    return compare(Study(study.root), Study(other))
+    return compare(study.results, other)
 
 
 def value(table: pd.DataFrame, part: str, quantity: str, column: str = "with_inertia") -> float:
@@ -55,8 +50,7 @@ def test_the_study_with_inertia_is_the_papers_but_for_that(repository):
 def test_every_parameter_stands_beside_the_other_once(table, study):
     assert not table.duplicated(["part", "quantity"]).any()
     for name, part in FITS.items():
-        fit = read_json(study.root / INPUTS[name])
-        for index, theta in enumerate(fit["theta"]):
+        for index, theta in enumerate(study.results.fit(name).theta):
             assert value(table, part, f"θ{index}") == theta
     assert (table["unit"] != "").all()
 
@@ -68,7 +62,7 @@ def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(table):
     for which in ("least", "largest"):
         change = value(table, part, f"{which} change of a force, screen")
         assert change == pytest.approx(100 * (MORE - 1), rel=1e-9)
-    judged = f"global error, fit to {FITS['screen_fit']}"
+    judged = f"global error, fit to {FITS['screen']}"
     assert value(table, part, judged, "paper_equation") == pytest.approx(0.533, abs=1e-3)
     assert value(table, part, judged) > 1.7
 
@@ -80,12 +74,12 @@ def test_points_that_the_paper_s_equation_finds_are_as_good_where_theta_is_the_s
 
 
 def test_points_of_one_gap_but_for_rounding_keep_their_order(study, other):
-    path = other / INPUTS["design"]
+    path = other.folder / "designs/two_factor.csv"
     points = pd.read_csv(path)
     middle = np.isclose(points["hv_m"], 1.45e-6)
     assert middle.sum() == 1
     points.assign(h0_m=points["h0_m"] + 4e-17 * middle).to_csv(path, index=False)
-    again = compare(Study(study.root), Study(other))
+    again = compare(study.results, other)
     amplitudes = again["quantity"].str.fullmatch(r"point \d hv")
     mine, theirs = (again.loc[amplitudes, name] for name in ("paper_equation", "with_inertia"))
     assert np.allclose(mine, theirs)
@@ -94,31 +88,27 @@ def test_points_of_one_gap_but_for_rounding_keep_their_order(study, other):
 
 def test_the_conclusion_falls_with_any_of_its_conditions(table):
     assert survives(table, column="with_inertia")
-    assert "**survives**" in to_markdown(table)
-    assert [each.largest for each in conditions()] == [4.6, 15, 4.5]
-    for each in conditions():
+    assert [largest for *_, largest in CONDITIONS] == [4.6, 15, 4.5]
+    for part, quantity, largest in CONDITIONS:
         worse = table.copy()
-        row = (worse["part"] == each.part) & (worse["quantity"] == each.quantity)
-        worse.loc[row, "with_inertia"] = 1.01 * each.largest
+        row = (worse["part"] == part) & (worse["quantity"] == quantity)
+        worse.loc[row, "with_inertia"] = 1.01 * largest
         assert not survives(worse, column="with_inertia")
-        assert "**does not survive**" in to_markdown(worse)
 
 
-def test_the_command_writes_both_files(study, other, tmp_path):
-    paths = [f"--output={tmp_path}/t.csv", f"--markdown={tmp_path}/t.md"]
-    assert cli.main(["equations", str(study.root), str(other), *paths]) == 0
-    table = pd.read_csv(tmp_path / "t.csv")
-    text = (tmp_path / "t.md").read_text(encoding="utf-8")
+def test_the_script_writes_table_and_pages(study, other, script, tmp_path):
+    names = {"csv": "t.csv", "markdown": "t.md", "page": "t.html"}
+    output = {key: tmp_path / name for key, name in names.items()}
+    sides = {"sides": [study.root, other.folder]}
+    script("equations", study.config, input={}, output=output, params=sides)
+    table, text = pd.read_csv(output["csv"]), output["markdown"].read_text(encoding="utf-8")
+    assert "**survives**" in text
     assert text.count("\n| ") == len(table) + 2 * (table["part"].nunique() + 1) + 3
+    assert output["page"].read_text(encoding="utf-8").count("<tr>") == text.count("\n| ") - (
+        table["part"].nunique() + 1
+    )
 
 
 def test_a_study_that_is_not_made_is_named(study, tmp_path):
     with pytest.raises(InputError, match=r"forces\.csv"):
-        compare(Study(study.root), Study(tmp_path))
-    fit = tmp_path / INPUTS["screen_fit"]
-    for file in INPUTS.values():
-        Path(tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(study.root / file, tmp_path / file)
-    write_json({"model": "two-factor"}, fit)
-    with pytest.raises(InputError, match=r"screen\.json"):
-        compare(Study(study.root), Study(tmp_path))
+        compare(study.results, Results(tmp_path, study.results.config))

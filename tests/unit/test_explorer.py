@@ -7,10 +7,7 @@ import pandas as pd
 import pytest
 from reference_forces import FOUR_FACTOR_THETA
 
-from reporting.explorer import Study, explorer_page
-from reporting.explorer.modulation import modulation
-from reporting.pages.notes import Inertia
-from squeezefilm.cli import main as cli
+from reporting.explorer import Models, explorer_page, models_of, modulation_of
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.fit_file import read_fit
 
@@ -19,25 +16,14 @@ LIBRARY = "/* the drawing library */"
 
 @pytest.fixture(scope="module")
 def page(study):
-    return explorer_page(_study(study), drawing_library=LIBRARY)
+    return made(study)
 
 
-def _study(study, **changes) -> Study:
-    names = ("two_factor_design", "four_factor")
-    values = {
-        "name": "test",
-        "fits": {name: read_fit(study.root / f"fits/{name}.json") for name in names},
-        "plans": {name: name for name in names},
-        "forces": {
-            name: pd.read_csv(study.root / f"simulations/{name}/forces.csv")
-            for name in ("screen", "four_factor")
-        },
-        "force_n": 1.0,
-        "h0_m": 5e-6,
-        "hv_m": 2.2e-6,
-        "inertia": Inertia(1e10, "inertia neglected"),
-    }
-    return Study(**(values | changes))
+def made(study, models: Models | None = None, plans=("screen", "four_factor")) -> str:
+    results = study.results
+    models = models or models_of(results, fits=["two_factor_design", "four_factor"], candidates=[])
+    forces = {plan: results.forces(plan) for plan in plans}
+    return explorer_page(results.config, models, forces, drawing_library=LIBRARY)
 
 
 def _data(page: str):
@@ -64,7 +50,7 @@ def test_a_models_error_on_the_page_is_that_of_its_file(page, study):
     two, four = _data(page)["fits"]
     for fit, name in ((two, "two_factor_design"), (four, "four_factor")):
         interval = read_fit(study.root / f"fits/{name}.json").interval
-        assert fit["interval"] == json.loads(json.dumps(interval.to_dict()))
+        assert fit["interval"] == interval.model_dump(mode="json")
         assert fit["statement"] == interval.statement
     assert two["interval"]["ranges"]["phi_r_m"] == [0.0, 0.0]
 
@@ -78,8 +64,10 @@ def test_nothing_is_left_to_fill_in_and_nothing_comes_from_elsewhere(page):
 
 
 def test_a_text_cannot_end_the_data(study):
-    forces = pd.read_csv(study.root / "simulations/screen/forces.csv")
-    page = explorer_page(_study(study, forces={"</script>": forces}), drawing_library="")
+    results = study.results
+    models = models_of(results, fits=["screen"], candidates=[])
+    forces = {"</script>": results.forces("screen")}
+    page = explorer_page(results.config, models, forces, drawing_library="")
     assert _data(page)["plans"] == ["</script>"]
 
 
@@ -88,32 +76,22 @@ def test_a_fit_that_the_page_cannot_compute_with_is_refused(study):
     plans = {"mine": "four_factor"}
     short = type(fit)(**(vars(fit) | {"theta": (1.0, 2.0)}))
     with pytest.raises(InputError, match="theta"):
-        explorer_page(_study(study, fits={"mine": short}, plans=plans), drawing_library="")
+        made(study, Models({"mine": short}, plans))
     strange = type(fit)(**(vars(fit) | {"model": 'x"]; evil()'}))
     with pytest.raises(InputError, match="is unknown; known are"):
-        explorer_page(_study(study, fits={"mine": strange}, plans=plans), drawing_library="")
+        made(study, Models({"mine": strange}, plans))
     with pytest.raises(InputError, match="at least one fit"):
-        explorer_page(_study(study, fits={}), drawing_library="")
+        made(study, Models())
 
 
-def test_the_command_writes_the_page(study, tmp_path, refused):
-    fit = f"{study.root}/fits/screen.json"
-    forces = f"screen={study.root}/simulations/screen/forces.csv"
-    target = tmp_path / "explorer.html"
-    words = ["--config", str(study.config), "--output", str(target)]
-    refusal = tmp_path / "limit_9.json"
-    refusal.write_text('{"model": "limit_9", "refused": "t0, t1 cannot be told apart"}')
-    assert cli.main(["explorer", fit, str(refusal), "--forces", forces, *words]) == 0
-    text = target.read_text(encoding="utf-8")
-    assert "two factors, 60 simulations (screen)" in text
-    assert "Plotly" in text
-    assert _data(text)["left_out"] == {"limit_9": "t0, t1 cannot be told apart"}
-    assert "two fits bear the same name" in refused(
-        "explorer", fit, fit, "--forces", forces, *words
-    )
-    assert "is not NAME=PATH" in refused(
-        "explorer", fit, "--forces", forces.partition("=")[2], *words
-    )
+def test_a_candidate_that_was_refused_is_named_with_the_reason(study, tmp_path):
+    results = study.changed(tmp_path, "designs/two_factor.csv", lambda table: table)
+    (tmp_path / "models/four_factor").mkdir(parents=True)
+    refusal = '{"model": "limit_9", "refused": "t0, t1 cannot be told apart"}'
+    (tmp_path / "models/four_factor/limit_9.json").write_text(refusal)
+    page = made(study, models_of(results, fits=["screen"], candidates=["limit_9"]))
+    assert "two factors, 60 simulations (screen)" in page
+    assert _data(page)["left_out"] == {"limit_9": "t0, t1 cannot be told apart"}
 
 
 def test_films_whose_response_is_not_known_say_why():
@@ -131,12 +109,12 @@ def test_films_whose_response_is_not_known_say_why():
         frequency_hz=10.0, gain=1.9, phase_deg=-1.0, error=[0.01, 0.2, None]
     )
     fast = gains.assign(frequency_hz=4e3, gain=float("nan"), error=float("nan"))
-    assert modulation(films, pd.concat([gains, fast]))["films"][0]["gain"] == [1.9, None]
-    known, thick, refused = modulation(films, gains)["films"]
+    assert modulation_of(films, pd.concat([gains, fast]))["films"][0]["gain"] == [1.9, None]
+    known, thick, refused = modulation_of(films, gains)["films"]
     assert (known["corner_hz"], known["gain"], known["error"]) == (400.0, [1.9], 0.01)
     assert thick["why"] == "the film is not slow"
     assert refused["why"] == "an ellipse"
     without_any = gains.assign(gain=float("nan"), status="two phases")
-    assert modulation(films, without_any)["films"][0]["why"] == "two phases"
+    assert modulation_of(films, without_any)["films"][0]["why"] == "two phases"
     with pytest.raises(InputError, match="different films"):
-        modulation(films, gains.iloc[:2])
+        modulation_of(films, gains.iloc[:2])

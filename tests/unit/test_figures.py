@@ -154,11 +154,7 @@ def test_what_has_no_style_is_refused_and_not_left_out(place, file, row, study, 
     columns = ("film", "relative_error", "worst_over_allowed")
     source = study.root / file
     results = study.changed(tmp_path, "designs/two_factor.csv", lambda table: table)
-    table = (
-        pd.read_csv(source)
-        if source.exists()
-        else pd.DataFrame([[1] * len(columns)], columns=columns)
-    )
+    table = pd.read_csv(source) if source.exists() else pd.DataFrame([dict.fromkeys(columns, 1)])
     (tmp_path / file).parent.mkdir(exist_ok=True)
     table.assign(**row).to_csv(tmp_path / file, index=False)
     with pytest.raises(InputError, match=r"no style is known for .*magic"):
@@ -182,4 +178,4 @@ def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path,
     assert "figures are overview, error_map" in refused(*words, "--output", tmp_path / "a.png")
     assert "name ends in .png" in refused(*words, "--output", tmp_path / "a.mp4")
     words[1] = "models/two_factor_errors"
-    assert "two_factor_errors.csv" in refused(*words, "--output", tmp_path / "a.png")
+    assert "models/two_factor.csv" in refused(*words, "--output", tmp_path / "a.png")

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.box import Box, grid
-from squeezefilm.designs.continuous_design import optimal_in_box
-from squeezefilm.designs.exact_design import exchange
-from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
+from squeezefilm.designs.exact import exchange
+from squeezefilm.designs.optimal import maximin_design, optimal_in_box, optimal_weights
 from squeezefilm.designs.paper_design import Criterion, exchange_design, search_design
 from squeezefilm.io.errors import InputError
 
@@ -69,15 +68,6 @@ def test_parameters_that_cannot_be_told_apart_are_refused():
     for f in (np.column_stack([x, 2 * x]), np.column_stack([x, 0 * x]), x[:1, None] * [[1, 1]]):
         with pytest.raises(InputError, match="parameter"):
             optimal_weights(f)
-
-
-def test_a_point_where_the_model_is_undefined_is_not_chosen():
-    x = np.linspace(-1, 1, 41)
-    f = powers(x[:, None], degree=2)
-    f[-1] = np.nan
-    design = optimal_weights(f)
-    assert x[design.support].max() == x[-2]
-    assert len(f) - 1 not in exchange(f, 3).chosen
 
 
 def test_the_bayesian_design_is_best_for_the_mean_of_the_vectors():

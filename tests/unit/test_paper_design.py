@@ -31,17 +31,6 @@ def placed_gradient(points):
     return FOUR_FACTOR.gradient(FOUR_FACTOR_THETA, FOUR_FACTOR.factors(points))
 
 
-def test_scalings():
-    points = np.array([[5e-6, 2e-6], [10e-6, 0.2e-6]])
-    measured = {
-        name: float(pair_distances(coordinates(name, FILM)(points))[0])
-        for name in ("unit", "micrometre", "metre")
-    }
-    apart = np.hypot(5, 1.8)
-    expected = {"unit": np.sqrt(2), "micrometre": apart, "metre": apart * 1e-6}
-    assert measured == pytest.approx(expected, rel=1e-12)
-
-
 def test_two_angles_at_the_centre_are_one_scene():
     centre = np.array([[5e-6, 2e-6, 0.0, 0.0], [5e-6, 2e-6, 0.0, 45.0]])
     rim = np.array([[5e-6, 2e-6, 2.9e-3, 0.0], [5e-6, 2e-6, 2.9e-3, 45.0]])
@@ -90,15 +79,6 @@ def test_regions_and_the_fifth_point(patterns):
     np.testing.assert_allclose(extended[-1].point, [5e-6, 0.2e-6])
 
 
-def test_patterns_do_not_depend_on_the_order_of_points():
-    points = np.array([[5e-6, 2e-6], [6.91e-6, 2e-6], [10e-6, 0.2e-6]])
-    moved = [*points, [0, 0], [1e-06, 0], [0, 0]]
-    designs = [Design(points, 2.0, 2.0), Design(points[[2, 0, 1]], 1.5, 1.5), Design(moved, 3, 3)]
-    found = find_patterns(designs, FILM)
-    assert [(pattern.count, pattern.excess) for pattern in found] == [(2, 0.0), (1, 1.5)]
-    assert found[0].design is designs[1]
-
-
 def test_the_determinant_alone_takes_one_scene_twice():
     paper = search_design(Criterion(placed_gradient, PLACED), 5, seed=0)
     centred = paper.points[(paper.points[:, 2] < 1e-5) & (paper.points[:, 1] > 1.99e-6)]
@@ -136,24 +116,6 @@ def test_a_free_point_lies_where_the_others_are_far_and_not_where_rounding_left_
         ends.append(spread_on_lines(criterion, moved, ratio=("h0_m", "hv_m")).points)
     np.testing.assert_allclose(PLACED.to_unit(ends[0]), PLACED.to_unit(ends[1]), atol=1e-9)
     assert ends[0][3, 1] == pytest.approx(2e-6, rel=1e-12)
-
-
-def test_a_point_that_is_not_free_stays():
-    def knows_the_gap_alone(points):
-        return np.stack([np.ones(len(points)), points[:, 0]], axis=-1)
-
-    criterion = Criterion(knows_the_gap_alone, FILM)
-    ends = np.array([[5e-6, 1e-6], [10e-6, 1e-6]])
-    found = Design(ends, float(criterion.value(ends)), float(criterion.value(ends)))
-    np.testing.assert_array_equal(
-        spread_on_lines(criterion, found, ratio=("h0_m", "hv_m")).points, ends
-    )
-
-
-def test_equal_seeds_give_equal_designs():
-    criterion = Criterion(film_gradient, FILM)
-    first, second = (search_design(criterion, 3, seed=4) for _ in range(2))
-    np.testing.assert_array_equal(first.points, second.points)
 
 
 def test_bad_requests_are_refused():

@@ -71,18 +71,6 @@ def test_of_new_points_as_many_are_inside_as_stated():
         assert min(inside) >= law.ppf(1e-3 / repeats) / fresh
 
 
-def test_the_half_width_is_the_score_of_its_rank_times_the_scale():
-    factors = drawn(200, seed=1)
-    force = truth_n(factors)
-    score = (np.abs(model_n(factors) - force) + 1e-6 * force) / (1e-4 + 0.01 * model_n(factors))
-    calibration = np.sort(score[~ranking_half(200)])
-    found = interval(factors)
-    assert found.error_95 == pytest.approx(calibration[95] * np.array([1e-4, 0.01]))
-    assert found.error_99 == pytest.approx(calibration[99] * np.array([1e-4, 0.01]))
-    assert found.calibration_points == 100
-    assert found.points == 200
-
-
 def test_a_simulation_without_a_force_counts_as_infinitely_wrong():
     factors = drawn(200, seed=1)
     force, calibration = truth_n(factors), np.flatnonzero(~ranking_half(200))

@@ -9,7 +9,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import local_fit, sum_of_squares
 from squeezefilm.models.force_model import TWO_FACTOR, make_model
-from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
+from squeezefilm.models.parameter_intervals import parameter_ranges
 
 LINE = make_model("line", {"expression": "t0 + t1*(hv/h0)"}, place="test")
 EPSILON = np.linspace(0.05, 0.4, 12)
@@ -62,23 +62,3 @@ def test_fits_without_a_spare_point_have_no_range():
 def test_parameters_that_are_not_the_best_fit_are_refused():
     with pytest.raises(InputError, match="not those of the best fit"):
         parameter_ranges(LINE, AT, 0.1 + 2 * EPSILON, [0.1, 2.5])
-
-
-def test_a_fit_does_not_leave_the_region_where_the_model_is_defined():
-    force = TWO_FACTOR.evaluate([7.0, 2.0, -1.0], AT)
-    found = local_fit(TWO_FACTOR, AT, force, [3.0, 5.0, -0.5])
-    np.testing.assert_allclose(found, [7, 2, -1], rtol=1e-5)
-
-
-def test_two_plans_of_one_study_may_give_ranges_that_exclude_each_other():
-    """As the note with ranges says: every other point of the screen, and the rest."""
-    at, forces = reference_forces("screen")
-    found = []
-    for first in (0, 1):
-        plan = np.arange(first, len(forces), 2)
-        half, of_half = at.take(plan), np.asarray(forces)[plan]
-        theta = local_fit(TWO_FACTOR, half, of_half, (7.6, 1.9, -1.0))
-        found.append(parameter_ranges(TWO_FACTOR, half, of_half, theta))
-    assert found[0][0].upper < found[1][0].lower
-    assert found[1][1].upper < found[0][1].lower
-    assert "another plan may give intervals that do not overlap these" in RANGES_NOTE

@@ -8,9 +8,9 @@ import pytest
 from example_scan import scan_text
 from scipy.special import jv
 
-from paper.figures import fig05
-from reporting.figures import figure_module
-from reporting.figures.parts import style
+from paper.figures import vibration
+from reporting.figures import style
+from reporting.results import Results
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan
 from squeezefilm.film.measured.tables import described, profile_table, summary_of
@@ -235,11 +235,10 @@ def test_a_profile_of_any_kind_can_be_drawn(settings, repository):
     config = load_config(repository / "config" / "vibrometer.yaml")
     actuator = {**config["actuator"], "profile": settings}
     study = replace(config, sections={**config, "actuator": actuator})
-    data = fig05.build({}, study)
-    for name in ("fig05", "fig06"):
-        module = figure_module(name)
+    for draw in (vibration.fig05, vibration.fig06):
         with style.settings():
-            axes = module.draw(data).axes[0]
+            figure, _ = draw(Results(repository, study))
+        axes = figure.axes[0]
         assert [*axes.lines, *axes.collections, *axes.images]
 
 

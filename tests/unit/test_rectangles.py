@@ -9,12 +9,11 @@ import pytest
 import yaml
 from example_scan import EXAMPLES, PLATE, scan_text
 
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.profiles import StandingWave, largest_magnitude
 from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
-from squeezefilm.film.validity import validity
+from squeezefilm.film.validity import check_scene, validity
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
 from squeezefilm.models.data import Factors

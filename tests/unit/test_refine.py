@@ -1,22 +1,23 @@
 """The loop on the real film, and the commands around it: what they promise and what they refuse."""
 
 import json
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 import yaml
 
+from reporting.figures import FIGURES, save
+from reporting.pages import render
+from reporting.refinement import refinement_table
+from reporting.results import Results
 from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import SCENE_COLUMNS, read_forces
-from squeezefilm.models.data import factors_of
-from squeezefilm.models.fit_file import read_fit
+from squeezefilm.io.tables import read_forces
 from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks import refined_model
-from squeezefilm.studies.tasks.fits import limits_of
 
 
 @dataclass(frozen=True)
@@ -89,48 +90,34 @@ def test_a_model_that_lacks_terms_is_limited_by_the_model_and_told_where(refined
     assert where["error_n"].abs().groupby(epsilon > 0.2).mean().is_monotonic_increasing
 
 
-def test_the_map_of_errors_is_right_where_nothing_was_simulated(refined):
-    """It is the model less the physics limit, and that is close to the model less simulations."""
-    verdict, forces = refined.verdict("square"), read_forces(refined.unseen)
-    model = read_fit(refined.folder / "square" / "fit.json").force_model
-    theta = verdict["theta_of_all_points"]
-    limit = pd.read_csv(refined.limits)["limit_n"]
-    truth = model.evaluate(theta, factors_of(forces)) - forces["force_n"]
-    assert np.linalg.norm(limit - forces["force_n"]) < 0.1 * np.linalg.norm(truth)
-    where = pd.read_csv(refined.folder / "square" / "where.csv").tail(20)
-    scenes = where.assign(point_id=range(20))[list(SCENE_COLUMNS)]
-    limits = limits_of(scenes, load_config(refined.folder / "study.yaml"))
-    expected = model.evaluate(theta, factors_of(scenes)) - limits["limit_n"].to_numpy()
-    np.testing.assert_allclose(where["error_n"], expected, rtol=1e-6)
-
-
-def test_the_fits_file_tells_ranges_and_what_they_mean(refined):
-    values = json.loads((refined.folder / "limit_2" / "fit.json").read_text())
-    assert [each["name"] for each in values["parameter_ranges"]] == ["t0", "t1"]
-    for each in values["parameter_ranges"]:
-        assert each["lower"] < each["estimate"] < each["upper"]
-    assert "conditional on this plan and on the formula" in values["parameter_ranges_note"]
-    assert "not noise" in values["parameter_ranges_note"]
+def reported(refined, folder: Path, *models: Path) -> tuple[pd.DataFrame, str, str]:
+    """The table of a report on refined models, its page, and its figure's drawing."""
+    for model in models:
+        shutil.copytree(model, folder / "refine/two_factor" / model.name)
+    plan = folder / "simulations/validation_two_factor"
+    plan.mkdir(parents=True)
+    shutil.copy(refined.unseen, plan / "forces.csv")
+    shutil.copy(refined.limits, plan / "limits.csv")
+    config = load_config(refined.folder / "study.yaml")
+    names = [model.name for model in models]
+    results = Results(folder, {**config, "refine": {"two_factor": names}})
+    table, values = refinement_table(results, "two_factor")
+    table.to_csv(folder / "refine/two_factor.csv", index=False)
+    save(FIGURES["refine/two_factor_figure"], results, [folder / "f.svg"])
+    drawn = (folder / "f.svg").read_text(encoding="utf-8")
+    return table.set_index("model"), render("refine.md", **values), drawn
 
 
 def test_the_report_compares_estimates_with_the_truth(refined, tmp_path):
-    folders = [str(refined.folder / name) for name in ("square", "limit_2")]
-    outputs = [tmp_path / name for name in ("t.csv", "t.md", "f.csv")]
-    words = ["--forces", str(refined.unseen), "--limits", str(refined.limits)]
-    for option, path in zip(("--output", "--report", "--figure"), outputs, strict=True):
-        words += [option, str(path)]
-    assert main(["refine-report", *folders, *words]) == 0
-    table = pd.read_csv(outputs[0], index_col="model")
+    folders = [refined.folder / name for name in ("square", "limit_2")]
+    table, text, drawn = reported(refined, tmp_path, *folders)
     good = table.loc["limit_2"]
     assert good["unseen_global_error"] < 5e-4
     assert good["unseen_global_error"] < good["estimated_global_upper"]
     assert good["share_in_interval"] > 0.8
     assert table.loc["square", "unseen_global_error"] > 100 * good["unseen_global_error"]
-    text = outputs[1].read_text(encoding="utf-8")
     assert "limited by the model" in text
     assert "as good as wanted" in text
-    assert main(["plot", "refine", str(outputs[2]), "--output", str(tmp_path / "f.svg")]) == 0
-    drawn = (tmp_path / "f.svg").read_text(encoding="utf-8")
     assert "square: limited by the model" in drawn
 
 
@@ -158,17 +145,10 @@ def test_a_model_whose_physics_does_not_hold_is_left_out_before_anything_is_simu
     monkeypatch.setattr(refined_model, "solve", no_simulation)
     config = study(repository, tmp_path / "study.yaml", finger={"shape": "ellipse"})
     refine(script, "limit_1", tmp_path / "limit_1", config, refined.sample)
-    words = ["--forces", str(refined.unseen), "--limits", str(refined.limits)]
-    words += ["--output", f"{tmp_path}/t.csv", "--report", f"{tmp_path}/t.md"]
-    for others in ([], [str(refined.folder / "limit_2")]):
-        figure = f"{tmp_path}/figure-{len(others)}.csv"
-        folders = [str(tmp_path / "limit_1"), *others]
-        assert main(["refine-report", *folders, *words, "--figure", figure]) == 0
-        table = pd.read_csv(tmp_path / "t.csv", index_col="model")
+    for others in ([], [refined.folder / "limit_2"]):
+        folder = tmp_path / f"results-{len(others)}"
+        table, page, drawn = reported(refined, folder, tmp_path / "limit_1", *others)
         assert table.loc["limit_1", "verdict"] == "left out"
-        assert set(table.index) == {"limit_1", *(Path(other).name for other in others)}
-        page = (tmp_path / "t.md").read_text(encoding="utf-8")
+        assert set(table.index) == {"limit_1", *(other.name for other in others)}
         assert "- **limit_1**, left out: limit_n: unknown at" in page
-    drawing = tmp_path / "f.svg"
-    assert main(["plot", "refine", f"{tmp_path}/figure-0.csv", "--output", str(drawing)]) == 0
-    assert "nothing was simulated: limit_1" in drawing.read_text(encoding="utf-8")
+        assert ("no model of this space was refined" in drawn) == (not others)

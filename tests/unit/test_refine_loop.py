@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from squeezefilm.designs.refine_fits import Fits, Pool
-from squeezefilm.designs.refine_loop import Goal, Outcome, refine_loop
+from squeezefilm.designs.sequential import Goal, Outcome, Pool, Sequential, refine_loop
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
@@ -70,11 +69,11 @@ def test_parameters_that_are_undefined_at_a_new_point_are_sought_anew():
     """They were kept as they were, and with them a fit that says nothing there."""
     points, tried = pool(), model("sqrt(1 + t0*(hv/h0)**2)/sqrt(1 - t1*(hv/h0)**2) - 1")
     force = tried.evaluate([7.0, 2.0], points.factors)
-    fits = Fits(tried, points, bound=100, seed=1)
-    fits.add(points.candidates, force[points.candidates], force[points.candidates])
+    loop = Sequential(tried, points, GOAL, lambda at: (force[at], force[at]), 0.1, 100, 1)
+    loop.measure(points.candidates)
     start = np.array([7.0, 8.0])
     assert np.isnan(tried.evaluate(start, points.factors)).any()
-    np.testing.assert_allclose(fits.fitted(points.candidates, start), [7, 2], rtol=1e-6)
+    np.testing.assert_allclose(loop.fitted(points.candidates, start), [7, 2], rtol=1e-6)
 
 
 def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():
@@ -91,13 +90,6 @@ def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():
     assert found.verdict == "reached"
     assert last.global_lower < np.linalg.norm(misses) / np.linalg.norm(force) < last.global_upper
     assert 0.5 < last.worst_error * found.scale_n / np.abs(misses).max() < 3
-
-
-def test_verification_points_are_never_fitted():
-    found, _ = run(model(QUADRATIC), wavy(1e-3))
-    for done in found.rounds:
-        assert not set(done.design) & set(pool().verification)
-        assert done.simulations == len(done.design) + CHECKS
 
 
 def test_a_model_that_lacks_a_term_is_found_out():
@@ -151,14 +143,6 @@ def test_a_model_without_parameters_is_judged_by_its_verification_points_alone()
     found, asked = run(model("5*(hv/h0)**2"), lambda e: 5 * e**2)
     assert (found.verdict, len(asked)) == ("reached", CHECKS)
     assert run(model("5*(hv/h0)**2"), lambda e: 6 * e**2)[0].verdict == "model"
-
-
-def test_what_cannot_be_estimated_is_refused():
-    with pytest.raises(InputError, match="fewer than 3 verification points"):
-        run(model(QUADRATIC), np.square, points=pool(checks=2))
-    goal = Goal(global_error=1e-3, worst_error=1e-3, most_simulations=10, batch=2)
-    with pytest.raises(InputError, match="more than the 10 allowed"):
-        run(model(QUADRATIC), np.square, goal=goal)
 
 
 def test_the_first_points_tell_the_parameters_apart_though_corners_do_not():

@@ -113,13 +113,13 @@ def notes(path: Path, content: str) -> str:
     return "; ".join(read_scan(path, frequency_hz=FREQUENCY_HZ).notes)
 
 
-def test_what_is_left_out_is_said(tmp_path):
+def test_what_is_ignored_is_noted(tmp_path):
     path = tmp_path / "scan.txt"
     assert notes(path, PLAIN) == ""
     said = notes(path, FORMS["other columns"].decode())
-    assert said == "columns left out: 'Index', 'z_mm', 'Coherence'"
+    assert said == "ignored columns: 'Index', 'z_mm', 'Coherence'"
     assert "'real_um', 'imag_um'" in notes(path, FORMS["both"].decode())
-    assert "2 lines before the header left out" in notes(
+    assert "2 lines before the header ignored" in notes(
         path, FORMS["lines before the header"].decode()
     )
     assert "divided by the angular frequency" in notes(path, FORMS["velocity"].decode())

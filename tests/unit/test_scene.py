@@ -6,9 +6,9 @@ from math import nan
 import numpy as np
 import pytest
 
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.profiles import Piston, Sinc, make_profile
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import cartesian
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.box import Box
-from squeezefilm.film.existence import check_scene
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.space import Space

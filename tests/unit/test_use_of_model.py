@@ -14,7 +14,6 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.cli import main as cli
-from squeezefilm.cli.points import write_points
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.typed_units import quantities, with_error
 from squeezefilm.models.data import Factors
@@ -141,14 +140,6 @@ def test_the_uncertainty_of_a_scan_is_part_of_every_error_and_named(write_fit, t
     assert within == pytest.approx(without * (6e-3 + 0.03 * 0.4) / 6e-3)
 
 
-def test_predict_takes_a_table(write_fit, tmp_path):
-    path = write_fit(get_model("two_factor"), THETA["two_factor"])
-    (tmp_path / "points.csv").write_text("name,h0_m,hv_m\nA,5e-6,1e-6\nB,6e-6,1e-6\n")
-    table = table_of(["predict", str(path), f"--points={tmp_path}/points.csv"], tmp_path)
-    assert list(table["name"]) == ["A", "B"]
-    assert table["error_95_n"].notna().all()
-
-
 def test_every_use_of_a_model_says_the_same_sentence(write_fit, capsys):
     path = write_fit(get_model("two_factor"), THETA["two_factor"])
     statement = read_fit(path).statement
@@ -206,36 +197,6 @@ def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path):
     assert all("below contact" in note for note in found["note"])
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--h0=5um"], "give --h0 and --hv"),
-        (["--h0=5", "--hv=1um"], "--h0 '5' must be a number with a unit of m"),
-        (["--h0=5um", "--hv=1N"], "--hv '1N'"),
-        (["--h0=2um+3um", "--hv=1um"], "--h0 '2um+3um'"),
-        (["--h0=5furlong", "--hv=1um"], "a unit of m (m, mm, um, µm, μm, nm, cm, pm)"),
-        (["--h0=5um:6um", "--hv=1um"], "first:last:count"),
-        (["--h0=5um:6um:100000000", "--hv=1um"], "count must lie"),
-        (["--h0=5um:6um:9999", "--hv=1um:2um:9999"], "at most 1000000"),
-        (["--h0=0m", "--hv=1um"], "gaps must be positive"),
-        (["--h0=5um", "--hv=1um", "--x=1mm", "--phi-r=1mm"], "not both"),
-        (["--points=/nowhere.csv"], "there is no such table"),
-        (["--h0=__import__('os')", "--hv=1um"], "must be a number"),
-    ],
-)
-def test_points_that_mean_nothing_are_refused(options, message, write_fit, refused):
-    path = write_fit(get_model("two_factor"), THETA["two_factor"])
-    assert message in refused("predict", str(path), *options)
-
-
-def test_quantities_have_units_commas_and_ranges():
-    assert quantities("5um, 0.007mm", option="--h0", unit="m") == pytest.approx([5e-6, 7e-6])
-    assert quantities("0deg:45deg:4", option="--phi", unit="deg") == [0, 15, 30, 45]
-    assert quantities("-5e-3 mm,.5µm", option="--x", unit="m") == pytest.approx([-5e-6, 5e-7])
-    assert quantities("1rad", option="--phi", unit="deg") == pytest.approx([180 / math.pi])
-    assert quantities("5um", option="--h0", unit="m") == [5e-6]
-
-
 def test_one_unit_at_the_end_is_that_of_all_numbers():
     assert quantities("0.5, 1,2 um", option="--hv", unit="m") == [5e-7, 1e-6, 2e-6]
     assert quantities("-2:2:3mm", option="--x", unit="m") == [-2e-3, 0, 2e-3]
@@ -249,14 +210,10 @@ def test_one_unit_at_the_end_is_that_of_all_numbers():
     ("damage", "message"),
     [
         ({"expression": "__import__('os').getcwd()"}, "no known function"),
-        ({"expression": "h0.__class__"}, "no arithmetic"),
-        ({"expression": 5}, "expression: Input should be a valid string"),
         ({"expression": "theta0*hv"}, "'theta1' does not occur"),
-        ({"parameters": "theta0"}, "parameters: Input should be a valid list"),
         ({"parameters": ["theta0"]}, "parameter_units: give one for each"),
         ({"theta": [1.0]}, "'theta' has 1 numbers"),
         ({"theta": ["x"]}, "theta.0: Input should be a valid number"),
-        ({"ranges": {"h0_m": 5}}, "ranges.h0_m: Input should be a valid tuple"),
         ({"validation": {"points": 1}}, "validation.ranges: Field required"),
         ({"film": {"gas": {}}}, "film.gas.viscosity_pa_s: Field required"),
         ({"refused": "no fit"}, "there is no fit: no fit"),
@@ -293,77 +250,59 @@ EXPORTED = [
     *((get_model(name), theta) for name, theta in THETA.items()),
     (EVERY_FUNCTION, (1e-3, 5e-6, 0.7, 0.2, 0.4)),
 ]
-exported = pytest.mark.parametrize(("model", "theta"), EXPORTED, ids=lambda each: "")
 
 
-@exported
-def test_the_python_function_is_the_model(model, theta, write_fit):
-    fit = read_fit(write_fit(model, theta))
+def in_python(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     names: dict = {}
     exec(source(fit, "python"), names)
-    factors = Factors.of(**sample())
-    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-    columns = [factors.column(name) for name in model.factor_names]
-    found = [names["force_n"](*point) for point in zip(*columns, strict=True)]
-    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
-    assert np.isfinite(found).all()
+    return [[names["force_n"](*point), names["in_range"](*point)] for point in points.tolist()]
 
 
-@exported
-def test_the_c_function_is_the_model(model, theta, write_fit, tmp_path):
+def in_c(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler (cc or gcc) here")
-    fit = read_fit(write_fit(model, theta))
-    (tmp_path / "model.h").write_text(source(fit, "c"))
-    count = len(model.factor_names)
-    arguments = ", ".join(f"p[{index}]" for index in range(count))
-    reading = "%lf" * count
-    (tmp_path / "main.c").write_text(
+    (folder / "model.h").write_text(source(fit, "c"))
+    at = [f"p[{index}]" for index in range(points.shape[1])]
+    values, pointers = ", ".join(at), ", ".join(f"&{each}" for each in at)
+    (folder / "main.c").write_text(
         '#include <stdio.h>\n#include "model.h"\n'
-        f"int main(void) {{ double p[{count}];\n"
-        f'while (scanf("{reading}", {", ".join(f"p + {i}" for i in range(count))}) == {count})\n'
-        f'printf("%.17g %d\\n", {fit.model}_force_n({arguments}), '
-        f"{fit.model}_in_range({arguments}));\nreturn 0; }}\n"
+        f"int main(void) {{ double p[{len(at)}];\n"
+        f'while (scanf("{"%lf" * len(at)}", {pointers}) == {len(at)})\n'
+        f'printf("%.17g %d\\n", {fit.model}_force_n({values}), {fit.model}_in_range({values}));\n'
+        "return 0; }\n"
     )
-    program = tmp_path / "main"
     strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", "-O1"]
-    command = [compiler, *strict, "-o", str(program), str(tmp_path / "main.c"), "-lm"]
+    command = [compiler, *strict, "-o", f"{folder}/main", f"{folder}/main.c", "-lm"]
     subprocess.run(command, check=True, timeout=60)
-    factors = Factors.of(**sample())
-    columns = np.column_stack([factors.column(name) for name in model.factor_names])
-    text = "\n".join(" ".join(f"{value!r}" for value in map(float, row)) for row in columns)
-    output = subprocess.run(
-        [str(program)], input=text, capture_output=True, text=True, check=True, timeout=60
-    ).stdout
-    found, inside = np.array([line.split() for line in output.splitlines()], dtype=float).T
-    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
-    np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
+    text = "\n".join(" ".join(map(repr, point)) for point in points.tolist())
+    done = subprocess.run(
+        [f"{folder}/main"], input=text, capture_output=True, text=True, timeout=60
+    )
+    return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
 
 
-@exported
-def test_the_javascript_function_is_the_model(model, theta, write_fit):
+def in_javascript(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     node = shutil.which("node")
     if node is None:
         pytest.skip("no node here; tests/browser runs the same code in a browser")
-    fit = read_fit(write_fit(model, theta))
-    factors = Factors.of(**sample())
-    points = np.column_stack([factors.column(name) for name in model.factor_names]).tolist()
-    script = (
-        f"{source(fit, 'javascript')}\n"
-        f"const each = {json.dumps(points)}.map((p) => {fit.model}.force_n(...p));\n"
-        f"const inside = {json.dumps(points)}.map((p) => {fit.model}.in_range(...p));\n"
-        "console.log(JSON.stringify([each, inside]));"
-    )
+    both = f"[{fit.model}.force_n(...p), {fit.model}.in_range(...p)]"
+    call = f"console.log(JSON.stringify({json.dumps(points.tolist())}.map((p) => {both})));"
+    script = f"{source(fit, 'javascript')}\n{call}"
     output = subprocess.run([node], input=script, capture_output=True, text=True, timeout=60)
     assert output.returncode == 0, output.stderr
-    found, inside = json.loads(output.stdout)
-    expected = fit.force_model.evaluate(fit.theta, fit.complete(factors))
-    np.testing.assert_allclose(np.array(found, dtype=float), expected, rtol=1e-14, atol=1e-15)
-    assert np.isfinite(expected).all()
-    outside = (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6)
-    np.testing.assert_array_equal(~np.array(inside), outside)
+    return json.loads(output.stdout)
+
+
+@pytest.mark.parametrize(("model", "theta"), EXPORTED, ids=lambda each: "")
+@pytest.mark.parametrize("run", [in_python, in_c, in_javascript])
+def test_exported_code_is_the_model(run, model, theta, write_fit, tmp_path):
+    fit, factors = read_fit(write_fit(model, theta)), Factors.of(**sample())
+    points = np.column_stack([factors.column(name) for name in model.factor_names])
+    found, inside = np.array(run(fit, points, tmp_path), dtype=float).T
+    np.testing.assert_allclose(found, fit.evaluate(factors), rtol=1e-14, atol=1e-15)
+    assert np.isfinite(found).all()
+    np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
 
 
 def test_generated_code_has_the_95_percent_error(write_fit):
@@ -440,19 +379,9 @@ def test_where_the_limit_does_not_hold_the_table_says_so(edited):
     ("force_n", "error_n", "shown"),
     [
         (0.9620420431, 6.31e-7, "0.9620420 N ± 6e-07 N"),
-        (0.9620420431, 0.0096, "0.96 N ± 0.01 N"),
-        (12.34, 0.52, "12.3 N ± 0.5 N"),
         (123.4, 12.0, "1.2e+02 N ± 1e+01 N"),
-        (-1.2e-75, 4.3e-73, "-1e-75 N ± 4e-73 N"),
         (0.9620420431, math.nan, "0.962 N ± unknown N"),
-        (0.0, 0.0, "0 N ± 0 N"),
     ],
 )
 def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):
     assert with_error(force_n, error_n) == shown
-
-
-def test_a_force_is_printed_to_its_error(capsys):
-    write_points(pd.DataFrame({"force_n": [0.0774, 0.4811], "error_95_n": [0.0038, 0.114]}), None)
-    rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
-    assert [row[:2] for row in rows] == [["0.077", "0.004"], ["0.5", "0.1"]]

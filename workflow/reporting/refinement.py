@@ -10,7 +10,7 @@ from scipy import stats
 from reporting.figures.models import VERDICTS
 from reporting.notes import percent
 from reporting.results import Results
-from squeezefilm.designs.continuous_design import sensitivity
+from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.io.tables import read_forces, read_ok_forces
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel, read_fit
@@ -61,11 +61,12 @@ def refinement_table(results: Results, space: str) -> tuple[pd.DataFrame, dict[s
             f"(by {verdict['errors_mapped_by']}).",
         )
     table = pd.DataFrame(rows, columns=list(COLUMNS))
+    refined = table[table["verdict"] != "left out"]
     return table, {
         "points": len(unseen),
         "reasons": reasons,
         "profile_uncertainty": profile_uncertainty,
-        "shown": _shown(table[table["verdict"] != "left out"]),
+        "shown": refined if refined.empty else _shown(refined),
     }
 
 

@@ -159,7 +159,10 @@ for page, (places, files) in PAGES.items():
 for place, files in {
     "numerics/work_precision": ["numerics/work_precision.csv"],
     "numerics/stability": ["numerics/stability.csv"],
-    **{f"models/{space}_errors": [f"models/{space}_errors.csv"] for space in MODEL_SPACES},
+    **{
+        f"models/{space}_errors": [f"models/{space}.csv", f"models/{space}_errors.csv"]
+        for space in MODEL_SPACES
+    },
     **{
         f"designs/optimal_{space}_sensitivity": [f"designs/optimal_{space}_sensitivity.csv"]
         for space in MODEL_SPACES

@@ -40,9 +40,9 @@ def _without_anything(text: str) -> Figure:
 
 def model_errors(results: Results, space: str) -> Figure:
     """A panel for each model: errors on the validation sample, larger ones over smaller ones."""
-    data = pd.read_csv(results.folder / f"models/{space}_errors.csv")
-    if data.empty:
+    if results.table(f"models/{space}.csv", "validation_error")["validation_error"].isna().all():
         return _without_anything("no model can be judged on these points")
+    data = results.table(f"models/{space}_errors.csv", "model", "relative_error_percent")
     models = list(dict.fromkeys(data["model"]))
     across = min(ACROSS, len(models))
     down = ceil(len(models) / across)

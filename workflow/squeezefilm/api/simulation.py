@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.progress import progress_bar
@@ -22,7 +22,6 @@ from squeezefilm.io.tables import (
     read_forces,
     read_scenes,
     read_timings,
-    scene_points,
     table_writer,
 )
 from squeezefilm.reynolds import Solution, node_cache, solve
@@ -33,7 +32,7 @@ from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scene_of, scenes_in
 
 PIECE = 4096
 """Scenes whose results are held before they are written."""
@@ -91,7 +90,7 @@ def simulate_table(
     """
     table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
     pieces = [table.iloc[first : first + PIECE] for first in range(0, len(table), PIECE)]
-    scenes_in = partial(_scenes, config=config, path=scenes)
+    scenes_in = partial(scenes_of_table, config=config, path=scenes)
     first, *_ = [scenes_in(piece)[0] for piece in pieces]
     how = settings.how(device_ready(config, option=device, scene=first))
     failures: list[str] = []
@@ -134,9 +133,10 @@ def missing_of(solution: Solution) -> str:
     return next((each.status for each in asked if each and each.status != "ok"), "")
 
 
-def _scenes(rows: pd.DataFrame, *, config: Config, path: Path | str) -> list[Scene]:
+def scenes_of_table(rows: pd.DataFrame, *, config: Config, path: Path | str) -> Scenes:
+    """The scenes of a table's rows; the table's path stands before what is wrong with one."""
     with naming(path):
-        return [scene_of(point, config) for point in scene_points(rows)]
+        return scenes_in(rows, config)
 
 
 def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:

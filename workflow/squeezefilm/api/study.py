@@ -11,7 +11,7 @@ import pandas as pd
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
+from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.config import Config, load_config
@@ -21,7 +21,7 @@ from squeezefilm.studies.plans import (
     level_values,
 )
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scene_of, surface_of
+from squeezefilm.studies.study import scenes_in, surface_of
 from squeezefilm.studies.tasks.fits import fit_to_forces, limit_table_values, profile_uncertainty
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
@@ -108,7 +108,7 @@ class Study(Film):
     ) -> tuple[pd.DataFrame, pd.DataFrame | None]:
         """Points with their forces, and their physics limits if asked for."""
         settings = self._settings(None, None)
-        scenes = [scene_of(point, self.config) for point in scene_points(points)]
+        scenes = scenes_in(points, self.config)
         solutions = solve(
             scenes,
             tolerance=settings.tolerance,

@@ -20,13 +20,13 @@ GROUPS: Groups = {
     "Use: one force, one field, one model": (
         "squeezefilm.cli.use",
         (
-            *("simulate", "explain", "budget", "levitate", "response", "pressure"),
+            *("simulate", "budget", "levitate", "response", "pressure"),
             *("predict", "working-point", "export", "config", "doctor"),
         ),
     ),
     "A study of your own": (
         "squeezefilm.cli.study",
-        ("new", "example-scan", "profile", "fit", "validate", "optimal"),
+        ("new", "profile", "fit", "validate", "optimal"),
     ),
     "A finished study": (
         "reporting.commands",

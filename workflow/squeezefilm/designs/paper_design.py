@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, minimize
 
 from squeezefilm.designs.box import Array, Box, Coordinates, grid, pair_distances
-from squeezefilm.designs.exact_design import exchange
+from squeezefilm.designs.exact import exchange
+from squeezefilm.designs.optimal import log_determinant
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.search import genetic_search
 
@@ -37,24 +38,19 @@ PLACES = 101
 """Places tried on a line of equally good points."""
 
 
-def information_determinant(derivatives: ArrayLike) -> Array:
-    """det(F'F) of designs with derivatives F of shape (..., N, p); zero where N < p.
+def inverse_determinant(derivatives: ArrayLike) -> Array:
+    """|det(F'F)^-1| (paper eq. 11) of designs with derivatives F of shape (..., N, p).
 
-    From the triangular factor of F, whose condition is the root of that of F'F.
-    Derivatives that are undefined (NaN) count as no information.
+    From the triangular factor of F, whose condition is the root of that of F'F. SINGULAR where F'F
+    is singular. Derivatives that are undefined (NaN) count as no information.
     """
     derivatives = np.asarray(derivatives, dtype=float)
     points, parameters = derivatives.shape[-2:]
     if points < parameters:
-        return np.zeros(derivatives.shape[:-2])
+        return np.full(derivatives.shape[:-2], SINGULAR)
     usable = np.where(np.isfinite(derivatives), derivatives, 0.0)
     triangle = np.linalg.qr(usable, mode="r")
-    return np.prod(np.diagonal(triangle, axis1=-2, axis2=-1), axis=-1) ** 2
-
-
-def inverse_determinant(derivatives: ArrayLike) -> Array:
-    """|det(F'F)^-1| (paper eq. 11), shape (...); SINGULAR where F'F is singular."""
-    determinant = np.asarray(information_determinant(derivatives))
+    determinant = np.prod(np.diagonal(triangle, axis1=-2, axis2=-1), axis=-1) ** 2
     return 1 / np.maximum(determinant, 1 / SINGULAR)
 
 
@@ -71,12 +67,8 @@ def d_efficiency(derivatives: ArrayLike, optimal: ArrayLike) -> float:
 
     Both arguments are derivatives F, shape (N, p), with numbers of points that may differ.
     """
-    parameters = np.shape(derivatives)[-1]
-
-    def root(f: ArrayLike) -> float:
-        return float(information_determinant(f) ** (1 / parameters) / np.shape(f)[-2])
-
-    return root(derivatives) / root(optimal)
+    gain = log_determinant(derivatives) - log_determinant(optimal)
+    return float(np.exp(gain[0] / np.shape(derivatives)[-1]))
 
 
 @dataclass(frozen=True)
@@ -239,7 +231,7 @@ def exchange_design(criterion: Criterion, points: int, *, levels: int) -> Design
     """The best design found on a fine grid, by exchange of points, then refined off the grid.
 
     By the determinant alone, with the separation where one is set, from a grid of so many levels
-    per factor (see exact_design). It shares no step with search_design but the last refinement, and
+    per factor (see `exact`). It shares no step with search_design but the last refinement, and
     so serves to check it. Raises InputError where every start ended in a singular design.
     """
     candidates = grid(criterion.box, levels)

@@ -18,13 +18,18 @@ SAME = 0.05
 class Pattern:
     """Designs that are the same but for the order of their points.
 
-    design is the best of them, count their number, excess its value above the best pattern's.
+    design is the best of them, members are their places among all designs, excess its value above
+    the best pattern's.
     """
 
     name: str
     design: Design
-    count: int
+    members: tuple[int, ...]
     excess: float
+
+    @property
+    def count(self) -> int:
+        return len(self.members)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,22 +53,19 @@ def find_patterns(designs: Sequence[Design], box: Box) -> list[Pattern]:
     apart than SAME. From the best design on, each joins the first pattern whose best design it
     equals in this sense, or starts a new one.
     """
-    groups: list[list[Design]] = []
-    for design in sorted(designs, key=lambda each: each.value):
-        for group in groups:
-            if _mismatch(design.points, group[0].points, box) <= SAME:
-                group.append(design)
-                break
+    groups: list[list[int]] = []
+    for index in sorted(range(len(designs)), key=lambda index: designs[index].value):
+        points = designs[index].points
+        alike = (g for g in groups if _mismatch(points, designs[g[0]].points, box) <= SAME)
+        group = next(alike, None)
+        if group is None:
+            groups.append([index])
         else:
-            groups.append([design])
+            group.append(index)
+    best = [designs[group[0]] for group in groups]
     return [
-        Pattern(
-            name=chr(ord("A") + index),
-            design=group[0],
-            count=len(group),
-            excess=group[0].value - groups[0][0].value,
-        )
-        for index, group in enumerate(groups)
+        Pattern(chr(ord("A") + number), design, tuple(group), design.value - best[0].value)
+        for number, (design, group) in enumerate(zip(best, groups, strict=True))
     ]
 
 

@@ -352,13 +352,12 @@ def _curve(waves: np.ndarray) -> Curve:
 def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> Curve:
     """The curve over its extent along x, from the middle of extents that are those of the study."""
     rim = _curve(waves)(2 * np.pi * np.arange(4 * DENSE) / (4 * DENSE))[0]
-    extents = np.ptp(rim.real), np.ptp(rim.imag)
-    both = zip(extents, sides_m, strict=True)
-    if any(abs(has - said) > ENOUGH * has + 2 * off_m for has, said in both):
-        has_x, has_y, said_x, said_y = (f"{1e3 * side:.6g} mm" for side in (*extents, *sides_m))
+    extents = np.array([np.ptp(rim.real), np.ptp(rim.imag)])
+    if np.any(np.abs(extents - sides_m) > ENOUGH * extents + 2 * off_m):
+        x, y, study_x, study_y = (f"{1e3 * side:.6g} mm" for side in (*extents, *sides_m))
         raise InputError(
-            f"the outline is {has_x} × {has_y}, and the study says {said_x} × {said_y}: write "
-            f"finger.length_x: {has_x}, finger.length_y: {has_y}"
+            f"the outline is {x} × {y}, and the study says {study_x} × {study_y}: write "
+            f"finger.length_x: {x}, finger.length_y: {y}"
         )
     waves = waves.copy()
     waves[len(waves) // 2] -= complex(

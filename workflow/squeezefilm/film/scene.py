@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from math import pi, sqrt
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 
@@ -265,6 +265,23 @@ class Film:
 Rows = slice | np.ndarray
 
 
+def distinct(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The first row of each different value, and which of the values each row has, (n,)."""
+    if (values == values[:1]).all():
+        return np.arange(len(values))[:1], np.zeros(len(values), dtype=np.int64)
+    _, first, which = np.unique(values, return_index=True, return_inverse=True)
+    return first, which
+
+
+def rows_alike(values: np.ndarray) -> list[np.ndarray]:
+    """The rows of each different value."""
+    first, which = distinct(values)
+    if len(first) == 1:
+        return [np.arange(len(values))]
+    ends = np.cumsum(np.bincount(which))[:-1]
+    return np.split(np.argsort(which, kind="stable"), ends)
+
+
 class Places(NamedTuple):
     """The pad's positions among scenes of one film, each once: x_m, y_m, shape (positions,)."""
 
@@ -285,13 +302,13 @@ class Places(NamedTuple):
         return Places(self.pad, self.x_m[rows], self.y_m[rows])
 
 
-@dataclass(frozen=True)
-class Scenes(OperatingPoints):
-    """Many operating points as columns, each of shape (n,).
+@dataclass(frozen=True, eq=False)
+class Scenes(OperatingPoints, Sequence[Scene]):
+    """Many operating points as columns, each of shape (n,); ``scenes[k]`` is one of them.
 
     Attributes:
         films: those that there are; ``film_index`` is each scene's.
-        h0_m, hv_m, x_m, y_m: as of a ``Scene``.
+        h0_m, hv_m, x_m, y_m, point_id: as of a ``Scene``.
     """
 
     films: tuple[Film, ...]
@@ -300,6 +317,7 @@ class Scenes(OperatingPoints):
     hv_m: np.ndarray
     x_m: np.ndarray
     y_m: np.ndarray
+    point_id: np.ndarray
 
     @classmethod
     def of(cls, scenes: "Sequence[Scene] | Scenes") -> "Scenes":
@@ -317,22 +335,24 @@ class Scenes(OperatingPoints):
                 last, film = scene, films.setdefault(scene.film, len(films))
             index.append(film)
         columns = np.array([(each.h0_m, each.hv_m, each.x_m, each.y_m) for each in scenes])
-        return cls(tuple(films), np.array(index), *columns.reshape(-1, 4).T.copy())
+        point_id = np.array([each.point_id for each in scenes], dtype=object)
+        h0_m, hv_m, x_m, y_m = columns.reshape(-1, 4).T.copy()
+        return cls(tuple(films), np.array(index), h0_m, hv_m, x_m, y_m, point_id)
 
     def __len__(self) -> int:
         return len(self.h0_m)
 
-    def __getitem__(self, rows: Rows) -> "Scenes":
-        columns = (self.film_index, self.h0_m, self.hv_m, self.x_m, self.y_m)
-        return Scenes(self.films, *(column[rows] for column in columns))
-
-    def scene(self, row: int) -> Scene:
-        """One of them."""
-        film = self.films[self.film_index[row]]
-        h0_m, hv_m, x_m, y_m = (
-            float(each[row]) for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)
-        )
-        return Scene(str(row + 1), h0_m, hv_m, x_m, y_m, film.gas, film.actuator, film.finger)
+    @overload
+    def __getitem__(self, rows: int) -> Scene: ...
+    @overload
+    def __getitem__(self, rows: Rows) -> "Scenes": ...
+    def __getitem__(self, rows: int | Rows) -> "Scene | Scenes":
+        index, point_id = self.film_index[rows], self.point_id[rows]
+        numbers = [each[rows] for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)]
+        if isinstance(rows, int):
+            film = self.films[index]
+            return Scene(point_id, *map(float, numbers), film.gas, film.actuator, film.finger)  # type: ignore[call-arg, arg-type]
+        return Scenes(self.films, index, *numbers, point_id)  # type: ignore[call-arg]
 
     def column(self, of_film: Callable[[Film], Any]) -> Any:
         """What scenes have by their film: one for all of a single film, else shape (n, …)."""
@@ -345,14 +365,9 @@ class Scenes(OperatingPoints):
         if len(self.films) == 1:
             yield self.films[0], slice(None), self
             return
-        for index in np.unique(self.film_index):
-            rows = np.flatnonzero(self.film_index == index)
-            some = self[rows]
-            yield (
-                self.films[index],
-                rows,
-                replace(some, films=(self.films[index],), film_index=np.zeros_like(rows)),
-            )
+        for rows in rows_alike(self.film_index):
+            film, some = self.films[self.film_index[rows[0]]], self[rows]
+            yield film, rows, replace(some, films=(film,), film_index=np.zeros_like(rows))
 
     @cached_property
     def gas(self) -> Gas:  # type: ignore[override]
@@ -388,11 +403,8 @@ class Scenes(OperatingPoints):
     def places(self) -> tuple[Places, np.ndarray]:
         """The pad's positions of scenes of one film, and which of them each scene has, (n,)."""
         (film,) = self.films
-        if len(self) == 1 or ((self.x_m == self.x_m[0]) & (self.y_m == self.y_m[0])).all():
-            one = slice(0, 1)
-            return Places(film.pad_profile, self.x_m[one], self.y_m[one]), np.zeros(len(self), int)
-        each, which = np.unique(self.x_m + 1j * self.y_m, return_inverse=True)
-        return Places(film.pad_profile, each.real.copy(), each.imag.copy()), which
+        first, which = distinct(self.x_m + 1j * self.y_m)
+        return Places(film.pad_profile, self.x_m[first], self.y_m[first]), which
 
     @cached_property
     def narrowest(self) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Limits of validity of the film equation, as data, and which of them a scene exceeds.
+"""Limits of validity of the film equation, as data, and whether there is a film at all.
 
 Within the limits the budget of a force (reynolds/effects) states what the equation neglects. Beyond
 them the force is still solved for, and its error as a statement about a real film is unknown, or
@@ -10,13 +10,14 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.io.errors import InputError, naming
 
 OK = "ok"
 UNKNOWN, NOT_APPLICABLE = "error unknown", "the equation does not apply"
@@ -90,8 +91,10 @@ class Limit:
         if not np.any(films):
             return {}
         value = QUANTITIES[self.symbol](scenes)
-        # A value that is no number lies within no bound.
-        beyond = films & ~(value <= min(self.not_above, self.unknown_above))
+        within = value <= min(self.not_above, self.unknown_above)
+        if within.all():
+            return {}
+        beyond = films & ~within  # a value that is no number lies within no bound
         return {row: self._text(float(value[row])) for row in np.flatnonzero(beyond).tolist()}
 
     def _text(self, value: float) -> str:
@@ -130,3 +133,75 @@ def validities(scenes: Scenes) -> list[str]:
         for row, words in limit.exceeded_by(scenes).items():
             found[row].append(words)
     return ["; ".join(words) or OK for words in found]
+
+
+GAPS_M = (1e-9, 1e-3)
+SLACK = 1e-9
+
+
+def check_scenes(scenes: Scenes) -> None:
+    """Refuse scenes as ``check_scene`` does, the first of them that has no solution."""
+    columns = (scenes.h0_m, scenes.hv_m, scenes.x_m, scenes.y_m)
+    sound = np.isfinite(np.stack(columns)).all(axis=0)
+    sound &= (GAPS_M[0] <= scenes.h0_m) & (scenes.h0_m <= GAPS_M[1])
+    sound &= (scenes.hv_m >= 0) & (scenes.hv_m < scenes.h0_m)
+    for film, rows, some in scenes.of_each_film():
+        outline = np.array(film.finger.outline())
+        x_m, y_m = (np.add.outer(at, outline[:, k]) for k, at in enumerate((some.x_m, some.y_m)))
+        sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + SLACK).all(axis=1)
+    if sound.all():
+        sound &= scenes.closure < 1
+    for row in np.flatnonzero(~sound).tolist():
+        check_scene(scenes[row])
+
+
+def check_scene(scene: Scene) -> None:
+    """Refuse a scene that has no solution or lies off the actuator.
+
+    Raises InputError naming the point, the factor and what is allowed.
+    """
+    with naming(f"point {scene.point_id}"):
+        _check_film(scene)
+        _check_place(scene)
+        _check_contact(scene)
+
+
+def _check_film(scene: Scene) -> None:
+    h0_m, hv_m = scene.h0_m, scene.hv_m
+    for name in ("h0_m", "hv_m", "x_m", "y_m"):
+        if not isfinite(getattr(scene, name)):
+            raise InputError(f"{name} is not a finite number")
+    if not GAPS_M[0] <= h0_m <= GAPS_M[1]:
+        raise InputError(
+            f"h0_m = {h0_m:g} must lie between {GAPS_M[0]:g} and {GAPS_M[1]:g} m: the model of "
+            "a gas film is not valid outside this range"
+        )
+    if hv_m < 0:
+        raise InputError(f"hv_m = {hv_m:g} must not be negative")
+    if hv_m >= h0_m:
+        raise InputError(
+            f"hv_m = {hv_m:g} reaches h0_m = {h0_m:g}: surface and finger touch; the amplitude "
+            "must stay below the mean gap"
+        )
+
+
+def _check_place(scene: Scene) -> None:
+    surface, outline = scene.actuator.surface, np.array(scene.finger.outline())
+    x_m, y_m = scene.x_m + outline[:, 0], scene.y_m + outline[:, 1]
+    reach = surface.reach(x_m, y_m)
+    farthest = int(np.argmax(reach))
+    if reach[farthest] > 1 + SLACK:
+        part = "a corner" if scene.finger.shape == "rectangle" else "the rim"
+        raise InputError(
+            f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm "
+            f"{part} of the finger lies {surface.where(x_m[farthest], y_m[farthest])}, off the "
+            f"actuator's {surface.text}"
+        )
+
+
+def _check_contact(scene: Scene) -> None:
+    if scene.closure() >= 1:
+        why = "they touch within the noise of the measured profile"
+        if not scene.finger.gap.flat:
+            why = "the tilted or bulging finger touches the surface; finger.gap leaves too little"
+        raise InputError(f"h0_m = {scene.h0_m:g}, hv_m = {scene.hv_m:g}: {why}")

@@ -1,7 +1,10 @@
 """The two ways a command can end early, each with a message written for the reader."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
 
 
 class InputError(Exception):
@@ -39,3 +42,33 @@ def needing(extra: str, *, what: str) -> Iterator[None]:
         raise InputError(
             f"{what} needs {error.name or 'a package'}: pip install 'squeezefilm[{extra}]'"
         ) from None
+
+
+def each_on_its_own(
+    work: Callable[[Any], Sequence[Result]],
+    items: Any,
+    *,
+    failed: Callable[[Exception], Result],
+) -> Sequence[Result]:
+    """``work`` on all items; where it ends in an unexpected error, that of one item alone.
+
+    Raises:
+        InputError: that of ``work``, such as a device that is not there: it concerns all of them.
+    """
+    if not len(items):
+        return []
+    try:
+        return work(items)
+    except InputError:
+        raise
+    except Exception as error:
+        if len(items) == 1:
+            return [failed(error)]
+    half = len(items) // 2
+    halves = (items[:half], items[half:])
+    return [result for some in halves for result in each_on_its_own(work, some, failed=failed)]
+
+
+def unexpected(error: Exception) -> str:
+    """The status of what ended in an error which no method foresees."""
+    return " ".join(f"unexpected error: {type(error).__name__}: {error}".split())

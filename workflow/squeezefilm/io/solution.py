@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from math import nan
 from typing import TYPE_CHECKING, Any, overload
 
@@ -94,17 +94,19 @@ class Solutions(Sequence[Solution]):
     @classmethod
     def of_method(cls, method: str, count: int) -> Solutions:
         """Solutions that are not known yet."""
-        empty = Solution(status="", method=method)
-        return cls({name: _column(name, [getattr(empty, name)] * count) for name in NAMES})
+        values = DEFAULTS | {"method": method}
+        return cls({name: _filled(value, count) for name, value in values.items()})
 
     @classmethod
     def of(cls, solutions: Sequence[Solution]) -> Solutions:
         """The columns of some solutions."""
         if isinstance(solutions, Solutions):
             return solutions
-        return cls(
-            {name: _column(name, [getattr(each, name) for each in solutions]) for name in NAMES}
-        )
+        found = cls.of_method("", len(solutions))
+        for row, solution in enumerate(solutions):
+            for name, column in found.columns.items():
+                column[row] = getattr(solution, name)
+        return found
 
     def put(self, rows: np.ndarray, solutions: Solutions) -> None:
         """Those of some scenes in their places."""
@@ -127,7 +129,7 @@ class Solutions(Sequence[Solution]):
 
     def __iter__(self) -> Iterator[Solution]:
         columns = [column.tolist() for column in self.columns.values()]
-        return (Solution(**dict(zip(NAMES, row))) for row in zip(*columns))  # noqa: B905
+        return (Solution(**dict(zip(DEFAULTS, row))) for row in zip(*columns))  # noqa: B905
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and list(self) == list(other)
@@ -139,26 +141,19 @@ class Solutions(Sequence[Solution]):
         return pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS})
 
 
-NAMES = tuple(each.name for each in fields(Solution))
+# What stands in a column before it is known.
+DEFAULTS: dict[str, object] = {
+    each.name: "" if each.default is MISSING else each.default for each in fields(Solution)
+}
 
 
-def _column(name: str, values: Sequence[object]) -> np.ndarray:
-    """Numbers as such; texts and what has parts as objects."""
-    kind = {int: np.int64, float: np.float64}.get(type(DEFAULTS[name]), object)
-    column = np.empty(len(values), dtype=kind)
-    column[:] = values if kind is not object or not len(values) else _objects(values)
+def _filled(value: object, count: int) -> np.ndarray:
+    """A column of one value: numbers as such; texts and what has parts as objects."""
+    column = np.empty(count, dtype=type(value) if isinstance(value, (int, float)) else object)
+    column.fill(value)
     return column
 
 
-def _objects(values: Sequence[object]) -> np.ndarray:
-    """An array of objects that NumPy would take for more dimensions."""
-    column = np.empty(len(values), dtype=object)
-    for k, value in enumerate(values):
-        column[k] = value
-    return column
-
-
-DEFAULTS = {each.name: each.default for each in fields(Solution)}
 SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )

@@ -1,7 +1,6 @@
-"""The amplitude, or the gap, at which a film gives a wanted force, by a model."""
+"""The amplitude at which a film gives a wanted force, by a model."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,10 +66,12 @@ def amplitude_for_force(
     Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives the
     force.
     """
-    forces = _forces(model, theta, force_n=force_n, complete=complete)
+    if not np.isfinite(force_n) or force_n == 0:
+        raise InputError(f"force_n: {force_n} N is no force that an amplitude gives")
 
     def excess(share: ArrayLike) -> Array:
-        return forces(h0_m=h0_m, hv_m=np.asarray(share) * h0_m, **position) - force_n
+        at = Factors.of(h0_m=h0_m, hv_m=np.asarray(share) * h0_m, **position)
+        return model.evaluate(theta, complete(at) if complete else at) - force_n
 
     if (share := _first_zero(excess, force_n)) is not None:
         return share * h0_m
@@ -80,60 +81,6 @@ def amplitude_for_force(
         f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
         f"below contact (hv_m < h0_m){rest}"
     )
-
-
-def gap_for_force(
-    model: ExpressionModel,
-    theta: ArrayLike,
-    *,
-    force_n: float,
-    hv_m: float,
-    gaps_m: tuple[float, float],
-    complete: Complete | None = None,
-    **position: float,
-) -> float:
-    """Widest gap h0 in metres at which an amplitude gives the wanted force at a position.
-
-    gaps_m: the least and the largest gap that are looked at, such as those of the fitted points;
-    the rest as amplitude_for_force has it. A part that comes down from above floats there.
-    Raises InputError where no such gap above contact (h0 > hv) gives the force.
-    """
-    forces = _forces(model, theta, force_n=force_n, complete=complete)
-    least, most = max(gaps_m[0], float(np.nextafter(hv_m, 1.0))), gaps_m[1]
-    if least >= most:
-        raise InputError(f"hv_m: surface and finger touch at every gap up to {most:g} m")
-
-    def excess(share: ArrayLike) -> Array:
-        gap = most + np.asarray(share) * (least - most)
-        return forces(h0_m=gap, hv_m=hv_m, **position) - force_n
-
-    if (share := _first_zero(excess, force_n)) is not None:
-        return most + share * (least - most)
-    narrow, wide = excess([1.0, 0.0]) + force_n
-    raise InputError(
-        f"force_n: the model gives {force_n:g} N at hv_m = {hv_m:g} m for no gap from {least:g} m "
-        f"({narrow:.3g} N) to {most:g} m ({wide:.3g} N)"
-    )
-
-
-def _forces(
-    model: ExpressionModel, theta: ArrayLike, *, force_n: float, complete: Complete | None
-) -> Callable[..., Array]:
-    """The model as a function of factors, for a force that can be wanted."""
-    if not np.isfinite(force_n):
-        raise InputError(f"force_n: {force_n} is not a finite number")
-    if force_n == 0:
-        raise InputError("force_n: a force of 0 N wants no amplitude")
-    if model.column_names and complete is None:
-        raise InputError(
-            f"the model {model.name} needs {', '.join(model.column_names)} at each amplitude"
-        )
-
-    def forces(**factors: Any) -> Array:
-        at = Factors.of(**factors)
-        return model.evaluate(theta, complete(at) if complete else at)
-
-    return forces
 
 
 def _first_zero(excess: Callable[[ArrayLike], Array], force_n: float) -> float | None:

@@ -77,10 +77,20 @@ def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
     Raises InputError for forces that are not finite, of different lengths or none, or for a
     simulated force of zero.
     """
-    model, simulation = _checked(model_n, simulation_n)
+    model, simulation = (np.atleast_1d(np.asarray(f, dtype=float)) for f in (model_n, simulation_n))
+    if model.shape != simulation.shape or model.ndim != 1:
+        raise InputError(
+            f"validation: {model.size} modelled and {simulation.size} simulated forces; "
+            "give one of each for every point"
+        )
+    if len(model) == 0:
+        raise InputError("validation: no points; give at least one")
+    for name, force in (("model_n", model), ("simulation_n", simulation)):
+        if not np.all(np.isfinite(force)):
+            raise InputError(f"{name}: a force is not a finite number; all must be")
     if np.any(simulation == 0):
         raise InputError("simulation_n: a force is zero; its relative error is undefined")
-    return (model - simulation) / simulation
+    return np.asarray((model - simulation) / simulation)
 
 
 def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float) -> dict[str, Any]:
@@ -91,14 +101,13 @@ def summarise(*, model_n: ArrayLike, simulation_n: ArrayLike, band: float) -> di
     magnitude; worst_index is the point of the largest relative error, worst_relative_error it.
     Raises InputError as relative_errors does.
     """
-    model, simulation = _checked(model_n, simulation_n)
-    relative = relative_errors(model_n=model, simulation_n=simulation)
-    squares = float(np.sum((model - simulation) ** 2))
+    relative = relative_errors(model_n=model_n, simulation_n=simulation_n)
+    sizes = error_sizes(model_n=model_n, simulation_n=simulation_n)
     worst = int(np.argmax(np.abs(relative)))
     return {
         "points": len(relative),
-        "sum_of_squares": squares,
-        "global_error": float(np.sqrt(squares) / np.linalg.norm(simulation)),
+        "sum_of_squares": len(relative) * sizes["root_mean_square_n"] ** 2,
+        "global_error": sizes["global_error"],
         "band": band,
         "share_within_band": float(np.mean(np.abs(relative) <= band)),
         "worst_index": worst,
@@ -113,28 +122,11 @@ def error_sizes(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, flo
     are in newtons, ``largest_relative`` is the largest relative error in magnitude. Raises
     InputError as relative_errors does.
     """
-    model, simulation = _checked(model_n, simulation_n)
-    relative = relative_errors(model_n=model, simulation_n=simulation)
-    error = model - simulation
+    relative = relative_errors(model_n=model_n, simulation_n=simulation_n)
+    error = np.asarray(model_n) - np.asarray(simulation_n)
     return {
-        "global_error": float(np.linalg.norm(error) / np.linalg.norm(simulation)),
+        "global_error": float(np.linalg.norm(error) / np.linalg.norm(simulation_n)),
         "root_mean_square_n": float(np.sqrt(np.mean(error**2))),
         "largest_n": float(np.max(np.abs(error))),
         "largest_relative": float(np.max(np.abs(relative))),
     }
-
-
-def _checked(model_n: ArrayLike, simulation_n: ArrayLike) -> tuple[Array, Array]:
-    model = np.atleast_1d(np.asarray(model_n, dtype=float))
-    simulation = np.atleast_1d(np.asarray(simulation_n, dtype=float))
-    if model.shape != simulation.shape or model.ndim != 1:
-        raise InputError(
-            f"validation: {model.size} modelled and {simulation.size} simulated forces; "
-            "give one of each for every point"
-        )
-    if len(model) == 0:
-        raise InputError("validation: no points; give at least one")
-    for name, force in (("model_n", model), ("simulation_n", simulation)):
-        if not np.all(np.isfinite(force)):
-            raise InputError(f"{name}: a force is not a finite number; all must be")
-    return model, simulation

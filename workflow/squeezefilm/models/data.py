@@ -71,14 +71,10 @@ class Factors:
         polar, cartesian = (phi_r_m, phi_deg), (x_m, y_m)
         if any(v is not None for v in polar) and any(v is not None for v in cartesian):
             raise InputError("x_m: give the position as phi_r_m, phi_deg or as x_m, y_m, not both")
-        given = {"h0_m": h0_m, "hv_m": hv_m}
-        if any(value is not None for value in cartesian):
-            given |= {"x_m": 0.0 if x_m is None else x_m, "y_m": 0.0 if y_m is None else y_m}
-        else:
-            given |= {
-                "phi_r_m": 0.0 if phi_r_m is None else phi_r_m,
-                "phi_deg": 0.0 if phi_deg is None else phi_deg,
-            }
+        is_cartesian = any(value is not None for value in cartesian)
+        form, place = (CARTESIAN, cartesian) if is_cartesian else (POLAR, polar)
+        centred = [0.0 if value is None else value for value in place]
+        given = {"h0_m": h0_m, "hv_m": hv_m, **dict(zip(form, centred, strict=True))}
         named = {k: np.atleast_1d(np.asarray(v, float)) for k, v in (given | columns).items()}
         for name, column in named.items():
             if name in given and not np.all(np.isfinite(column)):
@@ -86,15 +82,11 @@ class Factors:
         if np.any(named["h0_m"] <= 0):
             raise InputError("h0_m: a gap is zero or negative; gaps must be positive")
         try:
-            shape = np.broadcast_shapes(*{column.shape for column in named.values()})
+            named = dict(zip(named, np.broadcast_arrays(*named.values()), strict=True))
         except ValueError:
             lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
             raise InputError(f"factors of different lengths ({lengths}); give one length") from None
-        named = {
-            name: column if column.shape == shape else np.broadcast_to(column, shape)
-            for name, column in named.items()
-        }
-        if "x_m" in named:
+        if is_cartesian:
             named["phi_r_m"] = np.hypot(named["x_m"], named["y_m"])
             named["phi_deg"] = np.degrees(np.arctan2(named["y_m"], named["x_m"]))
         else:
@@ -102,7 +94,7 @@ class Factors:
             named["x_m"] = named["phi_r_m"] * np.cos(angle)
             named["y_m"] = named["phi_r_m"] * np.sin(angle)
         rest = {name: named.pop(name) for name in columns}
-        return cls(**named, columns=rest, position=CARTESIAN if "x_m" in given else POLAR)
+        return cls(**named, columns=rest, position=form)
 
     @property
     def epsilon(self) -> Array:

@@ -280,9 +280,8 @@ def fit_of(values: Mapping[str, Any], *, place: Path | str) -> FittedModel:
     try:
         return FittedModel.model_validate({**values, "place": str(place)})
     except ValidationError as error:
-        first = error.errors()[0]
-        entry = ".".join(map(str, first["loc"]))
-        raise InputError(f"{place}: {entry}: {first['msg']}") from None
+        wrong = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
+        raise InputError(f"{place}: {'; '.join(wrong)}") from None
 
 
 def number(values: Mapping[str, Any], key: str, path: Path | str) -> float:

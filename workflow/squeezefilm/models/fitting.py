@@ -11,7 +11,6 @@ every order of magnitude gets its share of the candidates.
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from functools import partial
 from itertools import product
 from typing import Any
 
@@ -23,7 +22,7 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.parallel import parallel_map
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel
-from squeezefilm.models.search import Array, Objective, genetic_search, nelder_mead
+from squeezefilm.models.search import Array, Found, Objective, genetic_search, nelder_mead
 
 UNDEFINED = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
@@ -62,31 +61,14 @@ class Fit:
         return plain | {name: list(plain[name]) for name in ("theta", "search_theta")}
 
 
-def fit_model(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: ArrayLike,
-    *,
-    bound: float = 1e6,
-    seed: int = 1,
-) -> Fit:
-    """Genetic algorithm within +-bound, stopped early, then Nelder-Mead (paper, section III).
+Search = Callable[[Objective, Array, int], tuple[Found, dict[str, Any]]]
+"""From an objective, bounds of ±u and a seed to a rough minimum, and entries of a Fit."""
 
-    Several independent genetic searches are made and the best of them refined. A model that is
-    linear in its parameters, or has none, needs no search.
-    factors and force_n hold n experiments, force_n in newtons. Equal input and seed give an equal
-    result. Raises InputError for fewer points than parameters, for lengths that differ and for
-    forces that are not finite or all zero.
-    """
-    force = _checked_force(model, factors, force_n, bound)
-    done = partial(_fit, model, factors, force, bound=bound, seed=seed)
-    if model.is_linear:
-        return _linear_fit(model, factors, force, done)
-    objective = _objective(model, factors, force)
-    parameters = len(model.parameter_names)
-    limit = np.full(parameters, np.arcsinh(bound))
+
+def genetic(objective: Objective, limit: Array, seed: int) -> tuple[Found, dict[str, Any]]:
+    """The best of several genetic searches, stopped early."""
     # The good region's share of the box falls with every parameter: twice the searches for each.
-    count = min(2 ** (parameters - 1), MOST_SEARCHES)
+    count = min(2 ** (len(limit) - 1), MOST_SEARCHES)
     seeds = np.random.SeedSequence(seed).generate_state(count)
     searches = [
         genetic_search(objective, lower=-limit, upper=limit, seed=int(each)) for each in seeds
@@ -95,43 +77,21 @@ def fit_model(
     leading = sorted(searches, key=lambda found: found.value)[:4]
     nearer = [nelder_mead(objective, found.x, restarts=2) for found in leading]
     first = min(range(len(nearer)), key=lambda index: nearer[index].value)
-    best = nelder_mead(objective, nearer[first].x)
-    return done(
-        theta=np.sinh(best.x),
-        method="genetic algorithm, then Nelder-Mead",
-        searches=len(searches),
-        evaluations=sum(found.evaluations for found in [*searches, *nearer, best]),
-        search_theta=np.sinh(leading[first].x),
-    )
+    return nearer[first], {
+        "method": "genetic algorithm, then Nelder-Mead",
+        "searches": len(searches),
+        "evaluations": sum(found.evaluations for found in [*searches, *nearer]),
+        "search_theta": np.sinh(leading[first].x),
+    }
 
 
-def fit_by_differential_evolution(
-    model: ExpressionModel,
-    factors: Factors,
-    force_n: ArrayLike,
-    *,
-    bound: float = 100.0,
-    seed: int = 1,
-) -> Fit:
-    """The same least squares by SciPy's differential evolution, as a check of fit_model.
+def evolution(objective: Objective, limit: Array, seed: int) -> tuple[Found, dict[str, Any]]:
+    """One search by SciPy's differential evolution, as a check of the genetic ones.
 
-    Another global search, refined by the same simplex. One search is made; with five parameters
-    and bounds of a million, about every second one ends in a false minimum, hence the default
-    bound. Raises InputError as fit_model does.
+    With five parameters and bounds of a million, about every second one ends in a false minimum.
     """
-    force = _checked_force(model, factors, force_n, bound)
-    done = partial(_fit, model, factors, force, bound=bound, seed=seed)
-    if model.is_linear:
-        return _linear_fit(model, factors, force, done)
-    objective = _objective(model, factors, force)
-    limit = np.full(len(model.parameter_names), np.arcsinh(bound))
-    population = 60 * len(model.parameter_names)
-
-    def of_columns(x: Any, /) -> Any:
-        return objective(x.T)
-
     rough = differential_evolution(
-        of_columns,
+        lambda columns: objective(columns.T),
         Bounds(-limit, limit),
         rng=seed,
         vectorized=True,
@@ -141,13 +101,69 @@ def fit_by_differential_evolution(
         tol=0.01,
         maxiter=400,
     )
-    best = nelder_mead(objective, rough.x)
-    return done(
-        theta=np.sinh(best.x),
-        method="differential evolution, then Nelder-Mead",
-        searches=1,
-        evaluations=population * (int(rough.nit) + 1) + best.evaluations,
-        search_theta=np.sinh(rough.x),
+    evaluations = 60 * len(limit) * (int(rough.nit) + 1)
+    return Found(x=rough.x, value=float(rough.fun), evaluations=evaluations), {
+        "method": "differential evolution, then Nelder-Mead",
+        "searches": 1,
+        "evaluations": evaluations,
+        "search_theta": np.sinh(rough.x),
+    }
+
+
+def fit_model(
+    model: ExpressionModel,
+    factors: Factors,
+    force_n: ArrayLike,
+    *,
+    bound: float = 1e6,
+    seed: int = 1,
+    search: Search = genetic,
+) -> Fit:
+    """A global search within +-bound, then Nelder-Mead (paper, section III).
+
+    A model that is linear in its parameters, or has none, needs no search.
+    factors and force_n hold n experiments, force_n in newtons. Equal input and seed give an equal
+    result. Raises InputError for fewer points than parameters, for lengths that differ and for
+    forces that are not finite or all zero.
+    """
+    force, count = np.atleast_1d(np.asarray(force_n, dtype=float)), len(model.parameter_names)
+    if force.shape != (len(factors),):
+        raise InputError(f"force_n: {force.size} forces for {len(factors)} points; give one each")
+    if len(force) < count:
+        raise InputError(
+            f"fit: {len(force)} points for the {count} parameters of the {model.name} model; "
+            f"give at least {count}"
+        )
+    if not (np.all(np.isfinite(force)) and np.any(force)):
+        raise InputError("force_n: forces must be finite numbers, and not all zero")
+    if not (np.isfinite(bound) and bound > 0):
+        raise InputError(f"bound: {bound} is not allowed; give a positive finite number")
+    if model.is_linear:
+        theta = local_fit(model, factors, force, np.zeros(count))
+        method = "linear least squares" if count else "no parameters"
+        about: dict[str, Any] = {"method": method, "searches": 0, "evaluations": 1}
+        about["search_theta"] = theta
+    else:
+        objective = _objective(model, factors, force)
+        near, about = search(objective, np.full(count, np.arcsinh(bound)), seed)
+        best = nelder_mead(objective, near.x)
+        theta = np.sinh(best.x)
+        about["evaluations"] += best.evaluations
+    squares = sum_of_squares(model, factors, force, theta)
+    if not np.isfinite(squares):
+        raise InputError(
+            f"fit: the {model.name} model is undefined at every candidate tried; "
+            "no parameters describe these points"
+        )
+    return Fit(
+        model=model.name,
+        theta=tuple(theta.tolist()),
+        sum_of_squares=squares,
+        global_error=float(np.sqrt(squares) / np.linalg.norm(force)),
+        points=len(force),
+        bound=bound,
+        seed=seed,
+        **about | {"search_theta": tuple(about["search_theta"].tolist())},
     )
 
 
@@ -167,45 +183,14 @@ def fits_from_seeds(
     if model.is_linear:
         return [fit_model(model, factors, force_n, bound=bounds[0], seed=first_seed)]
     count = settings["seeds"]["two_factor" if model.is_centred else "four_factor"]
-    searches = [
-        *((fit_model, seed) for seed in range(first_seed, first_seed + count)),
-        (fit_by_differential_evolution, first_seed),
-    ]
+    searches = [(genetic, first_seed + number) for number in range(count)]
+    searches.append((evolution, first_seed))
 
-    def one(way: tuple[float, tuple[Callable[..., Fit], int]]) -> Fit:
+    def one(way: tuple[float, tuple[Search, int]]) -> Fit:
         bound, (search, seed) = way
-        return search(model, factors, force_n, bound=bound, seed=seed)
+        return fit_model(model, factors, force_n, bound=bound, seed=seed, search=search)
 
     return parallel_map(one, list(product(bounds, searches)), processes=processes)
-
-
-def _linear_fit(
-    model: ExpressionModel, factors: Factors, force: Array, done: Callable[..., Fit]
-) -> Fit:
-    theta = local_fit(model, factors, force, np.zeros(len(model.parameter_names)))
-    method = "linear least squares" if len(theta) else "no parameters"
-    return done(theta=theta, method=method, searches=0, evaluations=1, search_theta=theta)
-
-
-def _checked_force(
-    model: ExpressionModel, factors: Factors, force_n: ArrayLike, bound: float
-) -> Array:
-    force = np.atleast_1d(np.asarray(force_n, dtype=float))
-    needed = len(model.parameter_names)
-    if force.shape != (len(factors),):
-        raise InputError(f"force_n: {force.size} forces for {len(factors)} points; give one each")
-    if len(force) < needed:
-        raise InputError(
-            f"fit: {len(force)} points for the {needed} parameters of the {model.name} model; "
-            f"give at least {needed}"
-        )
-    if not np.all(np.isfinite(force)):
-        raise InputError("force_n: a force is not a finite number; leave failed points out")
-    if not np.any(force):
-        raise InputError("force_n: every force is zero; nothing can be fitted to that")
-    if not (np.isfinite(bound) and bound > 0):
-        raise InputError(f"bound: {bound} is not allowed; give a positive finite number")
-    return force
 
 
 def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Objective:
@@ -222,25 +207,6 @@ def _objective(model: ExpressionModel, factors: Factors, force_n: Array) -> Obje
         return np.fmin(squares, UNDEFINED)  # which takes the number where squares are none
 
     return sum_of_squares
-
-
-def _fit(
-    model: ExpressionModel, factors: Factors, force_n: Array, *, theta: Array, **how: Any
-) -> Fit:
-    squares = float(np.sum((model.evaluate(theta, factors) - force_n) ** 2))
-    if not np.isfinite(squares):
-        raise InputError(
-            f"fit: the {model.name} model is undefined at every candidate tried; "
-            "no parameters describe these points"
-        )
-    return Fit(
-        model=model.name,
-        theta=tuple(float(value) for value in theta),
-        sum_of_squares=squares,
-        global_error=float(np.sqrt(squares) / np.linalg.norm(force_n)),
-        points=len(force_n),
-        **(how | {"search_theta": tuple(float(value) for value in how["search_theta"])}),
-    )
 
 
 def local_fit(

@@ -8,7 +8,7 @@ the library's.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import product
@@ -240,12 +240,15 @@ def library() -> Mapping[str, ExpressionModel]:
     return {name: make_model(name, entry, place=name) for name, entry in entries.items()}
 
 
-def get_model(name: str) -> ExpressionModel:
-    """The library's model of that name; raises InputError for an unknown one."""
-    models = library()
-    if name not in models:
-        raise InputError(f"model {name!r} is unknown; known are {', '.join(models)}")
-    return models[name]
+def get_model(name: str, *, beside: Iterable[str] = ()) -> ExpressionModel:
+    """The library's model of that name; raises InputError for an unknown one.
+
+    ``beside`` are names known otherwise, for the message.
+    """
+    if name not in library():
+        known = ", ".join((*beside, *library()))
+        raise InputError(f"model {name!r} is unknown; known are {known}")
+    return library()[name]
 
 
 def model_named(name: str, own: Mapping[str, Any], *, place: object) -> ExpressionModel:
@@ -257,10 +260,7 @@ def model_named(name: str, own: Mapping[str, Any], *, place: object) -> Expressi
     name = name.replace("-", "_")
     if name in own:
         return make_model(name, own[name], place=f"{place}: models.{name}")
-    if name in library():
-        return library()[name]
-    known = ", ".join((*own, *library()))
-    raise InputError(f"model {name!r} is unknown; known are {known}")
+    return get_model(name, beside=own)
 
 
 def check_models(own: Mapping[str, Any], named: Mapping[str, Any], *, place: object) -> None:

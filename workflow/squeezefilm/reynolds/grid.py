@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 
 from squeezefilm.film.outline import Outline
-from squeezefilm.reynolds.outlines.around import Around, around
+from squeezefilm.reynolds.conformal_axis import Around, around
 from squeezefilm.reynolds.spectral import Axis, Period, axis, period
 from squeezefilm.reynolds.terms import Terms
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from squeezefilm.film.scene import Film, Rows, Scene, Scenes
+from squeezefilm.film.scene import Film, Rows, Scene, Scenes, distinct, rows_alike
 from squeezefilm.reynolds.profile_sampling import (
     SampledProfiles,
     Samples,
@@ -81,9 +81,8 @@ class Needs:
     def alike(self) -> Iterator[tuple[np.ndarray, Scene, Terms]]:
         """Scenes of one film and like terms: which they are, the first of them, the terms."""
         code = self.scenes.film_index * len(self.kinds) + self.kind
-        for each in np.unique(code):
-            rows = np.flatnonzero(code == each)
-            yield rows, self.scenes.scene(int(rows[0])), self.kinds[self.kind[rows[0]]]
+        for rows in rows_alike(code):
+            yield rows, self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]
 
     def samples(self, share: float) -> Samples:
         """What grids that miss no more than a share of the profiles resolve, (n,)."""
@@ -111,7 +110,7 @@ class Needs:
     def left_out(self) -> list[str]:
         """The same of each scene, for a table."""
         code = 4 * self.kind + 2 * self.fold_x + self.fold_y
-        _, first, which = np.unique(code, return_index=True, return_inverse=True)
+        first, which = distinct(code)
         texts = ["; ".join(part.what for part in self.simplifications(row)) for row in first]
         return [texts[each] for each in which.tolist()]
 

@@ -1,4 +1,4 @@
-"""Vibration profiles under a pad, sampled before solving: symmetry, and nodes that resolve them.
+"""Profile profiles under a pad, sampled before solving: symmetry, and nodes that resolve them.
 
 As Chebfun does (Battles and Trefethen 2004): a profile is sampled on finer and finer Chebyshev
 grids until the interpolant through them is right at points that stand in no relation to any grid;
@@ -17,8 +17,8 @@ import numpy as np
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.profiles import landmarks_of
 from squeezefilm.film.scene import PadProfile, Places
+from squeezefilm.reynolds.conformal_axis import Around, around
 from squeezefilm.reynolds.grid import MOST_SPACE
-from squeezefilm.reynolds.outlines.around import Around, around
 from squeezefilm.reynolds.spectral import Axis, axis, period
 
 # Values of a profile that should agree by symmetry agree to rounding, relative to its largest.

@@ -4,27 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import isfinite, nan
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validities
-from squeezefilm.io.errors import InputError
+from squeezefilm.io.errors import each_on_its_own, unexpected
 from squeezefilm.io.solution import Solution, Solutions
 from squeezefilm.reynolds.asymptotics.scenes import Expanded
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.effects.automatic import MODEL_TOLERANCE, decided
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
-from squeezefilm.reynolds.plan import METHODS, plans_of
+from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.terms import left_out_of
-
-__all__ = ["METHODS", "each_on_its_own", "solve", "unexpected"]
-
-Result = TypeVar("Result")
-Batch = TypeVar("Batch", Scenes, Sequence[Scene])
 
 
 def solve(
@@ -66,9 +61,8 @@ def solve(
 
         try:
             if any("auto" in (film.gas.inertia, film.gas.heat) for film in some.films):
-                each = [some.scene(row) for row in range(len(some))]
                 some = Scenes.of(
-                    decided(each, model_tolerance=model_tolerance, method=method, device=device)
+                    decided(some, model_tolerance=model_tolerance, method=method, device=device)
                 )
             solutions = _solve(
                 some,
@@ -91,34 +85,6 @@ def solve(
     return Solutions.of(each_on_its_own(attempt, Scenes.of(scenes), failed=failed))
 
 
-def each_on_its_own(
-    work: Callable[[Batch], Sequence[Result]],
-    scenes: Batch,
-    *,
-    failed: Callable[[Exception], Result],
-) -> Sequence[Result]:
-    """``work`` on all scenes; where it ends in an unexpected error, that of one scene alone.
-
-    Raises:
-        InputError: that of ``work``, such as a device that is not there: it concerns all scenes.
-    """
-    try:
-        return work(scenes)
-    except InputError:
-        raise
-    except Exception as error:
-        if len(scenes) == 1:
-            return [failed(error)]
-    half = len(scenes) // 2
-    halves = (scenes[:half], scenes[half:])
-    return [result for some in halves for result in each_on_its_own(work, some, failed=failed)]
-
-
-def unexpected(error: Exception) -> str:
-    """The status of a scene that ended in an error which no method foresees."""
-    return " ".join(f"unexpected error: {type(error).__name__}: {error}".split())
-
-
 def _solve(
     scenes: Scenes,
     *,
@@ -128,35 +94,32 @@ def _solve(
     keep_states: bool,
     report: Callable[[int], object],
 ) -> Solutions:
-    if not len(scenes):
-        return Solutions.of([])
     needs = needs_of(scenes)
     plans = plans_of(needs, tolerance=tolerance, method=method)
     report(len(plans))
+    how: dict[str, Any] = {"device": device, "keep_states": keep_states, "report": report}
+    if not plans:
+        return _periodic(needs, tolerance=tolerance, **how)
     solutions = Solutions.of_method(method, len(scenes))
     for row, plan in plans.items():
         solutions.status[row], solutions.method[row] = plan.refused, plan.method
         if plan.expanded is not None:
             _put_expanded(solutions, row, plan.expanded, needs, tolerance=tolerance)
-    rest = np.setdiff1d(np.arange(len(scenes)), list(plans))
-    if not rest.size:
-        return solutions
+    rest = np.delete(np.arange(len(scenes)), list(plans))
+    if rest.size:
+        solutions.put(rest, _periodic(needs[rest], tolerance=tolerance, **how))
+    return solutions
+
+
+def _periodic(needs: Needs, *, device: Device | None, **how: Any) -> Solutions:
     chosen = device or choose_device()
     if not chosen.processor:
         check_device(chosen)
     try:
-        found = solve_periodic(
-            needs[rest] if plans else needs,
-            tolerance=tolerance,
-            device=chosen,
-            keep_states=keep_states,
-            report=report,
-        )
+        return solve_periodic(needs, device=chosen, **how)
     except Exception:
         chosen.queue.finish()  # kernels under way write into arrays that this sets free
         raise
-    solutions.put(rest, found)
-    return solutions
 
 
 def _put_expanded(

@@ -7,11 +7,10 @@ from math import ceil
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
-from squeezefilm.io.tables import scene_points
-from squeezefilm.reynolds.explain import explain
+from squeezefilm.reynolds.plan import previews
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
-from squeezefilm.studies.study import planned_profile_of, scene_of
+from squeezefilm.studies.study import planned_profile_of, scenes_in
 
 # One thread of an AMD EPYC (Zen 5, registers of 64 bytes), 60 and 65 scenes of the paper at 1e-3 to
 # 1e-8: processor time, fitted.
@@ -51,9 +50,9 @@ def expected_seconds(config: Config, *, centred: bool) -> float:
     if centred:
         sample = sample.assign(**dict.fromkeys(form_of(sample), 0.0))
     profile = planned_profile_of(config)
-    scenes = [scene_of(point, config, profile=profile) for point in scene_points(sample)]
+    scenes = scenes_in(sample, config, profile=profile)
     solver = config["solver"]
-    explained = explain(scenes, tolerance=solver["tolerance"], method=solver["method"])
-    mflop = sum(each.expected_mflop for each in explained) / SAMPLE
+    planned = previews(scenes, tolerance=solver["tolerance"], method=solver["method"])
+    mflop = sum(each.expected_mflop for each in planned) / SAMPLE
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
     return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config["outputs"] else seconds

@@ -8,7 +8,7 @@ from typing import Any
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import checked_outputs
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.solver import METHODS
+from squeezefilm.reynolds.plan import METHODS
 from squeezefilm.studies.config import Config
 
 TOLERANCES = (1e-10, 0.1)

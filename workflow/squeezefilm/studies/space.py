@@ -14,8 +14,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from squeezefilm.designs.box import Box, coordinates, grid
-from squeezefilm.film.existence import check_scene
 from squeezefilm.film.scene import Scene
+from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import POLAR, form_of
 from squeezefilm.io.tables import ScenePoint

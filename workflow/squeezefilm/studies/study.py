@@ -8,18 +8,23 @@ from math import atan2, degrees, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from squeezefilm.film.existence import check_scene
+import numpy as np
+
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
-from squeezefilm.film.scene import Actuator, Gas, Scene
+from squeezefilm.film.scene import Actuator, Film, Gas, Scene, Scenes
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
 from squeezefilm.film.symmetry import Directions, Symmetry, no_symmetry, symmetry
+from squeezefilm.film.validity import check_scene, check_scenes
 from squeezefilm.io.errors import InputError, naming
-from squeezefilm.io.tables import ScenePoint
+from squeezefilm.io.positions import POLAR
+from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, as_in
 from squeezefilm.studies.config import Config
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from squeezefilm.film.measured.smooth import SmoothedScan
 
 SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
@@ -156,6 +161,42 @@ def symmetry_of(config: Config) -> Symmetry:
     return symmetry(finger_of(config), planned_profile_of(config), surface=surface)
 
 
+def film_in(config: Config, *, profile: Profile | None = None) -> Film:
+    """The study's gas, actuator and finger; ``profile`` stands in for its own."""
+    actuator = Actuator(
+        frequency_hz=config["actuator"]["frequency_hz"],
+        surface=surface_of(config),
+        profile=profile_of(config) if profile is None else profile,
+    )
+    return Film(Gas(**config["gas"]), actuator, finger_of(config))
+
+
+def scenes_in(table: pd.DataFrame, config: Config, *, profile: Profile | None = None) -> Scenes:
+    """The scenes of a plan on the study's film.
+
+    Args:
+        table: ``point_id``, ``h0_m``, ``hv_m`` and a position in polar or Cartesian form.
+        profile: stands in for the study's own.
+
+    Raises InputError naming the point and the factor that has no physical meaning.
+    """
+    names = as_in(FACTOR_COLUMNS, table)
+    h0_m, hv_m, x_m, y_m = (table[name].to_numpy(dtype=float) for name in names)
+    point_id = table["point_id"].astype(str).to_numpy(dtype=object)
+    if POLAR[0] in names:
+        radius_m, angle = x_m, np.radians(y_m)
+        for row in np.flatnonzero(radius_m < 0)[:1]:
+            raise InputError(
+                f"point {point_id[row]}: phi_r_m = {radius_m[row]:g} must not be negative"
+            )
+        x_m, y_m = radius_m * np.cos(angle), radius_m * np.sin(angle)
+    film = film_in(config, profile=profile)
+    index = np.zeros(len(table), dtype=np.int64)
+    scenes = Scenes((film,), index, h0_m, hv_m, x_m, y_m, point_id)
+    check_scenes(scenes)
+    return scenes
+
+
 def scene_of(
     point: ScenePoint, config: Config, *, check: bool = True, profile: Profile | None = None
 ) -> Scene:
@@ -165,19 +206,16 @@ def scene_of(
 
     Raises InputError naming the point and the factor that has no physical meaning.
     """
+    film = film_in(config, profile=profile)
     scene = Scene(
         point_id=point.point_id,
         h0_m=point.h0_m,
         hv_m=point.hv_m,
         x_m=point.x_m,
         y_m=point.y_m,
-        gas=Gas(**config["gas"]),
-        actuator=Actuator(
-            frequency_hz=config["actuator"]["frequency_hz"],
-            surface=surface_of(config),
-            profile=profile_of(config) if profile is None else profile,
-        ),
-        finger=finger_of(config),
+        gas=film.gas,
+        actuator=film.actuator,
+        finger=film.finger,
     )
     if check:
         check_scene(scene)

@@ -20,13 +20,13 @@ import argparse
 import pandas as pd
 
 from squeezefilm.film.validity import validity
-from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_row
 from squeezefilm.studies.config import Config, load_config
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scenes_in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,11 +48,10 @@ def budget_table(
     table: pd.DataFrame, config: Config, *, device_name: str | None = None
 ) -> pd.DataFrame:
     """A table of scenes with the budget of each."""
-    scenes = [scene_of(point, config) for point in scene_points(table)]
     device = choose_device(config["solver"]["device"], option=device_name)
     solver = config["solver"]
     scenes = decided(
-        scenes,
+        scenes_in(table, config),
         model_tolerance=solver["model_tolerance"],
         method=solver["method"],
         device=device,

@@ -38,7 +38,7 @@ from squeezefilm.api.forces import scan_parts
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
-from squeezefilm.film.existence import GAPS_M
+from squeezefilm.film.validity import GAPS_M
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import ScenePoint, read_forces, write_table

@@ -21,7 +21,7 @@ exceeds under this equation.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from math import isnan
@@ -37,7 +37,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
-from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
@@ -53,7 +53,7 @@ from squeezefilm.reynolds.dynamics.response import (
 from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scene_of, scenes_in
 
 CALLED = {
     "gain": "gain for slow modulation",
@@ -106,7 +106,7 @@ def run(options: argparse.Namespace) -> None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.output is options.gains is options.steps is None:
         raise InputError("a table of scenes needs --output, --gains or --steps")
-    table, scenes = scenes_in(options.scenes, config)
+    table, scenes = table_and_scenes(options.scenes, config)
     if options.output is not None:
         write_table(summaries(table, scenes, settings, device), options.output)
     if options.gains is not None:
@@ -115,16 +115,16 @@ def run(options: argparse.Namespace) -> None:
         write_table(_all_steps(table, scenes), options.steps)
 
 
-def scenes_in(path: str, config: Config) -> tuple[pd.DataFrame, list[Scene]]:
+def table_and_scenes(path: str, config: Config) -> tuple[pd.DataFrame, Sequence[Scene]]:
     """A table of scenes with their validity, and the scenes."""
     table = read_scenes(path)
     with naming(path):
-        scenes = [scene_of(point, config) for point in scene_points(table)]
+        scenes = scenes_in(table, config)
     return table.assign(validity=list(map(_validity, scenes))), scenes
 
 
 def _neglected(
-    scenes: list[Scene], settings: SolverSettings, device: Device
+    scenes: Sequence[Scene], settings: SolverSettings, device: Device
 ) -> list[dict[str, float]]:
     """Changes in % of the scenes' responses by what the averaged film neglects, by columns."""
     by_gas = gain_changes(scenes, tolerance=settings.tolerance, device=device)
@@ -179,7 +179,7 @@ def _neglected_lines(scene: Scene, changes: dict[str, float]) -> list[str]:
 
 
 def summaries(
-    table: pd.DataFrame, scenes: list[Scene], settings: SolverSettings, device: Device
+    table: pd.DataFrame, scenes: Sequence[Scene], settings: SolverSettings, device: Device
 ) -> pd.DataFrame:
     """The table with the response of each scene, or the reason why there is none."""
     rows: list[dict[Any, Any]] = []
@@ -202,7 +202,9 @@ def _or_reason(find: Callable[[], Any], **unknown: Any) -> dict[Any, Any]:
         return {**unknown, "status": str(error)}
 
 
-def all_gains(table: pd.DataFrame, scenes: list[Scene], frequency_hz: np.ndarray) -> pd.DataFrame:
+def all_gains(
+    table: pd.DataFrame, scenes: Sequence[Scene], frequency_hz: np.ndarray
+) -> pd.DataFrame:
     """The table with a row for each scene and frequency: gain and phase."""
     parts = []
     for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
@@ -219,7 +221,7 @@ def all_gains(table: pd.DataFrame, scenes: list[Scene], frequency_hz: np.ndarray
     return pd.concat(parts, ignore_index=True)
 
 
-def _all_steps(table: pd.DataFrame, scenes: list[Scene]) -> pd.DataFrame:
+def _all_steps(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A scene whose steps are not known keeps a row, with the reason."""
     unknown = {name: [np.nan] for name in ("time_s", "rising_n", "falling_n")}
     return pd.concat(

@@ -21,6 +21,8 @@ gas, the others kept, with their errors, by one adjoint problem per scene; `deri
 why there are none. `--outputs thrust,power` adds answers beside the force, of harmonics, power,
 centre, moments, thrust, extremes and static_stiffness, or `all`, instead of the study's `outputs`:
 each with its error, by the periodic state; `outputs_status` says what is not known and why.
+`--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms, what it does not
+need and why, first grid and expected cost, or with --output writes them, a row for each scene.
 """
 
 import argparse
@@ -30,13 +32,16 @@ import pandas as pd
 
 from squeezefilm.api.forces import force_of, forces_of, forces_table
 from squeezefilm.api.points import scene_points_of
-from squeezefilm.api.simulation import missing_of, simulate_table
+from squeezefilm.api.preview import preview_table, preview_text
+from squeezefilm.api.simulation import missing_of, scenes_of_table, simulate_table
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.measured.smooth import SmoothedScan
+from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import OK
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.solution import OUTPUTS
+from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import (
     SolverSettings,
@@ -56,6 +61,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
     )
     parser.add_argument(
+        "--dry-run", action="store_true", help="show how scenes would be solved, and solve nothing"
+    )
+    parser.add_argument(
         "--derivatives", action="store_true", help="of the force too, to each number of a scene"
     )
     parser.add_argument(
@@ -73,10 +81,32 @@ def run(options: argparse.Namespace) -> None:
         config, tolerance=options.tolerance, method=options.method, outputs=options.outputs
     )
     points = points_in(options)
-    if len(points.columns):
+    if options.dry_run:
+        _preview(points, options, config, settings)
+    elif len(points.columns):
         _simulate_points(points, options, config, settings)
     else:
         _simulate_table(options, config, settings)
+
+
+def _preview(
+    points: pd.DataFrame, options: argparse.Namespace, config: Config, settings: SolverSettings
+) -> None:
+    """How scenes would be solved, in words or as a table."""
+    if (options.scenes is None) == (not len(points.columns)):
+        raise InputError("give a table of scenes, or points by --h0 and --hv")
+    if options.scenes is not None:
+        rows = read_scenes(options.scenes)
+        scenes = scenes_of_table(rows, config=config, path=options.scenes)
+    elif {"h0_m", "hv_m"} <= set(points):
+        scenes = Scenes.of([scene_of(point, config) for point in scene_points_of(points)])
+    else:
+        raise InputError("give both --h0 and --hv")
+    device = device_of(config, option=options.device)
+    table = preview_table(scenes, settings=settings, device=device)
+    if options.output is not None:
+        write_table(table, options.output)
+    print(preview_text(table, tolerance=settings.tolerance))
 
 
 def _simulate_points(

@@ -23,7 +23,7 @@ LESS_WITH_ANGLES, MOST_LOOKED_AT = 0.5, 2000
 class Fit:
     """Least squares on the modes up to one degree.
 
-    ``left_out`` is the error at each point of the fit to the others, ``scores`` has its rms by
+    ``held_out`` is the error at each point of the fit to the others, ``scores`` has its rms by
     degree, and ``root`` (modes, modes) is the factor by which the points' noise enters the
     coefficients: their covariance is noise² root rootᵀ.
     """
@@ -31,7 +31,7 @@ class Fit:
     degree: int
     orders: tuple[tuple[int, int], ...]
     coefficients: np.ndarray
-    left_out: np.ndarray
+    held_out: np.ndarray
     root: np.ndarray
     scores: dict[int, float]
 
@@ -69,7 +69,7 @@ def best_fit(
             break
         residual = measured - orthogonal[:, :count] @ along[:count]
         errors[degree] = residual / (1 - leverage)
-        scores[degree] = float(np.sqrt(np.mean(errors[degree] ** 2)))
+        scores[degree] = float(np.sqrt(np.mean(np.abs(errors[degree]) ** 2)))
     if not scores:
         raise InputError(f"{path}: the points do not determine a profile")
     best = min(scores, key=lambda degree: scores[degree])

@@ -21,6 +21,7 @@ import csv
 import io
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -87,7 +88,7 @@ class Scan:
 
     Without angles ``y_m`` is None and ``x_m`` the distance from the centre. ``lines`` are the
     rows' places in the file and ``missing`` counts points without an amplitude. ``signed`` tells
-    whether phase, sign or an amplitude below zero says on which side of a node a point is.
+    whether phase, sign or an amplitude below zero tells on which side of a node a point is.
     ``notes`` say how the file was read.
     """
 
@@ -243,7 +244,7 @@ def _columns(header: Sequence[str], *, where: str) -> tuple[dict[str, Column], l
         },
     )
     ignored = [each.name for each in known if each.place not in taken] + unknown
-    notes = [f"columns left out: {', '.join(map(repr, ignored))}"] if ignored else []
+    notes = [f"ignored columns: {', '.join(map(repr, ignored))}"] if ignored else []
     return columns, notes
 
 
@@ -330,7 +331,7 @@ def read_cells(
     notes = [] if encoding == "utf-8" else [f"read as {encoding}"]
     before = sum(bool(line.strip()) and not line.lstrip().startswith("#") for line in lines[:index])
     if before:
-        notes.append(f"{before} lines before the header left out")
+        notes.append(f"{before} lines before the header ignored")
     numbered_by = [line for line, _ in rows]
     table = pd.DataFrame(
         [cells for _, cells in rows], numbered_by, range(len(header)), dtype=object
@@ -422,7 +423,7 @@ def _universal(path: Path, frequency_hz: float | None) -> Scan:
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
     unplaced = [node for node in nodes if node not in places]
-    twice = [node for node in nodes if nodes.count(node) > 1]
+    twice = [node for node, count in Counter(nodes).items() if count > 1]
     _refuse(
         str(path),
         {
@@ -465,6 +466,7 @@ def _line_at(
     nearest = int(np.argmin(np.abs(lines - frequency_hz)))
     apart = float(np.diff(lines).max()) if len(lines) > 1 else 0.0
     farthest = FARTHEST_LINE * apart if apart else FARTHEST_SHARE * frequency_hz
+    off = abs(lines[nearest] - frequency_hz)
     kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
     _refuse(
         f"{path}: node {int(function['rsp_node'])}",
@@ -473,10 +475,7 @@ def _line_at(
             or over != FREQUENCY,
             "a power spectrum; export amplitudes or frequency responses": kind in POWER_SPECTRA,
             f"its lines go from {lines.min():.7g} to {lines.max():.7g} Hz, and the actuator "
-            f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)": abs(
-                lines[nearest] - frequency_hz
-            )
-            > farthest,
+            f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency_hz)": off > farthest,
         },
     )
     if not (np.any(data) and np.abs(data[nearest]) <= LARGEST):

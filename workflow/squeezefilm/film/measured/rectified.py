@@ -53,8 +53,8 @@ def looks_folded(
         turned = ~turned
     if not turned.any():
         return False
-    signed = best_fit(path, surface, x, y, signs * amplitude, axisymmetric).left_out
-    plain = best_fit(path, surface, x, y, amplitude, axisymmetric).left_out
+    signed = best_fit(path, surface, x, y, signs * amplitude, axisymmetric).held_out
+    plain = best_fit(path, surface, x, y, amplitude, axisymmetric).held_out
     noise = 1.4826 * float(np.median(np.abs(signed))) + LEAST_NOISE * float(np.median(amplitude))
     if amplitude[turned].mean() < LEAST_TURNED * noise:
         return False

@@ -1,15 +1,15 @@
 """Amplitudes measured by a scanning vibrometer, made into a smooth profile with known errors.
 
 The profile is the least-squares sum of Zernike modes. Leave-one-out cross-validation says up to
-which degree they describe the points best; two degrees more are taken, so that what is left out of
-the profile is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
-Statistics, 2006, 5.7). Points far from the rest are left out and the rest is fitted anew. The film
+which degree they describe the points best; two degrees more are taken, so that what the profile
+neglects is small beside what noise does to it (undersmoothing: Wasserman, All of Nonparametric
+Statistics, 2006, 5.7). Points far from the rest are excluded and the rest is fitted anew. The film
 equation needs the profile's curvature, so that a smooth global basis serves it better than splines
 with their knots. Least squares also say how sure the profile is at every place: the standard error
 that noise leaves, from the residuals.
 
-Where the scan has phases, what moves a quarter of a period from the rest is fitted likewise, and is
-the profile's imaginary part if forces depend on it.
+Where the scan has phases, what moves a quarter of a period from the rest is fitted likewise. If
+forces depend on it the profile is complex: both are fitted together, by the same modes.
 
 The largest of a noisy profile is too large on average, by what profiles with more noise of the same
 size tell; that much is taken off the maximum to which the profile is scaled.
@@ -18,7 +18,7 @@ size tell; that much is taken off the maximum to which the profile is scaled.
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
@@ -40,7 +40,7 @@ LARGEST_ERROR = 0.25
 # Nor is one that has no measured point within this share of a disc's radius, or of half a
 # rectangle's shorter side.
 LARGEST_HOLE = 0.35
-# What the smooth motion out of phase may do to forces, as a share, and be left out.
+# What the smooth motion out of phase may do to forces, as a share, and be neglected.
 LARGEST_OUT_OF_PHASE = 1e-3
 # A point is far from the rest beyond this many standard deviations of the noise, and never if it is
 # nearer than this share of the largest amplitude: that may be the profile's own fine structure.
@@ -67,10 +67,11 @@ class SmoothedScan:
         quadrature: rms share of the motion that is out of phase, its noise included.
         degree: of the polynomial; ``cross_validation_m`` is its rms error of cross-validation.
         x_m, y_m: the points.
-        measured_m: their complex amplitudes, turned to the profile's phase.
-        residual_m: what the profile leaves of the real parts of these.
+        measured_m: their amplitudes, turned to the phase of most of the motion; complex where the
+            profile is, else the part in this phase.
+        residual_m: what the profile leaves of these.
         outliers: which of them lie further from the rest than noise does; they are not fitted.
-        root: (modes, modes) factor by which noise enters the coefficients' real parts.
+        root: (modes, modes) factor by which noise enters the coefficients.
         folded: all amplitudes were taken to one side although they look folded at a node line.
     """
 
@@ -92,17 +93,18 @@ class SmoothedScan:
     folded: bool
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        """Standard error of the profile's real part by noise, in units of its maximum."""
-        modes = _modes_at(self.profile.orders[: len(self.root)], self.profile.surface, x_m, y_m)
+        """Standard error of the profile, of each part of a complex one, over its maximum."""
+        modes = _modes_at(self.profile.orders, self.profile.surface, x_m, y_m)
         return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.root, axis=-1)
 
     @property
     def out_of_phase_effect(self) -> float:
         """By which share forces are low without the motion out of phase, on average."""
-        surface, coefficients = self.profile.surface, np.real(self.profile.coefficients)
-        whole = coefficients[: len(self.root)], self.profile.orders[: len(self.root)]
-        part = np.array(self.out_of_phase.coefficients), self.out_of_phase.orders
-        return _share_of_squares(part, whole, surface)
+        part, whole = (
+            _mean_square(np.real(each.coefficients), each.orders, each.surface)
+            for each in (self.out_of_phase, self.profile)
+        )
+        return part / whole
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -114,24 +116,17 @@ class SmoothedScan:
         """Profiles that scans with other noise would have given: residuals drawn anew.
 
         The residuals are widened by √(points/(points − modes)) to the noise's size, which their
-        fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2). Those of real and
-        imaginary part are drawn apart.
+        fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2).
         """
         surface, orders, fitted = self.profile.surface, self.profile.orders, ~self.outliers
         basis = _modes_at(orders, surface, self.x_m[fitted], self.y_m[fitted])
-        measured = self.measured_m[fitted]
-        parts: list[tuple[complex, np.ndarray, int]] = [(1.0, measured.real, len(self.root))]
-        if self.profile.is_complex:
-            parts.append((1j, measured.imag, len(self.out_of_phase.orders)))
-        random = np.random.default_rng(seed)
+        points, modes = basis.shape
+        residual = self.residual_m[fitted] - self.residual_m[fitted].mean()
+        noise_m = np.random.default_rng(seed).choice(
+            residual * math.sqrt(points / (points - modes)), size=(count, points)
+        )
         raw_m = self.peak_m * np.array(self.profile.coefficients)
-        drawn_m = np.tile(raw_m, (count, 1))
-        for unit, values, modes in parts:
-            orthogonal, triangle = np.linalg.qr(basis[:, :modes])
-            residual = values - orthogonal @ (values @ orthogonal)
-            widened = math.sqrt(len(values) / (len(values) - modes))
-            noise = random.choice((residual - residual.mean()) * widened, size=(count, len(values)))
-            drawn_m[:, :modes] += unit * (noise @ orthogonal @ np.linalg.inv(triangle).T)
+        drawn_m = raw_m + (noise_m @ basis) @ self.root @ self.root.T
         # The finer search for the maximum moves it by as little for each.
         finer = (self.peak_m + self.peak_bias_m) / _largest_on_net(raw_m, orders, surface)
         peaks = _largest_on_net(drawn_m, orders, surface) * finer - self.peak_bias_m
@@ -194,33 +189,36 @@ def smoothed(
         )
     fit, kept = _without_outliers(scan, surface, x, y, measured.real, axisymmetric)
     other = best_fit(scan.path, surface, x[kept], y[kept], measured.imag[kept], axisymmetric)
-    if _counts(other, fit, surface):
-        kept &= _without_outliers(scan, surface, x, y, measured.imag, axisymmetric)[1]
-        fit, other = (
-            best_fit(scan.path, surface, x[kept], y[kept], part[kept], axisymmetric)
-            for part in (measured.real, measured.imag)
-        )
-    fitted = surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients
+    in_phase, apart = (
+        _mean_square(each.coefficients, each.orders, surface) for each in (fit, other)
+    )
+    if apart > LARGEST_OUT_OF_PHASE * in_phase:
+        fit, kept = _without_outliers(scan, surface, x, y, measured, axisymmetric)
+    else:
+        measured = measured.real
+    residual = measured - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients
     # Half a period later every amplitude has the other sign: positive at its largest by choice.
+    fitted = np.real(measured - residual)
     turn = 1.0 if fitted[np.argmax(np.abs(fitted))] > 0 else -1.0
-    measured, residual = turn * measured, turn * (measured.real - fitted)
-    noise_m = float(np.linalg.norm(residual[kept]) / math.sqrt(kept.sum() - len(fit.orders)))
-    fits = [fit, other] if _counts(other, fit, surface) else [fit]
-    orders, coefficients = _complex_sum([turn * each.coefficients for each in fits], fits)
-    raw = Modes(orders, tuple(coefficients.tolist()), surface)
+    parts = 1 + np.iscomplexobj(measured)
+    freedom = parts * (kept.sum() - len(fit.orders))
+    noise_m = float(np.linalg.norm(residual[kept]) / math.sqrt(freedom))
+    raw = Modes(fit.orders, tuple((turn * fit.coefficients).tolist()), surface)
     largest_m = largest_magnitude(lambda x_m, y_m: raw.amplitude(x_m=x_m, y_m=y_m), surface=surface)
-    bias_m = min(_bias_of_largest(fits, noise_m, surface), LARGEST_ERROR * largest_m)
+    bias_m = min(_bias_of_largest(fit, noise_m, surface), LARGEST_ERROR * largest_m)
     peak_m = largest_m - bias_m
     round_by_choice = axisymmetric and scan.y_m is not None
-    if round_by_choice and (
-        note := wants_angles(scan.path, surface, x, y, turn * measured.real, fit)
-    ):
+    if round_by_choice and (note := wants_angles(scan.path, surface, x, y, measured.real, fit)):
         scan = replace(scan, notes=(*scan.notes, note))
     result = SmoothedScan(
         scan=scan,
-        profile=Modes(orders, tuple((coefficients / peak_m).tolist()), surface, largest_m / peak_m),
+        profile=replace(
+            raw,
+            coefficients=tuple((turn * fit.coefficients / peak_m).tolist()),
+            largest=largest_m / peak_m,
+        ),
         out_of_phase=Modes(
-            other.orders, tuple((turn / peak_m * other.coefficients).tolist()), surface
+            other.orders, tuple((turn * other.coefficients / peak_m).tolist()), surface
         ),
         peak_m=peak_m,
         peak_bias_m=bias_m,
@@ -230,8 +228,8 @@ def smoothed(
         cross_validation_m=fit.scores[fit.degree],
         x_m=x_m,
         y_m=y_m,
-        measured_m=measured,
-        residual_m=residual,
+        measured_m=turn * measured,
+        residual_m=turn * residual,
         outliers=~kept,
         root=fit.root,
         folded=folded,
@@ -288,15 +286,17 @@ def _without_outliers(
 ) -> tuple[Fit, np.ndarray]:
     """Least squares on the points that are not far from the rest, and which those are.
 
-    Points are left out and taken back in until they stay the same (iterated trimming; Rousseeuw
+    Points are excluded and taken back in until they stay the same (iterated trimming; Rousseeuw
     and Leroy, Robust Regression and Outlier Detection, 1987).
     """
-    kept = np.ones(len(measured), dtype=bool)
+    kept: np.ndarray = np.ones(len(measured), dtype=bool)
     floor = LEAST_OUTLIER * float(np.median(np.sort(np.abs(measured))[-max(5, len(x) // 20) :]))
     for _ in range(REFITS):
         fit = best_fit(scan.path, surface, x[kept], y[kept], measured[kept], axisymmetric)
-        residual = np.abs(measured - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients)
-        near = residual <= max(OUTLIER * 1.4826 * float(np.median(residual)), floor)
+        residual = measured - surface.modes_at(fit.orders, x=x, y=y) @ fit.coefficients
+        parts = np.abs([residual.real, residual.imag][: 1 + np.iscomplexobj(residual)])
+        noise = 1.4826 * np.median(parts, axis=1, keepdims=True)
+        near = np.all(parts <= np.maximum(OUTLIER * noise, floor), axis=0)
         if np.array_equal(near, kept):
             break
         kept = near
@@ -323,41 +323,12 @@ def _modes_on_net(orders: Orders, surface: Surface) -> np.ndarray:
     return _modes_at(orders, surface, x_m.ravel(), y_m.ravel()).T
 
 
-def _share_of_squares(
-    part: tuple[np.ndarray, Orders], whole: tuple[np.ndarray, Orders], surface: Surface
-) -> float:
-    """∫ s₂² / ∫ s₁²: small forces go as the square of the amplitude, and both motions add.
+def _mean_square(coefficients: np.ndarray, orders: Orders, surface: Surface) -> float:
+    """∫ s², times a constant: small forces go as the square, and those of both motions add.
 
     studies/tasks/scan_errors.py has the effect on one scene.
     """
-    weights = surface.net()[2].ravel()
-    second, first = (
-        weights @ (coefficients @ _modes_on_net(orders, surface)) ** 2
-        for coefficients, orders in (part, whole)
-    )
-    return float(second / first)
-
-
-def _counts(other: Fit, fit: Fit, surface: Surface) -> bool:
-    """Whether forces depend on the motion out of phase."""
-    part, whole = ((each.coefficients, each.orders) for each in (other, fit))
-    return _share_of_squares(part, whole, surface) > LARGEST_OUT_OF_PHASE
-
-
-def _complex_sum(
-    coefficients: Sequence[np.ndarray], fits: Sequence[Fit]
-) -> tuple[Orders, np.ndarray]:
-    """Orders and coefficients, shape (…, modes), of one part or of real and imaginary part.
-
-    The modes of a lower degree come first in those of a higher one.
-    """
-    if len(fits) == 1:
-        return fits[0].orders, coefficients[0]
-    longer = max((fit.orders for fit in fits), key=len)
-    total = np.zeros((*coefficients[0].shape[:-1], len(longer)), dtype=complex)
-    for unit, each in zip((1, 1j), coefficients, strict=True):
-        total[..., : each.shape[-1]] += unit * each
-    return longer, total
+    return float(surface.net()[2].ravel() @ (coefficients @ _modes_on_net(orders, surface)) ** 2)
 
 
 def _largest_on_net(coefficients: np.ndarray, orders: Orders, surface: Surface) -> np.ndarray:
@@ -365,17 +336,16 @@ def _largest_on_net(coefficients: np.ndarray, orders: Orders, surface: Surface) 
     return np.asarray(np.abs(coefficients @ _modes_on_net(orders, surface)).max(axis=-1))
 
 
-def _bias_of_largest(fits: Sequence[Fit], noise_m: float, surface: Surface) -> float:
+def _bias_of_largest(fit: Fit, noise_m: float, surface: Surface) -> float:
     """By how much noise raises the largest magnitude, by what more of it would do."""
-    random = np.random.default_rng(PEAK_SEED)
-    drawn = []
-    for fit in fits:
-        change = noise_m * random.standard_normal((PEAK_DRAWS, len(fit.orders))) @ fit.root.T
-        # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
-        drawn.append(fit.coefficients + np.concatenate([change, -change]))
-    orders, found = _complex_sum([fit.coefficients for fit in fits], fits)
-    with_noise = _largest_on_net(_complex_sum(drawn, fits)[1], orders, surface)
-    return max(float(with_noise.mean() - _largest_on_net(found, orders, surface)), 0.0)
+    random, shape = np.random.default_rng(PEAK_SEED), (PEAK_DRAWS, len(fit.orders))
+    noise = noise_m * random.standard_normal(shape)
+    if np.iscomplexobj(fit.coefficients):
+        noise = noise + 1j * noise_m * random.standard_normal(shape)
+    # Every draw and its mirror image: without curvature the mean is zero, not nearly so.
+    change = np.concatenate([noise, -noise]) @ fit.root.T
+    with_noise = _largest_on_net(fit.coefficients + change, fit.orders, surface).mean()
+    return max(float(with_noise - _largest_on_net(fit.coefficients, fit.orders, surface)), 0.0)
 
 
 def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:

@@ -30,7 +30,7 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
             "y_mm": smoothed.y_m * 1e3,
             "r_mm": np.hypot(smoothed.x_m, smoothed.y_m) * 1e3,
             "amplitude_um": smoothed.measured_m.real * 1e6,
-            "residual_um": smoothed.residual_m * 1e6,
+            "residual_um": smoothed.residual_m.real * 1e6,
         }
     )
     if isinstance(surface, Disc):

@@ -15,6 +15,7 @@ from math import isfinite
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.io.errors import each_on_its_own, unexpected
 from squeezefilm.io.solution import OUTPUTS, Outputs, Solution, checked_outputs
 from squeezefilm.reynolds.answers.numbers import answered
 from squeezefilm.reynolds.answers.refused import formula_refusals
@@ -31,7 +32,6 @@ from squeezefilm.reynolds.periodic.sizes import iteration_flops
 from squeezefilm.reynolds.periodic.states import STATUS, States
 from squeezefilm.reynolds.plan import plans_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.solver import each_on_its_own, unexpected
 from squeezefilm.reynolds.terms import states_refused, stiffness_of
 
 # Below this, iterations would end in rounding; above, grids tell little of their errors.

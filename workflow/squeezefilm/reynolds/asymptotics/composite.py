@@ -14,8 +14,7 @@ every other of its nodes. Where an expansion does not apply the error is infinit
 the first part were fitted to periodic states converged to 1e-6: ε 0.01–0.98, σ 0.1–1e6, pistons and
 sincs with up to three nodes under the finger, aspects 0.2–5; each is about twice what the worst
 film needed. Those of inertia were fitted to its second order in ε on such films and to strips at
-any ε. Layers with inertia are known up to Re = 10 and excursions that depend on it
-(edge_layer_with_inertia.py).
+any ε. Layers with inertia are known up to Re = 10 and excursions that depend on it (edge_layer.py).
 """
 
 from __future__ import annotations
@@ -76,7 +75,7 @@ def edge_layer_expansion(films: Films) -> AsymptoticForces:
     In two phases the next order is ε²/σ: the film then drives gas along itself.
 
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
-    inertia the next order is ε²/σ (edge_layer_with_inertia.py), without it ε²/σ^(3/2).
+    inertia the next order is ε²/σ (edge_layer.py), without it ε²/σ^(3/2).
     """
     return _together(films, _with_layer)
 

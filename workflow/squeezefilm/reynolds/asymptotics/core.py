@@ -24,7 +24,6 @@ from typing import TypeVar
 import numpy as np
 
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.asymptotics.edge_layer_with_inertia import rim_values
 from squeezefilm.reynolds.asymptotics.films import Films, wide
 
 # d(a)/a², g(a)/a and q(a)/a of the edge layer at a = 0.
@@ -175,7 +174,7 @@ def expand_with_inertia(films: Films) -> Expansion:
     """The high-squeeze limit and its edge layer's correction, with inertia and without slip."""
     gap_square = wide(films.epsilon) ** 2 * films.s**2
     over_gap = films.gradient(gap_square)
-    rim = rim_values(films.epsilon[:, None] * films.rim, films.reynolds)
+    rim = edge_layer.rim_values(films.epsilon[:, None] * films.rim, films.reynolds)
     at_rim = films.from_rim(rim.rise)
     curvature = films.laplacian(at_rim)
     rate_square = wide(films.reynolds / 10) ** 2
@@ -219,7 +218,7 @@ def expand_second_order_with_inertia(films: Films) -> Expansion:
     """The same over ε² for ε → 0: ψ² − 1 is ε² (rim s² + what makes it + ½ k s² harmonic)."""
     ratio = films.reynolds / 10
     lag = wide(ratio**2 / (1 + ratio**2))
-    tiny = rim_values(np.full((len(ratio), 1), TINY), films.reynolds)
+    tiny = edge_layer.rim_values(np.full((len(ratio), 1), TINY), films.reynolds)
     inner = films.solve(-0.5 * lag * films.laplacian(films.s**2))
     at_rim = films.from_rim(tiny.rise / TINY**2 * films.rim**2)
     rise = at_rim + inner - films.solve(films.laplacian(at_rim))

@@ -15,19 +15,48 @@ force sees q(a) = 3 ∫₀^∞ ⟨cos T M²⟩ dξ.
 
 They are computed once, by ``python -m squeezefilm.reynolds.asymptotics.edge_layer``, and stored as
 d/a², g/a and q/a at Chebyshev nodes in −ln(1 − a²), from where Chebyshev series give them.
+
+With the gas' inertia the core sees ψ² on the rim, the layer's own overpressure d, and the changes g
+and h of the rim's ψ² with the slopes of the profile and of the core. They were computed once, at
+the git tag verification-2026-11 (reynolds/limits/inertial_layer.py, half an hour of one core), and
+are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev points: in Re up to MOST_REYNOLDS and,
+for each Re, in −ln(1 − a²) up to a = ``largest(Re)``. Somewhere beyond, waves steepen to a shock in
+the layer, and no periodic state was found that a finer grid would not change.
+
+Within √(1/σ) of the finger's rim, with ξ = n√σ, n the distance from the rim, and ū = v/√σ the mean
+velocity over the gap, mass w = HP and flux q = wv obey
+
+    ∂w/∂T + ∂q/∂ξ = 0,    H = 1 + a sin T at the rim point, a = ε s,
+    q + (Re/10) H {w ∂q/∂T − (17/7) q ∂w/∂T − (9/7)(q²/w) ∂w/∂ξ} + H w ∂w/∂ξ − w² ∂H/∂ξ = 0,
+
+which is w times the one-mode momentum equation (terms/inertia.py)
+
+    ū + (Re P H²/10) {∂ū/∂T + (9/7)(ū·∇)ū − (1/7) ū ∂ ln(PH)/∂T} = −(H²/σ) ∇P.
+
+P = 1 at ξ = 0; inside w goes to a constant ψ and the flux to rest. With w = ∂X/∂ξ and q = −∂X/∂T
+mass is conserved by itself and no mean flux is left: one equation for X, by collocation in ξ and T,
+Newton's method and dense matrices.
+
+At the next order in 1/√σ the profile's slope ∂a/∂n and the core's ∂ψ/∂n reach into the layer, which
+answers linearly: far inside, ψ is changed by a multiple of either.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from math import log, sqrt
 from pathlib import Path
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from squeezefilm.reynolds.spectral import Axis, axis, period
 
 TABLE = Path(__file__).with_name("edge_layer.csv")
+TABLE_WITH_INERTIA = Path(__file__).with_name("edge_layer_with_inertia.csv")
+MOST_REYNOLDS = 10.0
+REYNOLDS_ROWS, INERTIA_ROWS = 14, 18
 LARGEST = 0.98
 ROWS = 41
 
@@ -144,7 +173,7 @@ def _series() -> np.ndarray:
     """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (ROWS, 3)."""
     rows = read_table()
     nodes = 2 * _stretched(rows[:, 0]) / _stretched(LARGEST) - 1
-    return np.linalg.solve(np.polynomial.chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
+    return np.linalg.solve(chebyshev.chebvander(nodes, ROWS - 1), rows[:, 1:])
 
 
 def _instants(a: float) -> int:
@@ -159,6 +188,60 @@ def _half_line() -> tuple[np.ndarray, np.ndarray]:
     slope = DEPTH * STRETCH * np.exp(STRETCH * line.all_nodes) / np.expm1(STRETCH)
     first = line.derivative / slope[:, None]
     return (first @ first)[1:-1], all_weights(line) * slope
+
+
+@dataclass(frozen=True)
+class RimValues:
+    """The layer's functions at points of the rim, each of one shape; NaN beyond the table.
+
+    rise: ψ² − 1; d: ∫₀^∞ ⟨P − ψ/H⟩ dξ; g, h: ψ² is changed by (g ∂a/∂n + h ∂ψ²/∂n)/√σ, n inward.
+    """
+
+    rise: np.ndarray
+    d: np.ndarray
+    g: np.ndarray
+    h: np.ndarray
+
+
+def largest(reynolds: np.ndarray | float) -> np.ndarray:
+    """The largest excursion ratio of the table: 0.9 without inertia, 0.4 at Re = 10."""
+    return 0.9 / (1 + np.asarray(reynolds, dtype=float) / 8)
+
+
+def rim_values(a: np.ndarray, reynolds: np.ndarray) -> RimValues:
+    """The functions at excursion ratios ``a``, shape (B, …), of films with ``reynolds``, (B,)."""
+    reynolds = np.asarray(reynolds, dtype=float)
+    films = a.reshape(len(reynolds), -1)
+    most = largest(reynolds)[:, None]
+    inside = (np.abs(films) <= most) & (reynolds[:, None] <= MOST_REYNOLDS)
+    place = 2 * _stretched(np.minimum(np.abs(films), most)) / _stretched(most) - 1
+    powers = chebyshev.chebvander(place, INERTIA_ROWS - 1)
+    of_film = chebyshev.chebvander(
+        2 * np.minimum(reynolds, MOST_REYNOLDS) / MOST_REYNOLDS - 1, REYNOLDS_ROWS - 1
+    )
+    series = np.einsum("br,kra->bka", of_film, _series_with_inertia())
+    values = np.einsum("bka,bma->kbm", series, powers)
+    ratio = np.where(inside, films, np.nan)
+    scaled = values * np.stack([ratio**2, ratio**2, ratio, ratio**2])
+    return RimValues(*scaled.reshape(4, *a.shape))
+
+
+def read_table_with_inertia() -> np.ndarray:
+    """Rows Re, a, (ψ² − 1)/a², d/a², g/a, h/a²; shape (REYNOLDS_ROWS, INERTIA_ROWS, 6)."""
+    rows = np.loadtxt(TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
+    return rows.reshape(REYNOLDS_ROWS, INERTIA_ROWS, 6)
+
+
+@lru_cache(maxsize=1)
+def _series_with_inertia() -> np.ndarray:
+    """Chebyshev coefficients of the functions in Re and a, (4, REYNOLDS_ROWS, INERTIA_ROWS)."""
+    values = np.moveaxis(read_table_with_inertia()[:, :, 2:], 2, 0)
+    of_reynolds, of_a = (
+        np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts1(count), count - 1))
+        for count in (REYNOLDS_ROWS, INERTIA_ROWS)
+    )
+    series: np.ndarray = of_reynolds @ values @ of_a.T
+    return series
 
 
 if __name__ == "__main__":

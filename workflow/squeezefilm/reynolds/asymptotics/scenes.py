@@ -158,6 +158,8 @@ def _edge_layer_pays(needs: Needs, tolerance: float) -> np.ndarray:
     """
     scenes = needs.scenes
     pays = (_slender_sigma(scenes) >= EDGE_LAYER_FROM) | _has_inertia(scenes)
+    if not pays.any():
+        return pays
     even = needs.uniform & scenes.column(lambda film: film.finger.gap.flat)
     by_slopes = np.where(even, 0.3, 100) * scenes.sigma**-1.5
     return pays & (
@@ -170,10 +172,12 @@ def _second_order_pays(needs: Needs, tolerance: float) -> np.ndarray:
     scenes = needs.scenes
     square = scenes.epsilon**2
     large = (_slender_sigma(scenes) >= COMPOSITE_FROM) & (tolerance <= COMPOSITE_TO_TOLERANCE)
-    pays = large | _has_inertia(scenes)
+    pays, tiny = large | _has_inertia(scenes), square <= TINY * tolerance
+    if not pays.any():
+        return np.asarray(tiny)
     by_slopes = np.where(needs.uniform, 3, 15) * square * scenes.sigma**-1.5
     orders = [by_slopes, _of_corners(scenes), 4 * square * _of_terms(needs)]
-    return (square <= TINY * tolerance) | pays & (np.maximum.reduce(orders) <= tolerance)
+    return tiny | pays & (np.maximum.reduce(orders) <= tolerance)
 
 
 def _has_inertia(scenes: Scenes) -> np.ndarray:

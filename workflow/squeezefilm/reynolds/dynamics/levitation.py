@@ -14,9 +14,8 @@ from math import isfinite, nan, sqrt
 
 import numpy as np
 
-from squeezefilm.film.existence import GAPS_M
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import exceeded
+from squeezefilm.film.validity import GAPS_M, exceeded
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.reynolds.answers.stiffness import AROUND, STEP, quotient
 from squeezefilm.reynolds.device import Device

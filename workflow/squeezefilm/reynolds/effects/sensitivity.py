@@ -13,8 +13,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from squeezefilm.reynolds.conformal_axis import Around
 from squeezefilm.reynolds.effects.fields import Fields, Vector, along_t, along_x, along_y
-from squeezefilm.reynolds.outlines.around import Around
 from squeezefilm.reynolds.spectral import Axis
 
 Operator = Callable[[np.ndarray], np.ndarray]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from squeezefilm.film.scene import Scenes
+from squeezefilm.film.scene import Scenes, rows_alike
 from squeezefilm.io.solution import Solutions
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
@@ -140,16 +140,11 @@ class Refinement:
         """Have each scene wait on its first grids."""
         needs = self.needs
         sequences, which = first_grids(needs, tolerance=self.tolerance, room=self.room)
-        aspects, shape = np.unique(
-            np.broadcast_to(needs.scenes.aspect, len(needs)), return_inverse=True
-        )
-        code = (which * len(aspects) + shape) * len(needs.kinds) + needs.kind
-        kinds, at = np.unique(code, return_inverse=True)
-        rows = np.split(np.argsort(at, kind="stable"), np.cumsum(np.bincount(at))[:-1])
-        for some, kind in zip(rows, kinds.tolist(), strict=True):
-            of_grids, terms = divmod(kind, len(needs.kinds))
-            grids, of_shape = divmod(of_grids, len(aspects))
-            self.wait(Group(some, sequences[grids], needs.kinds[terms], float(aspects[of_shape])))
+        aspect = np.broadcast_to(needs.scenes.aspect, len(needs))
+        for rows in rows_alike(which * len(needs.kinds) + needs.kind + 1j * aspect):
+            one = rows[0]
+            grids, terms = sequences[which[one]], needs.kinds[needs.kind[one]]
+            self.wait(Group(rows, grids, terms, float(aspect[one])))
 
     def next_launch(self, *, most: int) -> list[Group]:
         """Groups of like terms that fill a launch, those of the dearest grids first.

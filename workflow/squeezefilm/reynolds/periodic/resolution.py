@@ -13,7 +13,7 @@ from math import ceil, inf, log, log10, pi, sqrt
 import numpy as np
 
 from squeezefilm.film.outline import Outline
-from squeezefilm.film.scene import Rows, Scenes
+from squeezefilm.film.scene import Rows, Scenes, distinct
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_FALL, margin_of
 from squeezefilm.reynolds.grid import MOST_SPACE, Grid
 from squeezefilm.reynolds.needs import Needs
@@ -167,7 +167,7 @@ def _choose(
         )
         columns = np.stack([*wanted, *folds, *seen[rows].T]).astype(np.int64)
         code = np.ravel_multi_index(tuple(columns), (512, 512, 256, 2, 2, 512, 512))
-        _, first, of_code = np.unique(code, return_index=True, return_inverse=True)
+        first, of_code = distinct(code)
         numbers = []
         for nx, ny, nt, fold_x, fold_y, *nodes in columns[:, first].T.tolist():
             grid = Grid(nx, ny, nt, bool(fold_x), bool(fold_y), outline)

@@ -18,6 +18,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from squeezefilm.film.scene import distinct
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Packed, packed
 from squeezefilm.reynolds.spectral import period
@@ -118,9 +119,7 @@ def modes_of(
     instants, lag = [grid.nt for grid in grids], numbers["lag"]
     if not lag.any():  # all that tells them apart is how the gaps move
         near = np.rint(motion / VARIATION_STEP)
-        _, first, which = np.unique(
-            1000 * near[0] + near[1], return_index=True, return_inverse=True
-        )
+        first, which = distinct(1000 * near[0] + near[1])
         kinds = steps_of(motion[:, first], lag=lag[first], slow=np.ones(len(first)))
         return _packed_kinds(instants, [[steps] * len(grids) for steps in kinds]), which
     on_grids = []

@@ -59,7 +59,7 @@ def terms_of_each(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
         kind = np.zeros(len(some), bool) if film.finger.gap.flat else AnyGap.is_wide(some)
         of_film = np.empty(len(some), dtype=np.int64)
         for each in {*kind.tolist()}:
-            terms = terms_of(some.scene(int(np.argmax(kind == each))))
+            terms = terms_of(some[int(np.argmax(kind == each))])
             of_film[kind == each] = known.setdefault(terms, len(known))
         which[rows] = of_film
     return list(known), which

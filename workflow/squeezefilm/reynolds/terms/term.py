@@ -49,7 +49,7 @@ class Term:
     """A term as a scene has it; scenes of equal terms may share a kernel.
 
     Attributes:
-        label: what ``explain`` calls it.
+        label: what tables and ``simulate --dry-run`` call it.
         ABSENT: what is said of a scene that does not have it, if anything is.
         BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
         OVER_PERIOD: OpenCL source of its lines for the periodic state.

@@ -16,7 +16,6 @@ from squeezefilm.io.tables import (
     LIMIT_COLUMNS,
     SCENE_COLUMNS,
     read_json,
-    scene_points,
 )
 from squeezefilm.models.cross_validation import relative_errors, summarise
 from squeezefilm.models.data import factors_of
@@ -25,7 +24,7 @@ from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import declared_ranges
-from squeezefilm.studies.study import film_of, scene_of, smoothed_scan_of, symmetry_of
+from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
 
@@ -49,8 +48,7 @@ def profile_uncertainty(config: Config, *, summary: Path | str | None = None) ->
 
 def limits_of(points: pd.DataFrame, config: Config) -> pd.DataFrame:
     """The physics limits of the scenes of a table."""
-    scenes = [scene_of(point, config) for point in scene_points(points)]
-    return with_limits(points, scenes)[as_in(LIMIT_COLUMNS, points)]
+    return with_limits(points, scenes_in(points, config))[as_in(LIMIT_COLUMNS, points)]
 
 
 def limit_table_values(config: Config) -> dict[str, Any]:

@@ -11,12 +11,17 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.designs.box import corners
-from squeezefilm.designs.continuous_design import ContinuousDesign, optimal_in_box, sensitivity
-from squeezefilm.designs.exact_design import exchange
-from squeezefilm.designs.optimal_design import maximin_design, optimal_weights
+from squeezefilm.designs.exact import exchange
+from squeezefilm.designs.optimal import (
+    ContinuousDesign,
+    log_determinant,
+    maximin_design,
+    optimal_in_box,
+    optimal_weights,
+    sensitivity,
+)
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN
-from squeezefilm.io.tables import scene_points
 from squeezefilm.models.data import COLUMNS, Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit
@@ -24,7 +29,7 @@ from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, ParameterRange, parameter_ranges
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
 EVERY = slice(None)
@@ -85,7 +90,7 @@ class FittedSpace:
         columns: dict[str, np.ndarray] = {}
         if self.model.column_names:
             table = self.space.table(points)
-            scenes = [scene_of(point, self.config) for point in scene_points(table)]
+            scenes = scenes_in(table, self.config)
             known = with_limits(table, scenes)
             columns = {name: known[name].to_numpy() for name in COLUMNS.values()}
         factors = Factors.of(**dict(zip(self.space.box.names, points.T, strict=True)), **columns)
@@ -114,37 +119,36 @@ def optimal_designs(
 
     settings is the section ``optimal`` of a study, existing a table of scenes to add to.
     """
-    designs = []
-    for name, layers in (("local", slice(0, 1)), ("bayesian", EVERY)):
-        best = _anywhere(study, layers)
-        designs.append(_design(study, name, best.points, best.weights, best.efficiency_bound))
-    maximin, _ = maximin_design(study.derivatives(study.everywhere, layers=EVERY))
-    used = maximin.support
-    points, weights = study.everywhere[used], maximin.weights[used]
-    designs.append(_design(study, "maximin", points, weights, maximin.efficiency_bound))
-    derivatives = study.derivatives(study.grid)
-    places = study.space.coordinates(study.grid)
-    apart = {"coordinates": places, "separation": settings["separation"], "seed": settings["seed"]}
-    parameters = study.thetas.shape[1]
+    weighted = {
+        "local": _anywhere(study, slice(0, 1)),
+        "bayesian": _anywhere(study, EVERY),
+        "maximin": maximin_design(study.derivatives(study.everywhere, layers=EVERY))[0].on(
+            study.everywhere
+        ),
+    }
+    designs = [_design(study, name, found) for name, found in weighted.items()]
+    derivatives, parameters = study.derivatives(study.grid), study.thetas.shape[1]
+    apart = {
+        "coordinates": study.space.coordinates(study.grid),
+        "separation": settings["separation"],
+        "seed": settings["seed"],
+    }
     for count in settings["points"]:
-        if count < parameters:
-            continue
-        found = exchange(derivatives, count, **apart)
-        points = study.grid[found.chosen]
-        designs.append(_design(study, f"exact-{count}", points, np.full(count, 1 / count)))
+        if count >= parameters:
+            chosen = exchange(derivatives, count, **apart).chosen
+            designs.append(_design(study, f"exact-{count}", _equal(study.grid[chosen])))
     if existing is not None:
         there = study.space.points(existing)
-        found = exchange(
+        added = exchange(
             derivatives,
             parameters,
             existing=study.derivatives(there),
             existing_coordinates=study.space.coordinates(there),
             **apart,
-        )
-        points = np.concatenate([there, study.grid[found.chosen]])
+        ).chosen
         origins = ["existing"] * len(there) + ["added"] * parameters
-        share = np.full(len(points), 1 / len(points))
-        designs.append(_design(study, "augmented", points, share, origins=origins))
+        both = _equal(np.concatenate([there, study.grid[added]]))
+        designs.append(_design(study, "augmented", both, origins=origins))
     return designs
 
 
@@ -158,88 +162,59 @@ def _anywhere(study: FittedSpace, layers: slice) -> ContinuousDesign:
 
     if not study.model.column_names and study.space.allowed(corners(study.space.box)).all():
         return optimal_in_box(gradients, study.space.box, study.everywhere, gap=1e-8)
-    derivatives = gradients(study.everywhere)
-    found = optimal_weights(derivatives)
-    used = found.support
-    return ContinuousDesign(
-        points=study.everywhere[used],
-        weights=found.weights[used] / found.weights[used].sum(),
-        derivatives=derivatives[:, used],
-        efficiency_bound=found.efficiency_bound,
-    )
+    return optimal_weights(gradients(study.everywhere)).on(study.everywhere)
+
+
+def _equal(points: np.ndarray) -> ContinuousDesign:
+    return ContinuousDesign(points, np.full(len(points), 1 / len(points)))
 
 
 def _design(
-    study: FittedSpace,
-    name: str,
-    points: np.ndarray,
-    weights: np.ndarray,
-    certificate: float | None = None,
-    *,
-    origins: list[str] | None = None,
+    study: FittedSpace, name: str, design: ContinuousDesign, *, origins: list[str] | None = None
 ) -> NamedDesign:
+    points, weights = design.points, design.weights
     order = np.arange(len(points)) if origins else np.lexsort(np.round(points, 12).T[::-1])
     points, weights = points[order], weights[order]
     table = study.space.table(points)
     table["point_id"] = [f"{name}-{number}" for number in table["point_id"]]
     table = table.assign(design=name, weight=weights, origin=origins or "design")
-    return NamedDesign(name, points, weights, table, certificate)
+    return NamedDesign(name, points, weights, table, design.efficiency_bound)
 
 
 def efficiencies(
     study: FittedSpace, designs: list[NamedDesign], others: Mapping[str, np.ndarray]
 ) -> pd.DataFrame:
-    """Every design and plan: D-efficiency for the fit, its bounds, and over all vectors.
+    """Every design and plan: D-efficiency for the fit, a bound of it, and over all vectors.
 
-    The lower bounds do not need the best design; others are points of the space, by their names.
+    The lower bound does not need the best design; others are points of the space, by their names.
     """
-    candidates = study.derivatives(study.everywhere, layers=EVERY)
+    candidates, local = study.derivatives(study.everywhere, layers=EVERY), designs[0]
     best = np.array([optimal_weights(layer).log_det[0] for layer in candidates])
     # Off the grid the best design may be a little better than on it.
-    local = designs[0]
-    rows = []
     own = study.derivatives(local.points)[0]
-    reference = max(best[0], _log_det(own, local.weights))
-    reference_points = np.concatenate([candidates[0], own])
+    best[0] = max(best[0], *log_determinant(own, local.weights))
+    reference = np.concatenate([candidates[0], own])
     plans = {design.name: (design.points, design.weights) for design in designs}
-    for name, points in others.items():
-        plans[name] = (points, np.full(len(points), 1 / len(points)))
+    plans |= {name: (each, np.full(len(each), 1 / len(each))) for name, each in others.items()}
+    rows = []
     for name, (points, weights) in plans.items():
         derivatives = study.derivatives(points, layers=EVERY)
-        logs = np.array([_log_det(layer, weights) for layer in derivatives])
-        efficiency = np.exp((logs - [reference, *best[1:]]) / study.thetas.shape[1])
-        bound, highest = 0.0, np.inf
-        if np.isfinite(logs[0]):
-            level = sensitivity(derivatives[0], reference_points, weights=weights)
-            highest = float(max(level.max(), 1.0))
-            bound = 1 / highest
-        certificate = local.certificate or 0.0
+        logs = log_determinant(derivatives, weights)
+        efficiency = np.minimum(np.exp((logs - best) / study.thetas.shape[1]), 1.0)
+        level = sensitivity(derivatives[0], reference, weights=weights)
+        by_local = float(efficiency[0]) * (local.certificate or 0.0)
         rows.append(
             {
                 "plan": name,
                 "points": len(points),
                 "scenes": len(np.unique(np.round(study.space.coordinates(points), 9), axis=0)),
-                "d_efficiency": min(float(efficiency[0]), 1.0),
-                "lower_bound": max(bound, min(float(efficiency[0]), 1.0) * certificate),
-                "lower_bound_alone": bound,
-                "largest_sensitivity": highest,
-                "least_over_ranges": min(float(efficiency.min()), 1.0),
-                "mean_over_ranges": min(float(np.mean(efficiency)), 1.0),
+                "d_efficiency": float(efficiency[0]),
+                "lower_bound": max(1 / max(float(level.max()), 1.0), by_local),
+                "least_over_ranges": float(efficiency.min()),
+                "mean_over_ranges": float(np.mean(efficiency)),
             }
         )
     return pd.DataFrame(rows)
-
-
-def _log_det(derivatives: np.ndarray, weights: np.ndarray) -> float:
-    """log det of the information per point; minus infinity where it is singular."""
-    f = np.sqrt(weights)[:, None] * derivatives
-    size = np.linalg.norm(f, axis=0)
-    if len(f) < f.shape[1] or not np.all(np.isfinite(size) & (size > 0)):
-        return -np.inf
-    diagonal = np.abs(np.diagonal(np.linalg.qr(f / size, mode="r")))
-    if diagonal.min() < 1e-12:
-        return -np.inf
-    return float(2 * np.sum(np.log(diagonal * size)))
 
 
 def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
@@ -306,8 +281,8 @@ def summary_of(
         "certificates": {
             design.name: design.certificate for design in designs if design.certificate is not None
         },
-        "d_efficiency": dict(zip(table["plan"], map(float, table["d_efficiency"]), strict=True)),
-        "lower_bound": dict(zip(table["plan"], map(float, table["lower_bound"]), strict=True)),
+        "d_efficiency": dict(zip(table["plan"], table["d_efficiency"], strict=True)),
+        "lower_bound": dict(zip(table["plan"], table["lower_bound"], strict=True)),
         "parameter_ranges": [each.to_dict() for each in study.ranges],
         "parameter_ranges_note": RANGES_NOTE,
     }

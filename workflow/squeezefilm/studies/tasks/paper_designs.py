@@ -129,23 +129,21 @@ def _searches(
 
 
 def _search_rows(
-    scaling: str,
-    designs: Sequence[Design],
-    patterns: Sequence[Pattern],
-    box: Box,
+    scaling: str, designs: Sequence[Design], patterns: Sequence[Pattern], box: Box
 ) -> list[dict[str, Any]]:
     """One row for each point of each search, with the pattern that the search ended in."""
-    rows = []
-    for search, design in enumerate(designs, start=1):
-        name = next(
-            pattern.name
-            for pattern in patterns
-            if len(find_patterns([pattern.design, design], box)) == 1
-        )
-        for point in design.points:
-            about = {"scaling": scaling, "search": search, "pattern": name}
-            rows.append({**about, **_named(point, box), "objective": design.value})
-    return rows
+    names = {index: pattern.name for pattern in patterns for index in pattern.members}
+    return [
+        {
+            "scaling": scaling,
+            "search": index + 1,
+            "pattern": names[index],
+            **_named(point, box),
+            "objective": design.value,
+        }
+        for index, design in enumerate(designs)
+        for point in design.points
+    ]
 
 
 def _pattern_summaries(

@@ -16,7 +16,7 @@ from numpy.polynomial import chebyshev
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
-from squeezefilm.io.tables import ScenePoint, scene_points
+from squeezefilm.io.tables import ScenePoint
 from squeezefilm.models.data import factors_of
 from squeezefilm.models.limit_table import (
     LARGEST_EPSILON_SQUARE,
@@ -37,7 +37,7 @@ from squeezefilm.reynolds.asymptotics.scenes import Expanded, expanded, not_deri
 from squeezefilm.reynolds.needs import Needs, needs_of
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scene_of, scenes_in
 
 TOLERANCE, TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below what the limits leave out."""
@@ -162,7 +162,7 @@ def _limits(config: Config, at: dict[str, np.ndarray]) -> pd.DataFrame:
     factors = {"h0_m": at["h0_m"], "hv_m": at["h0_m"] * np.sqrt(at["epsilon_square"])}
     table = plan(position=form_of(at), **factors)
     table = table.assign(**{name: at[name] for name in form_of(at)})
-    limits = with_limits(table, [scene_of(point, config) for point in scene_points(table)])
+    limits = with_limits(table, scenes_in(table, config))
     if missing := [status for status in limits["status"] if status != "ok"]:
         raise InputError(f"{config.path}: {missing[0]} (of the study's space)")
     return limits

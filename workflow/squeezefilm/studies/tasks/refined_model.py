@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.designs.refine_loop import Goal, Outcome, Pool, Round, refine_loop
+from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, refine_loop
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import (
@@ -17,7 +17,6 @@ from squeezefilm.io.tables import (
     LIMIT_COLUMNS,
     ROUND_COLUMNS,
     WHERE_COLUMNS,
-    scene_points,
 )
 from squeezefilm.models.data import COLUMNS, Factors
 from squeezefilm.models.fit_file import describe, fit_of
@@ -29,7 +28,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import film_of, scene_of, symmetry_of
+from squeezefilm.studies.study import film_of, scenes_in, symmetry_of
 from squeezefilm.studies.tasks.fits import validated
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
@@ -71,7 +70,7 @@ class SimulatedSpace:
             space.sample(TYPICAL, seed=settings["seed"] + 1),
         ]
         self.config, self.table = config, space.table(np.concatenate(kinds))
-        self.scenes = [scene_of(point, config) for point in scene_points(self.table)]
+        self.scenes = scenes_in(self.table, config)
         self.known = with_limits(self.table, self.scenes)
         self.solutions: dict[int, Solution] = {}
         self.device = device_of(config)
@@ -97,25 +96,21 @@ class SimulatedSpace:
                 factors = self.table[as_in(FACTOR_COLUMNS, self.table)].loc[point].to_dict()
                 raise RunError(f"no force at {factors}: {solution.status}")
             self.solutions[int(point)] = solution
-        return self.forces_and_errors(points)
-
-    def forces(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
-        rows = self.table.loc[points].assign(point_id=labels).reset_index(drop=True)
-        columns = as_in(FORCE_COLUMNS, rows)
-        for name in columns:
-            if name not in rows.columns:
-                rows[name] = [getattr(self.solutions[int(point)], name) for point in points]
-        return rows[columns]
-
-    def forces_and_errors(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of points simulated before, in newtons."""
-        found = [self.solutions[int(point)] for point in points]
         return (
             np.array([solution.force_n for solution in found]),
             np.array([solution.force_error_n for solution in found]),
         )
 
+    def forces(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
+        """Points simulated before, with their forces."""
+        rows = self.table.loc[points].assign(point_id=labels).reset_index(drop=True)
+        columns = as_in(FORCE_COLUMNS, rows)
+        for name in set(columns) - set(rows):
+            rows[name] = [getattr(self.solutions[int(point)], name) for point in points]
+        return rows[columns]
+
     def limits(self, points: np.ndarray, labels: list[str]) -> pd.DataFrame:
+        """The physics limits of points."""
         rows = self.known.loc[points].assign(point_id=labels).reset_index(drop=True)
         return rows[as_in(LIMIT_COLUMNS, rows)]
 
@@ -197,11 +192,14 @@ def refined_model(
     )
     labels = _labels(outcome, settings["verification"])
     where, source = _map(model, simulated, outcome)
+    pool, error_n = simulated.pool, where["error_n"].to_numpy()[-TYPICAL:]
+    by_region = error_by_region(pool.factors.take(pool.typical), error_n)
     verdict = _verdict(outcome, settings) | {
         "model": model.name,
         "space": space,
         "errors_mapped_by": source,
-        **_error_by_region(simulated.pool, where),
+        "error_by_region": by_region.to_dict("records"),
+        "error_by_region_text": in_words(by_region),
     }
     return Refinement(
         tables={
@@ -232,18 +230,11 @@ def _verdict(outcome: Outcome, settings: Mapping[str, Any]) -> dict[str, Any]:
         "simulations": last.simulations,
         "fitted_points": len(last.design),
         "verification_points": settings["verification"],
-        **_finite({"lack_of_fit_n": last.lack_of_fit * outcome.scale_n}),
+        "lack_of_fit_n": _finite(last.lack_of_fit * outcome.scale_n),
         "wanted": {key: settings[key] for key in ("global_error", "worst_error")},
-        "estimated": _finite({key: getattr(last, key) for key in estimated}),
+        "estimated": {key: _finite(getattr(last, key)) for key in estimated},
         "settings": dict(settings),
     }
-
-
-def _error_by_region(pool: Pool, where: pd.DataFrame) -> dict[str, Any]:
-    """Where the fair sample of the space has its errors."""
-    error_n = where["error_n"].to_numpy()[-TYPICAL:]
-    table = error_by_region(pool.factors.take(pool.typical), error_n)
-    return {"error_by_region": table.to_dict("records"), "error_by_region_text": in_words(table)}
 
 
 def _labels(outcome: Outcome, checks: int) -> list[str]:
@@ -265,29 +256,24 @@ def _map(
     Where the physics limit explains it at the simulated points it does so in between; otherwise
     the errors at these points are interpolated.
     """
-    pool = space.pool
+    from scipy.interpolate import RBFInterpolator  # slow to import, and only needed here
+
+    pool, points = space.pool, outcome.simulated
     places = np.concatenate([pool.candidates, pool.typical])
     own = model.evaluate(outcome.hindsight, pool.factors)
-    seen = own[outcome.simulated] - outcome.force_n
+    seen = own[points] - outcome.force_n
     limit = space.known["limit_n"].to_numpy()
-    left = outcome.force_n - limit[outcome.simulated]
+    left = outcome.force_n - limit[points]
     if not model.column_names and np.linalg.norm(left) < CLOSE * np.linalg.norm(seen):
         error, source = own[places] - limit[places], "physics limit"
     else:
-        error, source = _interpolated(pool, outcome.simulated, seen, places), "interpolation"
+        at = pool.coordinates
+        degree = 1 if len(points) > at.shape[1] + 1 else 0
+        surface = RBFInterpolator(at[points], seen, kernel="linear", degree=degree)
+        error, source = surface(at[places]), "interpolation"
     rows = space.table[as_in(FACTOR_COLUMNS, space.table)].loc[places].reset_index(drop=True)
     kinds = np.repeat(["candidate", "sample"], [len(pool.candidates), len(pool.typical)])
     return rows.assign(layer=kinds, error_n=error), source
-
-
-def _interpolated(
-    pool: Pool, points: np.ndarray, values: np.ndarray, places: np.ndarray
-) -> np.ndarray:
-    from scipy.interpolate import RBFInterpolator  # slow to import, and only needed here
-
-    degree = 1 if len(points) > pool.coordinates.shape[1] + 1 else 0
-    surface = RBFInterpolator(pool.coordinates[points], values, kernel="linear", degree=degree)
-    return np.asarray(surface(pool.coordinates[places]))
 
 
 def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpace) -> pd.DataFrame:
@@ -322,7 +308,7 @@ def _fit_values(
     # A model without parameters is fitted to nothing, and described on what verifies it.
     points = last.design if len(last.design) else outcome.simulated
     factors = space.pool.factors.take(points)
-    force, _ = space.forces_and_errors(points)
+    force = np.array([space.solutions[int(point)].force_n for point in points])
     misses = model.evaluate(last.theta, factors) - force
     fit = Fit(
         model=model.name,
@@ -354,6 +340,6 @@ def _fit_values(
     }
 
 
-def _finite(values: dict[str, float]) -> dict[str, float | None]:
-    """Numbers for JSON, which knows no infinity."""
-    return {key: float(value) if np.isfinite(value) else None for key, value in values.items()}
+def _finite(value: float) -> float | None:
+    """A number for JSON, which knows no infinity."""
+    return float(value) if np.isfinite(value) else None

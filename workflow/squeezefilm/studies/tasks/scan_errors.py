@@ -13,7 +13,6 @@ from squeezefilm.film.measured.tables import described, profile_table, summary_o
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit
 from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
@@ -21,7 +20,7 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
-from squeezefilm.studies.study import scene_of, smoothed_scan_of, symmetry_of
+from squeezefilm.studies.study import scenes_in, smoothed_scan_of, symmetry_of
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 TOLERANCE = 1e-3
@@ -38,14 +37,14 @@ def scan_errors(
     draws: int = DRAWS,
     seed: int = SEED,
 ) -> pd.DataFrame:
-    """Solve the scenes again with profiles of other noise, and estimate what was left out.
+    """Solve the scenes again with profiles of other noise, and estimate what was neglected.
 
     Returns:
         In newtons, a row for each scene: ``force_n`` with the profile, to TOLERANCE; ``spread_n``,
         ``lowest_n``, ``highest_n``, standard deviation and range over profiles with other noise;
         ``noise_n``, half of the interval that holds the noise's part with COVERAGE: the spread's,
         and all that was taken off the profile's maximum as the noise's;
-        ``out_of_phase_n``, by what the force is low without motion out of phase that was left out;
+        ``out_of_phase_n``, by what the force is low without motion out of phase that was neglected;
         ``scan_error_n``, the sum of both.
 
     Raises:
@@ -120,7 +119,7 @@ def errors_in_study(
 ) -> pd.DataFrame:
     """Forces of some of a study's scenes, and what the scan leaves open in them."""
     points = _points(config)
-    scenes = [scene_of(point, config) for point in scene_points(points)]
+    scenes = scenes_in(points, config)
     errors = scan_errors(scenes, smoothed, device=device_of(config), draws=draws, seed=seed)
     force_n = errors["force_n"].abs()
     return points.join(

@@ -1,4 +1,4 @@
-"""What ``explain`` says is what ``solve`` does."""
+"""What ``simulate --dry-run`` shows is what ``solve`` does."""
 
 from dataclasses import replace
 from typing import Any
@@ -14,8 +14,7 @@ from squeezefilm.film.profiles import Profile, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.explain import explain
-from squeezefilm.reynolds.solver import METHODS
+from squeezefilm.reynolds.plan import METHODS, previews
 from squeezefilm.studies.plans import plan
 
 PROFILES: tuple[Profile, ...] = (SINC, PISTON, PISTON, StandingWave(0.02, 30.0, 0.001))
@@ -56,45 +55,27 @@ def random_scene(random: np.random.Generator) -> Scene:
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("tolerance", [1e-1, 3e-3])
-def test_every_method_does_what_is_explained_on_random_scenes(method, tolerance):
+def test_every_method_does_what_is_planned_on_random_scenes(method, tolerance):
     random = np.random.default_rng(20261122)
     scenes = [random_scene(random) for _ in range(24)]
-    explanations = explain(scenes, tolerance=tolerance, method=method)
+    planned = previews(scenes, tolerance=tolerance, method=method)
     solutions = solve(scenes, tolerance=tolerance, method=method)
-    for explanation, solution in zip(explanations, solutions, strict=True):
-        assert explanation.method == solution.method
-        assert "; ".join(part.what for part in explanation.left_out) == solution.left_out
+    for preview, solution in zip(planned, solutions, strict=True):
+        assert preview.method == solution.method
+        assert "; ".join(part.what for part in preview.left_out) == solution.left_out
         if solution.status.startswith(FOUND_OUT):
-            assert explanation.status == "ok"
+            assert preview.status == "ok"
         else:
-            assert explanation.status == solution.status
-        assert (explanation.domain == "") == (solution.nx == 0)
-        assert (explanation.expected_mflop == 0) == (explanation.domain == "")
-        assert all(part.why for part in explanation.left_out)
-    assert method in ("auto", "periodic") or {each.status for each in explanations} != {"ok"}
-
-
-def test_a_tolerance_of_nothing_is_refused_and_not_taken_for_the_study_s(tmp_path, refused):
-    scenes = tmp_path / "scenes.csv"
-    write_table(plan(h0_m=[5e-6], hv_m=[2e-6]), scenes)
-    arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--tolerance", "0"]
-    assert "tolerance 0 must lie between" in refused(*arguments)
-
-
-def test_the_command_names_the_scenes_that_will_have_no_force(tmp_path, capsys):
-    scenes, output = tmp_path / "scenes.csv", tmp_path / "explained.csv"
-    write_table(plan(h0_m=[5e-6, 6e-6], hv_m=[2e-6, 2e-6]), scenes)
-    arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--output", str(output)]
-    assert main([*arguments, "--method", "composite"]) == 0
-    assert all(
-        "the composite expansion is good to" in each for each in pd.read_csv(output)["status"]
-    )
-    assert "1 scenes, such as point 1: the composite" in capsys.readouterr().out
+            assert preview.status == solution.status
+        assert (preview.domain == "") == (solution.nx == 0)
+        assert (preview.expected_mflop == 0) == (preview.domain == "")
+        assert all(part.why for part in preview.left_out)
+    assert method in ("auto", "periodic") or {each.status for each in planned} != {"ok"}
 
 
 def test_expected_cost_is_right_to_a_factor_of_three():
     scenes = [film(epsilon=epsilon, sigma=1500.0) for epsilon in (0.05, 0.2, 0.44, 0.8)]
-    expected = [each.expected_mflop for each in explain(scenes, tolerance=1e-6)]
+    expected = [each.expected_mflop for each in previews(scenes, tolerance=1e-6)]
     spent = [each.work / 1e6 for each in solve(scenes, tolerance=1e-6)]
     for guess, truth in zip(expected, spent, strict=True):
         assert truth / 3 < guess < 3 * truth
@@ -103,19 +84,44 @@ def test_expected_cost_is_right_to_a_factor_of_three():
 def test_terms_are_named_only_where_a_scene_has_them():
     more = ({}, {"bearing": 0.5}, {"rarefaction": "slip"}, {"polytropic_exponent": 1.4})
     scenes = [film(epsilon=0.3, sigma=1000.0, **each) for each in more]
-    terms = [explanation.terms for explanation in explain(scenes, tolerance=1e-6)]
+    terms = [preview.terms for preview in previews(scenes, tolerance=1e-6)]
     assert terms == [
         ("squeeze", *each) for each in ((), ("bearing",), ("slip",), ("polytropic gas",))
     ]
 
 
-def test_command_writes_a_row_per_scene_with_the_notes(tmp_path, capsys):
-    scenes, output = tmp_path / "scenes.csv", tmp_path / "explained.csv"
-    write_table(plan(h0_m=[5e-6, 10e-6], hv_m=[2e-6, 2e-6], phi_r_m=[0.0, 1e-3]), scenes)
-    arguments = ["explain", str(scenes), "--config", "config/paper.yaml", "--output", str(output)]
-    assert main(arguments) == 0
-    table = pd.read_csv(output)
-    assert list(table["domain"]) == ["quarter", "half"]
-    assert "inertia" in table["notes"][1]
-    assert "slip" in table["notes"][0]
+@pytest.fixture
+def dry_run(tmp_path):
+    """A function that plans two of the paper's scenes by the command and gives its table."""
+
+    def dry_run(*words: str) -> pd.DataFrame:
+        scenes, output = tmp_path / "scenes.csv", tmp_path / "plan.csv"
+        write_table(plan(h0_m=[5e-6, 10e-6], hv_m=[2e-6, 2e-6], phi_r_m=[0.0, 1e-3]), scenes)
+        config = ["--config", "config/paper.yaml", "--output", str(output)]
+        assert main(["simulate", str(scenes), *config, "--dry-run", *words]) == 0
+        return pd.read_csv(output)
+
+    return dry_run
+
+
+def test_a_dry_run_writes_a_row_per_scene(dry_run, capsys):
+    assert list(dry_run()["domain"]) == ["quarter", "half"]
     assert "2 scenes at tolerance 1e-06" in capsys.readouterr().out
+
+
+def test_a_dry_run_names_the_scenes_that_will_have_no_force(dry_run, capsys):
+    statuses = dry_run("--method", "composite")["status"]
+    assert all("the composite expansion is good to" in each for each in statuses)
+    assert "1 scenes end otherwise than ok, such as point 1" in capsys.readouterr().out
+
+
+def test_a_dry_run_of_one_point_shows_what_is_not_needed_and_why(capsys):
+    words = ["--h0", "5um", "--hv", "2um", "--config", "config/paper.yaml", "--dry-run"]
+    assert main(["simulate", *words]) == 0
+    shown = capsys.readouterr().out
+    assert "method             periodic" in shown
+    assert "inertia: gas.inertia is none" in shown
+
+
+def test_a_dry_run_of_nothing_is_refused(refused):
+    assert "give a table of scenes, or points" in refused("simulate", "--dry-run")

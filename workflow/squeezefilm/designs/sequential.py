@@ -1,0 +1,414 @@
+"""Sequential design: simulate, fit, estimate errors, add points, until a model is good enough.
+
+Points are of two kinds. *Verification points* are drawn at random from the space, simulated first
+and never fitted: the errors there are a fair sample of the model's error over the space, whatever
+that error is like. *Design points* are fitted: a few that fill the space, then in each round those
+that are D-optimal for the parameters just found, given all before.
+
+What is estimated, in units of the root mean square force over the space:
+
+- the global error |y - eta|/|y|, from the verification points, with 95 % limits that hold if their
+  errors are normally distributed;
+- the worst error: the 95 % interval of prediction at the place where it is widest,
+  t s sqrt(1 + f'(F'F)^-1 f), with s from the verification points; at least the largest error seen,
+  there or at the design points of the last round, which lie at the edges of the space and are
+  predicted before they are fitted. What is under the root besides one comes from the parameters
+  and falls with more data, s is lack of fit and stays.
+
+Simulations are deterministic, so s is no noise, and "95 %" is about where in the space one looks.
+
+The loop ends in one of these ways:
+
+- *reached*: the upper limit of the global error and the worst error are as small as wanted;
+- *model*: no parameters are good enough. Of all parameters the least-squares ones leave the least
+  root mean square residual on the points simulated so far, and the largest of any residuals is no
+  less than their root mean square: if that exceeds the wanted worst error, this is proved. Or the
+  wanted global error is below the lower limit of what the best fit to the verification points
+  themselves leaves, with as many fewer degrees of freedom as it has parameters;
+- *simulation*: the same, but what is left is no more than the simulations' own error;
+- *budget*: one more round would take more simulations than allowed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import isfinite, nan
+
+import numpy as np
+from scipy import stats
+
+from squeezefilm.designs.exact import exchange
+from squeezefilm.designs.optimal import Array, Indices, sensitivity
+from squeezefilm.io.errors import InputError, naming
+from squeezefilm.models.data import Factors
+from squeezefilm.models.fitting import (
+    LEAST_SINGULAR_VALUE,
+    best_told_apart,
+    check_identifiable,
+    fit_model,
+    local_fit,
+    sum_of_squares,
+)
+from squeezefilm.models.force_model import ExpressionModel
+
+Simulate = Callable[[Indices], tuple[Array, Array]]
+"""From points of the pool to their forces and the errors of these, in newtons."""
+
+LEVEL = 0.95
+NUMERICAL = 3.0
+"""A misfit below so many times the simulations' own error may come from them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """All points the loop knows of: their factors, shape (n,), and coordinates, shape (n, c).
+
+    candidates may be simulated and fitted, verification are simulated and not fitted, typical are
+    a fair sample of the space of which nothing is simulated; each is a set of indices. Distances
+    are taken between coordinates, scaled so that the space is about one wide.
+    """
+
+    factors: Factors
+    coordinates: Array
+    candidates: Indices
+    verification: Indices
+    typical: Indices
+
+
+@dataclass(frozen=True)
+class Goal:
+    """When to stop: the wanted errors, relative, and the most simulations in all."""
+
+    global_error: float
+    worst_error: float
+    most_simulations: int
+    batch: int
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """One pass of the loop: the points fitted, the fit, and what is estimated of its errors.
+
+    Errors are relative to the root mean square force over the space. global_lower and global_upper
+    are the limits of global_error, lack_of_fit is s (NaN where the design does not settle the
+    parameters), worst_at the point of the pool where the worst
+    error is estimated, parameter_share the share of its square that comes from the parameters,
+    floor the root mean square residual of the best fit to all points simulated so far.
+    """
+
+    number: int
+    design: Indices
+    simulations: int
+    theta: Array
+    global_error: float
+    global_lower: float
+    global_upper: float
+    lack_of_fit: float
+    worst_error: float
+    worst_at: int
+    parameter_share: float
+    floor: float
+    simulation_error: float
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """How the loop ended: reached, model, simulation or budget, and in words why.
+
+    hindsight is the best fit to all points, verification included; simulated lists them, in the
+    order in which they were, with their forces and errors in newtons. scale_n is the root mean
+    square force over the space.
+    """
+
+    verdict: str
+    reason: str
+    rounds: list[Round]
+    hindsight: Array
+    simulated: Indices
+    force_n: Array
+    force_error_n: Array
+    scale_n: float
+
+
+@dataclass
+class Sequential:
+    """The loop's state: forces of the pool's points, NaN where none is known, and fits to some.
+
+    separation is the least distance between two points simulated, in the pool's coordinates; bound
+    and seed are of the global search with which a fit begins where no parameters are known.
+    """
+
+    model: ExpressionModel
+    pool: Pool
+    goal: Goal
+    simulate: Simulate
+    separation: float
+    bound: float
+    seed: int
+    force_n: Array = field(init=False)
+    error_n: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.force_n, self.error_n = np.full((2, len(self.pool.factors)), np.nan)
+
+    @property
+    def parameters(self) -> int:
+        return len(self.model.parameter_names)
+
+    def measure(self, points: Indices) -> None:
+        """Simulate points of the pool."""
+        self.force_n[points], self.error_n[points] = self.simulate(points)
+
+    def fitted(self, points: Indices, *starts: Array | None) -> Array:
+        """The least-squares parameters of some points from several starts, None a global search."""
+        factors, force = self.pool.factors.take(points), self.force_n[points]
+        fits = []
+        for start in starts if self.parameters else ():
+            if start is None or sum_of_squares(self.model, factors, force, start) == np.inf:
+                found = fit_model(self.model, factors, force, bound=self.bound, seed=self.seed)
+                start = np.array(found.theta)
+            fits.append(local_fit(self.model, factors, force, start))
+        squares = [sum_of_squares(self.model, factors, force, theta) for theta in fits]
+        return fits[int(np.argmin(squares))] if fits else np.empty(0)
+
+    def residuals(self, theta: Array, points: Indices) -> Array:
+        return self.model.evaluate(theta, self.pool.factors.take(points)) - self.force_n[points]
+
+    def variances(self, theta: Array, design: Indices, points: Indices) -> Array:
+        """f'(F'F)^-1 f at points, F being that of the design; infinite where it is singular."""
+        if not len(theta):
+            return np.zeros(len(points))
+        f = self.model.gradient(theta, self.pool.factors.take(design))
+        at = self.model.gradient(theta, self.pool.factors.take(points))
+        spread = sensitivity(f, at) * len(theta) / len(design)
+        known = np.isfinite(f).all() and np.isfinite(at).all(axis=1)
+        return np.where(known, spread, np.inf)
+
+    def scale(self, theta: Array) -> float:
+        """Root mean square force over the space, by the model."""
+        force = self.model.evaluate(theta, self.pool.factors.take(self.pool.typical))
+        known = force[np.isfinite(force)]
+        return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
+
+    def first_points(self) -> Indices:
+        """One point more than there are parameters, far from each other.
+
+        Where these cannot tell the parameters apart, the points that do it best at some parameters.
+        Raises InputError where there is no room for them, or where no candidates tell the
+        parameters apart.
+        """
+        pool, checks = self.pool, len(self.pool.verification)
+        first = self.parameters + 1 if self.parameters else 0
+        if checks < 3:
+            raise InputError(
+                "refine: errors cannot be estimated from fewer than 3 verification points"
+            )
+        if checks + first > self.goal.most_simulations:
+            raise InputError(
+                f"refine: the model {self.model.name} takes {first} simulations to begin with and "
+                f"{checks} to verify, more than the {self.goal.most_simulations} allowed"
+            )
+        spread = self.spread_points(first)
+        if not first:
+            return spread
+        least, _, theta = best_told_apart(self.model, pool.factors.take(spread))
+        if least < 0 or least > LEAST_SINGULAR_VALUE:
+            return spread
+        candidates = pool.factors.take(pool.candidates)
+        with naming(f"refine: {len(candidates)} candidates"):
+            check_identifiable(self.model, candidates)
+        theta = best_told_apart(self.model, candidates)[2]
+        return self.added_points(theta, np.empty(0, dtype=int), first)
+
+    def spread_points(self, count: int) -> Indices:
+        """Candidates far from each other and from the verification points, one after the other."""
+        taken = self.pool.coordinates[self.pool.verification]
+        places = self.pool.coordinates[self.pool.candidates]
+        chosen = np.empty(0, dtype=int)
+        for _ in range(count):
+            far = np.linalg.norm(places[:, None] - taken[None], axis=-1).min(axis=1)
+            if not len(chosen):  # the first at an edge
+                far = (far >= self.separation) * np.linalg.norm(
+                    places - places.mean(axis=0), axis=1
+                )
+            best = int(np.argmax(far))
+            chosen = np.append(chosen, self.pool.candidates[best])
+            taken = np.concatenate([taken, places[best : best + 1]])
+        return chosen
+
+    def added_points(self, theta: Array, design: Indices, count: int) -> Indices:
+        """The most informative points about the parameters, besides those of the design."""
+        pool, model = self.pool, self.model
+        found = exchange(
+            model.gradient(theta, pool.factors.take(pool.candidates)),
+            count,
+            existing=model.gradient(theta, pool.factors.take(design)) if len(design) else None,
+            coordinates=pool.coordinates[pool.candidates],
+            existing_coordinates=pool.coordinates[np.concatenate([pool.verification, design])],
+            separation=self.separation,
+            starts=3,
+            seed=self.seed,
+        )
+        return np.asarray(pool.candidates[found.chosen])
+
+    def one_round(self, design: Indices, rounds: Sequence[Round]) -> tuple[Round, Array, str, str]:
+        """The next round, the best fit to all points, and the verdict with its reason, if any."""
+        everything = np.concatenate([self.pool.verification, design])
+        start, surprise = None, np.empty(0)
+        if rounds:
+            start = rounds[-1].theta
+            surprise = self.residuals(start, design[-self.goal.batch :])
+        theta = self.fitted(design, start)
+        hindsight = self.fitted(everything, theta)
+        done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
+        verdict, reason = self.verdict(done, hindsight)
+        if verdict in ("model", "simulation") and len(theta):
+            # The fit may sit in a local minimum: only a global search shows that nothing is better.
+            hindsight = self.fitted(everything, hindsight, None)
+            theta = self.fitted(design, theta, hindsight)
+            done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
+            verdict, reason = self.verdict(done, hindsight)
+        return done, hindsight, verdict, reason
+
+    def estimated(
+        self, number: int, design: Indices, theta: Array, hindsight: Array, surprise: Array
+    ) -> Round:
+        """The round's estimates; surprise are errors at the newest points before their fit."""
+        checks, scale = self.pool.verification, self.scale(hindsight)
+        misses = self.residuals(theta, checks)
+        misses = np.where(np.isfinite(misses), misses, np.inf)
+        count = len(checks)
+        relative = float(np.linalg.norm(misses) / np.linalg.norm(self.force_n[checks]))
+        lower, upper = np.sqrt(count / stats.chi2.ppf([LEVEL, 1 - LEVEL], count))
+        spread = self.variances(theta, design, checks)
+        # Of a design that does not settle the parameters nothing is known but the errors seen.
+        settled = np.isfinite(spread).all()
+        lack = float(np.sqrt(np.mean(misses**2 / (1 + spread)))) if settled else nan
+        places = np.concatenate([self.pool.candidates, self.pool.typical])
+        variance = self.variances(theta, design, places)
+        at = int(np.argmax(variance))
+        known = isfinite(variance[at]) and isfinite(lack)
+        width = np.inf
+        if known:
+            width = float(stats.t.ppf((1 + LEVEL) / 2, count)) * lack * np.sqrt(1 + variance[at])
+        seen = np.abs(np.concatenate([misses, surprise])).max()
+        everything = np.concatenate([checks, design])
+        left = self.residuals(hindsight, everything)
+        return Round(
+            number=number,
+            design=design,
+            simulations=len(everything),
+            theta=theta,
+            global_error=relative,
+            global_lower=relative * float(lower),
+            global_upper=relative * float(upper),
+            lack_of_fit=lack / scale,
+            worst_error=float(max(width, seen)) / scale,
+            worst_at=int(places[at]),
+            parameter_share=float(variance[at] / (1 + variance[at])) if known else 1.0,
+            floor=float(np.sqrt(np.mean(left**2))) / scale,
+            simulation_error=float(np.sqrt(np.mean(self.error_n[everything] ** 2))) / scale,
+        )
+
+    def verdict(self, last: Round, hindsight: Array) -> tuple[str, str]:
+        """The loop's end and the reason for it; nothing while it should go on."""
+        goal, parameters = self.goal, self.parameters
+        tried = last.number > 1 or parameters == 0
+        if (
+            tried
+            and last.global_upper <= goal.global_error
+            and last.worst_error <= goal.worst_error
+        ):
+            return "reached", (
+                f"global error {last.global_error:.2g}, below {last.global_upper:.2g} with 95 %; "
+                f"worst error {last.worst_error:.2g}"
+            )
+        numerical = last.floor <= NUMERICAL * last.simulation_error
+        what = "simulation" if numerical else "model"
+        if last.simulations > parameters and last.floor > goal.worst_error:
+            return what, (
+                f"no parameters bring the largest residual on the {last.simulations} points "
+                f"simulated below {last.floor:.2g} of the mean force; wanted are "
+                f"{goal.worst_error:.2g}"
+            )
+        least = self.least_global_error(hindsight)
+        if least > goal.global_error:
+            return what, (
+                "even the best fit to the verification points leaves a global error above "
+                f"{least:.2g} with 95 %; wanted are {goal.global_error:.2g}"
+            )
+        if parameters == 0:
+            return what, "the model has no parameter that more simulations could improve"
+        if last.simulations + goal.batch > goal.most_simulations:
+            return "budget", (
+                f"{last.simulations} of {goal.most_simulations} simulations are done; global error "
+                f"{last.global_error:.2g} to {last.global_upper:.2g}, worst error "
+                f"{last.worst_error:.2g}"
+            )
+        return "", ""
+
+    def least_global_error(self, start: Array) -> float:
+        """Lower limit of the global error that the best parameters can have.
+
+        From a fit to the verification points themselves: its residuals, with m - p degrees of
+        freedom.
+        """
+        checks = self.pool.verification
+        spare = len(checks) - len(start)
+        if spare < 1:
+            return 0.0
+        squares = float(np.sum(self.residuals(self.fitted(checks, start), checks) ** 2))
+        mean_square = squares / float(stats.chi2.ppf(LEVEL, spare))
+        return float(np.sqrt(mean_square / np.mean(self.force_n[checks] ** 2)))
+
+
+def refine_loop(
+    model: ExpressionModel,
+    pool: Pool,
+    goal: Goal,
+    simulate: Simulate,
+    *,
+    separation: float,
+    bound: float,
+    seed: int,
+    report: Callable[[Round], object] = lambda done: None,
+) -> Outcome:
+    """Run the loop (see the module) until it ends.
+
+    Args:
+        simulate: called with points of the pool, each once.
+        separation: least distance between two points simulated, in the pool's coordinates.
+        bound, seed: of the global search with which the first fit begins.
+        report: called with each round when it is done.
+
+    Raises InputError where there are too few verification points, or simulations allowed.
+    """
+    loop = Sequential(model, pool, goal, simulate, separation, bound, seed)
+    design = loop.first_points()
+    loop.measure(np.concatenate([pool.verification, design]))
+    rounds: list[Round] = []
+    verdict = ""
+    while not verdict:
+        done, hindsight, verdict, reason = loop.one_round(design, rounds)
+        rounds.append(done)
+        report(done)
+        if not verdict:
+            try:
+                added = loop.added_points(done.theta, design, goal.batch)
+            except InputError as error:
+                verdict, reason = "budget", f"no more points can be designed: {error}"
+            else:
+                design = np.concatenate([design, added])
+                loop.measure(added)
+    everything = np.concatenate([pool.verification, design])
+    return Outcome(
+        verdict=verdict,
+        reason=reason,
+        rounds=rounds,
+        hindsight=hindsight,
+        simulated=everything,
+        force_n=loop.force_n[everything],
+        force_error_n=loop.error_n[everything],
+        scale_n=loop.scale(hindsight),
+    )

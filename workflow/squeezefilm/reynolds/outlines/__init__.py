@@ -1,1 +1,0 @@
-"""Fingers that are no rectangles, on a grid in the coordinates of their outline."""
