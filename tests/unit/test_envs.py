@@ -16,8 +16,8 @@ DISTRIBUTION = {
     "skfem": "scikit-fem",
     "yaml": "pyyaml",
 }
-NOT_OF_A_JOB = {"xarray"}
-"""What only the library's fields and commands import."""
+NOT_OF_A_JOB = {"pyuff", "xarray"}
+"""What only universal files of a vibrometer and fields of pressure need."""
 
 
 REPOSITORY = Path(__file__).resolve().parents[2]

@@ -65,7 +65,7 @@ def test_the_wheel_is_the_library_with_all_its_data_and_nothing_else(installed, 
         if path.is_file()
     }
     assert found == wanted
-    assert {path.suffix for path in found} == {".py", ".pyi", ".cl", ".csv", ".yaml"}
+    assert {path.suffix for path in found} == {".py", ".pyi", ".cl", ".csv", ".in", ".yaml"}
     assert {path.name.partition("-")[0] for path in installed.iterdir()} == {"squeezefilm"}
 
 

@@ -173,7 +173,7 @@ for place, files in {
 
     rule:
         name:
-            f"draw_{place.replace('/', '_')}"
+            "draw_" + "_".join(Path(place).parts)
         input:
             expand("<results>/{file}", file=files),
         output:
