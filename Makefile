@@ -39,7 +39,7 @@ help:
 	@echo "make api      pages about the library's names, from its docstrings: $(API)"
 	@echo "make lint     style, types, and Snakemake's own advice"
 	@echo "make format   bring the code into its style"
-	@echo "make keys     the table of a study's keys in config/README.md, from the schema"
+	@echo "make keys     the table of a study's keys in config/README.md, from the models"
 	@echo "make resume   go on after a run was killed"
 	@echo "make reference      make the reference that is checked against; asks first, or YES=1"
 	@echo "make lock     pin the newest versions of all packages"
@@ -128,7 +128,7 @@ format: $(VENV)/.dev
 	$(RUN) snakefmt Snakefile workflow
 
 keys: $(VENV)/.run
-	$(BIN)/python -m squeezefilm.studies.keys config/README.md
+	$(BIN)/python -m squeezefilm.config.keys config/README.md
 
 resume: $(VENV)/.run
 	$(SNAKEMAKE) --unlock $(if $(CONFIG),--configfile $(CONFIG))

@@ -13,9 +13,10 @@ from snakemake.iocontainers import InputFiles, OutputFiles
 
 from scripts import job
 from squeezefilm.cli.main import main
+from squeezefilm.config.film import key_of
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.provenance import WORKFLOW
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
 SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py")
@@ -111,10 +112,17 @@ def edited(repository, tmp_path):
         study = dict(load_config(repository / "config" / f"{name}.yaml"))
         study |= {key: {**study[key], **values} for key, values in sections.items()}
         path = tmp_path / "study.yaml"
-        path.write_text(json.dumps(study), encoding="utf-8")  # YAML too, without aliases
+        path.write_text(json.dumps(as_written(study)), encoding="utf-8")  # YAML, without aliases
         return path
 
     return edited
+
+
+def as_written(values: Any) -> Any:
+    """Sections as a file has them, whose keys have no unit."""
+    if isinstance(values, dict):
+        return {key_of(key): as_written(value) for key, value in values.items()}
+    return values
 
 
 def pytest_collection_modifyitems(items):

@@ -13,11 +13,11 @@ import numpy as np
 import pandas as pd
 from films import PISTON, SINC, film
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.tables import scene_points
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 
 ROOT = Path(__file__).parents[2]

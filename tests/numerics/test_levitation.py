@@ -70,11 +70,11 @@ def study(tmp_path, **sections) -> str:
         "study": "part",
         "gas": {"inertia": "none", "heat": "none"},
         "actuator": {
-            "frequency_hz": 43e3,
-            "surface": {"shape": "rectangle", "length_x_m": 0.01, "length_y_m": 0.01},
+            "frequency": 43e3,
+            "surface": {"shape": "rectangle", "length_x": 0.01, "length_y": 0.01},
             "profile": {"kind": "piston"},
         },
-        "finger": {"length_x_m": 0.01, "length_y_m": 0.01},
+        "finger": {"length_x": 0.01, "length_y": 0.01},
     } | sections
     path = tmp_path / "study.yaml"
     path.write_text(yaml.safe_dump({name: each for name, each in values.items() if each}))
@@ -141,10 +141,10 @@ def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_
 
 DISC = {
     "gas": {},
-    "actuator": {"frequency_hz": 20e3, "surface_radius_m": 0.03, "profile": {"kind": "piston"}},
-    "finger": {"shape": "ellipse", "length_x_m": 0.03, "length_y_m": 0.03},
+    "actuator": {"frequency": 20e3, "surface_radius": 0.03, "profile": {"kind": "piston"}},
+    "finger": {"shape": "ellipse", "length_x": 0.03, "length_y": 0.03},
 }
-SQUARE = DISC | {"finger": {"length_x_m": 0.0266, "length_y_m": 0.0266}}
+SQUARE = DISC | {"finger": {"length_x": 0.0266, "length_y": 0.0266}}
 
 
 @pytest.mark.parametrize(
@@ -208,16 +208,14 @@ def test_a_table_has_what_auto_keeps_out_and_other_gaps_of_a_load(tmp_path, monk
 
 
 def test_a_misspelled_section_is_told_and_one_that_is_not_used_may_be_wrong(tmp_path, capsys):
-    levitated(
-        tmp_path, "--load", "0.5N", "--hv", "2um", screen={"h0_m": "thin"}, positions={"x": 3}
-    )
-    path = study(tmp_path, fingers={"length_x_m": 0.01}, finger={})
+    levitated(tmp_path, "--load", "0.5N", "--hv", "2um", screen={"h0": "thin"}, positions={"x": 3})
+    path = study(tmp_path, fingers={"length_x": 0.01}, finger={})
     assert main(["levitate", "--load", "0.5N", "--hv", "2um", "--config", path]) != 0
     assert "unknown key 'fingers'; did you mean 'finger'?" in capsys.readouterr().err
 
 
 def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(tmp_path):
-    finger = {"length_x_m": 0.01, "length_y_m": 0.01, "gap": {"tilt_x_m": 6e-6}}
+    finger = {"length_x": 0.01, "length_y": 0.01, "gap": {"tilt_x": 6e-6}}
     row = levitated(tmp_path, "--load", "0.5N", "--hv", "1um", finger=finger).iloc[0]
     assert row["h0_m"] > 4e-6
 

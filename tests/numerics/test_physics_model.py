@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from reference_forces import FOUR_FACTOR_THETA, reference_table
 
+from squeezefilm.config.loading import Config
 from squeezefilm.io.tables import FACTOR_COLUMNS, scene_points
 from squeezefilm.models.cross_validation import error_sizes
 from squeezefilm.models.data import COLUMNS, Factors
@@ -15,7 +16,6 @@ from squeezefilm.models.fitting import fit_model, local_fit
 from squeezefilm.models.force_model import get_model
 from squeezefilm.models.limit_table import MOST_NODES
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, random_plan
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks import physics_limits as limits

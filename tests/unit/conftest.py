@@ -14,6 +14,7 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 from paper import uncertainty
 from reporting.results import Results
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.solution import SOLUTION_COLUMNS, Solution
 from squeezefilm.io.tables import (
     DESIGN_COLUMNS,
@@ -26,7 +27,6 @@ from squeezefilm.io.tables import (
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR, ExpressionModel
 from squeezefilm.models.prediction_interval import measured_interval
-from squeezefilm.studies.config import load_config
 
 THETA = {
     "screen": SCREEN_THETA,

@@ -13,8 +13,8 @@ import squeezefilm as sf
 from squeezefilm.cli.main import main
 from squeezefilm.reynolds import solve
 
-DISC = {"frequency_hz": 43270, "surface_radius_m": 0.01, "profile": {"kind": "piston"}}
-PAD = {"length_x_m": 0.01, "length_y_m": 0.008}
+DISC = {"frequency": 43270, "surface_radius": 0.01, "profile": {"kind": "piston"}}
+PAD = {"length_x": 0.01, "length_y": 0.008}
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_a_film_needs_no_file():
     assert force.scene.gas.inertia == "included"  # air, whose inertia counts here
     (again,) = solve([force.scene], tolerance=1e-4)
     assert float(force) == again.force_n
-    slow = sf.Film.of(actuator=DISC | {"frequency_hz": 20}, finger=PAD)
+    slow = sf.Film.of(actuator=DISC | {"frequency": 20}, finger=PAD)
     assert slow.force(h0=5e-6, hv=1e-6).scene.gas.inertia == "none"
 
 
@@ -210,10 +210,10 @@ def test_what_means_nothing_is_refused_with_a_reason(given, message, study):
 
 
 def test_a_wrong_key_is_named_without_a_file_too():
-    with pytest.raises(sf.InputError, match=r"film: finger: unknown key 'lenght_x_m'; did you"):
-        sf.Film.of(actuator=DISC, finger=PAD | {"lenght_x_m": 0.01})
+    with pytest.raises(sf.InputError, match=r"film: finger: unknown key 'lenght_x'; did you"):
+        sf.Film.of(actuator=DISC, finger=PAD | {"lenght_x": 0.01})
     with pytest.raises(sf.InputError, match=r"film: actuator: missing 'profile'"):
-        sf.Film.of(actuator={"frequency_hz": 1e4, "surface_radius_m": 0.01}, finger=PAD)
+        sf.Film.of(actuator={"frequency": 1e4, "surface_radius": 0.01}, finger=PAD)
 
 
 def test_a_model_that_is_unknown_is_refused(study):

@@ -75,12 +75,6 @@ def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
     assert len(quantities(FORCES)[1].cells) == SAMPLE
 
 
-def test_a_gap_that_is_in_the_reference_too_is_no_fault():
-    gap = FORCES["force_n"].where(FORCES.index != 0)
-    both = stored(quantities(FORCES.assign(force_n=gap)))
-    assert not failures(compare(quantities(FORCES.assign(force_n=gap)), both)).size
-
-
 def test_what_is_missing_or_new_fails():
     found, known = quantities(FORCES), stored(quantities(FORCES))
     new = Quantity("data", "other", "rows", {"rows": "1"})
@@ -165,15 +159,6 @@ def test_a_reference_is_read_as_it_was_written(tmp_path):
 def test_a_broken_reference_is_named(tmp_path, text):
     (tmp_path / "data.csv").write_text(text)
     with pytest.raises(InputError, match=r"data\.csv"):
-        read_reference(tmp_path)
-
-
-def test_no_reference_is_made_of_half_a_study(tmp_path):
-    with pytest.raises(InputError, match="needs a finished study"):
-        write_reference(
-            [Quantity("data", "a", "readable", missing="a.csv: none")], tmp_path, tmp_path
-        )
-    with pytest.raises(InputError, match="make reference"):
         read_reference(tmp_path)
 
 

@@ -4,10 +4,10 @@ import pandas as pd
 import pytest
 
 from squeezefilm.api import simulation
+from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import chunks
 from squeezefilm.studies.chunks import chunk_counts, expected_seconds
-from squeezefilm.studies.config import Config
 
 
 def with_jobs_of(config: Config, seconds: float) -> Config:

@@ -8,9 +8,9 @@ import pytest
 
 from squeezefilm.api.simulation import merge_forces
 from squeezefilm.cli.main import commands_of, main, summary_of, with_negative_values
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.plan_scenes import write_scenes
 
 COMMANDS = commands_of()

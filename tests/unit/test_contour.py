@@ -7,11 +7,11 @@ import pytest
 import yaml
 
 import squeezefilm as sf
+from squeezefilm.config.loading import parse_config
+from squeezefilm.config.written import effective_text
 from squeezefilm.film.finger import Finger
 from squeezefilm.film.outline import read_contour
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import parse_config
-from squeezefilm.studies.effective import effective_text
 from squeezefilm.studies.study import check_study, finger_of
 
 SIDES_M = 0.01, 0.008
@@ -132,19 +132,17 @@ def test_a_study_s_outline_counts_from_its_own_folder(tmp_path):
 
 def test_a_study_without_or_with_too_many_outlines_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"finger.outline: it is there, and finger.shape is ell"):
-        check_study(study(tmp_path, shape="ellipse"))
-    values = study(tmp_path)
-    del values["finger"]["outline"]
-    with pytest.raises(InputError, match=r"study.yaml: finger.outline: it is missing"):
-        check_study(values)
+        study(tmp_path, shape="ellipse")
+    with pytest.raises(InputError, match=r"study.yaml: line 1[0-9]: finger.outline: it is missing"):
+        study(tmp_path, outline=None)
 
 
 def test_a_film_with_an_outline_off_its_plate_is_refused(tmp_path):
     path = written(tmp_path, OVAL)
     film = sf.Film.of(
         actuator={
-            "frequency_hz": 20e3,
-            "surface_radius_m": 6e-3,
+            "frequency": 20e3,
+            "surface_radius": 6e-3,
             "profile": {"kind": "piston"},
         },
         finger={"shape": "curve", "length_x": "10 mm", "length_y": "8 mm"}

@@ -13,6 +13,7 @@ PACKAGES = ("squeezefilm", "verification", "reporting", "paper", "scripts")
 DISTRIBUTION = {
     "markdown_it": "markdown-it-py",
     "mpl_toolkits": "matplotlib",
+    "pydantic_core": "pydantic",
     "skfem": "scikit-fem",
     "yaml": "pyyaml",
 }

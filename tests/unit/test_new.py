@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main as cli
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import check_study, scan_path, smoothed_scan_of
 
 

@@ -119,3 +119,16 @@ def test_exact_points_keep_their_distance_from_each_other_and_from_existing_ones
     assert np.diff(places).min() >= 0.3 - 1e-12
     with pytest.raises(InputError, match="only 2 of 3 points fit"):
         exchange(f, 3, coordinates=x, separation=1.5)
+
+
+def test_random_candidates_have_a_certified_design_and_undefined_ones_no_weight():
+    random = np.random.default_rng(1)
+    for parameters in (1, 3, 6):
+        f = random.standard_normal((2, 200, parameters)) * 10.0 ** random.integers(
+            -6, 6, parameters
+        )
+        f[:, :50] = np.nan
+        design = optimal_weights(f, gap=1e-6)
+        assert design.efficiency_bound >= 1 - 1e-6
+        assert design.support.min() >= 50
+        assert exchange(f, parameters).chosen.min() >= 50

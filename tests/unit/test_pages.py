@@ -10,8 +10,8 @@ from reporting.notes import Inertia
 from reporting.pages import front_page, render, to_html, write_pages
 from reporting.results import Results
 from reporting.summary import headline_values, summary_values
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import load_config
 
 PLANS = ("screen", "two_factor_design", "error_map", "extrapolation", "four_factor")
 FITS = ("screen", "two_factor_design", "four_factor_design")

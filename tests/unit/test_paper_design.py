@@ -8,12 +8,15 @@ from squeezefilm.designs.box import Box, coordinates, corners, pair_distances
 from squeezefilm.designs.paper_design import (
     Criterion,
     Design,
+    Region,
+    augment,
     d_efficiency,
     exchange_design,
+    find_patterns,
+    find_regions,
     search_design,
     spread_on_lines,
 )
-from squeezefilm.designs.patterns import Region, augment, find_patterns, find_regions
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 

@@ -168,8 +168,8 @@ def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(limit_fit):
 @pytest.fixture(scope="module")
 def limit_fit(repository):
     """A fit of `limit_1` whose own error is 1e-5 of the force, with a sample."""
+    from squeezefilm.config.loading import load_config
     from squeezefilm.models.limit_table import LimitTable
-    from squeezefilm.studies.config import load_config
     from squeezefilm.studies.tasks.physics_limits import limit_table_of
 
     table = limit_table_of(load_config(repository / "config" / "quick.yaml"))

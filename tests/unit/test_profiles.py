@@ -11,6 +11,7 @@ from scipy.special import jv
 from paper.figures import vibration
 from reporting.figures import style
 from reporting.results import Results
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan
 from squeezefilm.film.measured.tables import described, profile_table, summary_of
@@ -19,7 +20,6 @@ from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
 
 RADIUS_M = 0.01

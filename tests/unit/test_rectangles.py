@@ -9,6 +9,7 @@ import pytest
 import yaml
 from example_scan import EXAMPLES, PLATE, scan_text
 
+from squeezefilm.config.loading import Config, load_config, parse_config
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.profiles import StandingWave, largest_magnitude
 from squeezefilm.film.surfaces import Disc, Rectangle
@@ -18,7 +19,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint, read_scenes, write_table
 from squeezefilm.models.data import Factors
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config, parse_config
 from squeezefilm.studies.plans import box_of, centred_grid, finger_positions, random_plan
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, scene_of, symmetry_of
@@ -154,7 +154,7 @@ def test_a_position_is_kept_in_the_form_it_was_given():
 REFUSED = {
     "polar positions": (
         ("x: [9.5 mm], y: [5 mm]", "phi_r: [2 mm], phi: [0 deg]"),
-        "positions: on a rectangle they are x_m and y_m",
+        "positions: on a rectangle they are x and y",
     ),
     "an axis": (("plate.csv}", "plate.csv, axisymmetric: true}"), "a rectangle has no axis"),
     "positions off the plate": (("9.5 mm]", "10.5 mm]"), "the rim of the finger lies at x ="),

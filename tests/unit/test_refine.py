@@ -14,9 +14,9 @@ from reporting.pages import render
 from reporting.refinement import refinement_table
 from reporting.results import Results
 from squeezefilm.cli.main import main
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_forces
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks import refined_model
 
 
@@ -38,7 +38,7 @@ class Refined:
 
 def study(repository: Path, path: Path, **more: dict) -> Path:
     """The quick study with other settings of some sections."""
-    values = dict(load_config(repository / "config/quick.yaml"))
+    values = yaml.safe_load((repository / "config/quick.yaml").read_text(encoding="utf-8"))
     values["models"] = {"square": {"expression": "t0*(hv/h0)**2"}}
     values["comparison"] = {"two_factor": ["limit_1"], "four_factor": ["limit_1"]}
     for section, settings in ({"validation": {"points": 60}} | more).items():

@@ -11,6 +11,7 @@ import pytest
 from scipy.stats import binom
 
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured.read import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
 from squeezefilm.film.profiles import Modes, Profile, make_profile
@@ -20,7 +21,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import scene_of
 from squeezefilm.studies.tasks.scan_errors import out_of_phase_effect, scan_errors
 

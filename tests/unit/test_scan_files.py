@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import pyuff
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured import smooth
 from squeezefilm.film.measured.read import UNIVERSAL, Scan, column_of, read_scan
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
 from squeezefilm.studies import study as studies
-from squeezefilm.studies.config import load_config
 
 FREQUENCY_HZ = 43270.0
 RADIUS_M = 0.01

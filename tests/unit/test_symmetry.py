@@ -7,11 +7,11 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.film.symmetry import Directions, symmetry_from_dict
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, scene_of, symmetry_of
@@ -128,9 +128,9 @@ def rectangle(repository, tmp_path_factory, script):
     folder = tmp_path_factory.mktemp("rectangle")
     text = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
     for old, new in (
-        ("length_x_m: 0.010", "length_x_m: 0.014"),
-        ("length_y_m: 0.010", "length_y_m: 0.009"),
-        ("surface_radius_m: 0.010", "surface_radius_m: 0.012"),
+        ("length_x: 10 mm", "length_x: 14 mm"),
+        ("length_y: 10 mm", "length_y: 9 mm"),
+        ("surface_radius: 10 mm", "surface_radius: 12 mm"),
         ("tolerance: 1e-4", "tolerance: 1e-3"),
     ):
         assert old in text

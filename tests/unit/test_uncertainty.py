@@ -10,10 +10,10 @@ from physics_facts import CENTRED_N
 from paper import uncertainty
 from paper.claims import CLAIMS
 from paper.uncertainty import ASSUMPTIONS, compare, differences, shown
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
-from squeezefilm.studies.config import Config
 
 
 def film_like(scene: Scene) -> float:

@@ -14,17 +14,17 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.cli import main as cli
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.typed_units import quantities, with_error
 from squeezefilm.models.data import Factors
 from squeezefilm.models.export import LANGUAGES, source
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.fits import limit_table_values
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
+from squeezefilm.units import quantities, with_error
 
 THETA = {
     "two_factor": SCREEN_THETA,

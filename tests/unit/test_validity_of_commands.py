@@ -2,11 +2,10 @@
 
 import pandas as pd
 import pytest
-import yaml
 
 from squeezefilm.cli.main import main
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_forces, write_json, write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import film_of
 
 THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
@@ -25,12 +24,9 @@ THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
     ],
 )
 def test_one_force_outside_is_printed_with_exit_status_1(
-    tmp_path, paper, capsys, point, pad_m, force, words
+    edited, capsys, point, pad_m, force, words
 ):
-    sections = dict(paper.sections)
-    sections["finger"] = sections["finger"] | {"length_x_m": pad_m, "length_y_m": pad_m}
-    study = tmp_path / "study.yaml"
-    study.write_text(yaml.safe_dump(sections))
+    study = edited("paper", finger={"length_x_m": pad_m, "length_y_m": pad_m})
     h0, hv = point
     assert main(["simulate", "--h0", h0, "--hv", hv, "--config", str(study)]) == 1
     said = capsys.readouterr()

@@ -71,9 +71,9 @@ def test_the_wheel_is_the_library_with_all_its_data_and_nothing_else(installed, 
 
 def test_a_force_needs_no_checkout_and_no_workflow(installed):
     code = (
-        "film = sf.Film.of(actuator={'frequency_hz': 43270, 'surface_radius_m': 0.01,\n"
-        "    'profile': {'kind': 'sinc', 'wave_number_per_m': 109.8}},\n"
-        "    finger={'length_x_m': 0.01, 'length_y_m': 0.01},\n"
+        "film = sf.Film.of(actuator={'frequency': 43270, 'surface_radius': 0.01,\n"
+        "    'profile': {'kind': 'sinc', 'wave_number': 109.8}},\n"
+        "    finger={'length_x': 0.01, 'length_y': 0.01},\n"
         "    gas={'inertia': 'none', 'heat': 'none'})\n"
         "print(float(film.force('5 um', '2.2 um', tolerance=1e-4)))"
     )
@@ -92,8 +92,8 @@ def test_its_command_line_has_its_own_commands_and_says_what_is_missing(installe
 
 def test_what_needs_an_extra_names_it(installed):
     code = (
-        "film = sf.Film.of(actuator={'frequency_hz': 43270, 'surface_radius_m': 0.01,\n"
-        "    'profile': {'kind': 'piston'}}, finger={'length_x_m': 0.01, 'length_y_m': 0.01})\n"
+        "film = sf.Film.of(actuator={'frequency': 43270, 'surface_radius': 0.01,\n"
+        "    'profile': {'kind': 'piston'}}, finger={'length_x': 0.01, 'length_y': 0.01})\n"
         "try:\n    film.pressure(5e-6, 1e-6)\n"
         "except sf.InputError as error:\n    print(error)\n"
         "from squeezefilm.io.tables import read_scenes\n"

@@ -1,4 +1,4 @@
-"""The explorer says numbers as the command line does (words.js beside typed_units.py)."""
+"""The explorer says numbers as the command line does (words.js beside units.py)."""
 
 import json
 import shutil
@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from squeezefilm.io.typed_units import to_its_error
+from squeezefilm.units import to_its_error
 
 NODE = shutil.which("node")
 # A value and its error, in the page's units.

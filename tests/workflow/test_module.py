@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 import yaml
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_scenes
-from squeezefilm.studies.config import load_config
 
 from .conftest import copy_checkout, snakemake
 
@@ -53,7 +53,7 @@ def outer(repository, tmp_path):
 
 
 def other_gaps(study: dict[str, Any]) -> None:
-    study["screen"]["h0_m"] = {"start": 5e-6, "stop": 7e-6, "levels": 3}
+    study["screen"]["h0"] = {"start": 5e-6, "stop": 7e-6, "levels": 3}
 
 
 def test_a_module_makes_the_study_that_it_is_given(outer):

@@ -48,7 +48,7 @@ def test_a_section_makes_anew_what_depends_on_it(before, after, anew, plans, kep
     [
         ("squeezefilm/reynolds/periodic/periodic.cl", "figures/fig08.png", OF_THE_STUDY),
         ("squeezefilm/models/models.yaml", "fits/screen.json", set()),
-        ("reporting/figures/parts/style.py", "figures/fig08.png", set()),
+        ("reporting/figures/style.py", "figures/fig08.png", set()),
     ],
 )
 def test_an_edit_of_the_code_makes_its_stage_anew_and_what_follows(file, anew, plans, planner):

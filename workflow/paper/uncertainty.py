@@ -15,10 +15,10 @@ import pandas as pd
 import yaml
 from scipy.optimize import brentq
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.study import scene_of
 
 Force = Callable[[Scene], float]

@@ -7,6 +7,15 @@ from typing import Any
 
 from squeezefilm.film.validity import LIMITS, Limit
 
+VERDICTS = {
+    "reached": "as good as wanted",
+    "model": "limited by the model",
+    "simulation": "limited by the simulations",
+    "budget": "out of simulations",
+    "left out": "left out",
+}
+"""How a refinement of a model ended."""
+
 
 def percent(share: float) -> str:
     """A share as a percentage with three digits: 0.00533 → 0.533 %."""

@@ -7,8 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from reporting.figures.models import VERDICTS
-from reporting.notes import percent
+from reporting.notes import VERDICTS, percent
 from reporting.results import Results
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.io.tables import read_forces, read_ok_forces

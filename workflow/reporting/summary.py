@@ -9,7 +9,7 @@ import pandas as pd
 from reporting.notes import percent, rounded_up
 from reporting.results import Results
 from squeezefilm.io.positions import POLAR, form_of
-from squeezefilm.io.typed_units import to_its_error, with_error
+from squeezefilm.units import to_its_error, with_error
 
 PURPOSES = {
     "screen": "finger centred, gap and amplitude on a grid: the first fit",

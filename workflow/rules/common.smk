@@ -13,9 +13,9 @@ sys.path.insert(0, str(LIBRARY))
 from squeezefilm.io import atomic
 from squeezefilm.io.errors import InputError
 from squeezefilm.provenance import SOURCES, code_digest
-from squeezefilm.studies import given
-from squeezefilm.studies.config import load_config
-from squeezefilm.studies.effective import write_effective
+from squeezefilm.config import written
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.written import write_effective
 
 
 def refuse(message):
@@ -42,13 +42,13 @@ def config_path():
     module of another workflow: the file into which the module's config is written.
     """
     if IS_MODULE:
-        return relative(given.written_study(config, results=Path("results")))
+        return relative(written.written_study(config, results=Path("results")))
     if workflow.config_settings.config:
         raise InputError(
             "--config sets single keys past the file's checks; write a file and give --configfile"
         )
     named = workflow.overwrite_configfiles
-    if len(several := max(named, given.configfiles_in(sys.argv[1:]), key=len)) > 1:
+    if len(several := max(named, written.configfiles_in(sys.argv[1:]), key=len)) > 1:
         raise InputError(
             f"--configfile names {' and '.join(map(str, several))}: give one, for a mixture would "
             "be a study that nobody wrote down"
@@ -190,6 +190,26 @@ def files_of_fits(model):
 def results_folder(wildcards, output):
     """The folder of the study's results, of which any output is a part."""
     return f"{str(output[0]).partition(f'results/{STUDY}/')[0]}results/{STUDY}"
+
+
+def in_report(place):
+    """A figure's drawing as the report lists it: the paper's by their numbers."""
+    folder, name = place.split("/")
+    labels = {"shows": FIGURES[place]}
+    if folder == "figures":
+        labels = {"figure": name.replace("fig", "Fig. ").replace("_", " "), **labels}
+    caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
+    return report(
+        f"<results>/{place}.svg",
+        category=CATEGORIES[folder],
+        labels=labels,
+        caption=f"../report/captions/{caption.get(folder, name)}.rst",
+    )
+
+
+def numbered(places):
+    """Those of the paper's numbered figures, which keep the table that they draw."""
+    return [place for place in places if place.startswith("figures/fig")]
 
 
 def limit_tables(space):

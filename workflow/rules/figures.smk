@@ -173,7 +173,7 @@ for place, files in {
 
     rule:
         name:
-            "draw_" + "_".join(Path(place).parts)
+            f"draw_{Path(place).parent}_{Path(place).name}"
         input:
             expand("<results>/{file}", file=files),
         output:

@@ -1,9 +1,9 @@
 """Write what leaving things out saves; the estimates of forces must cover their errors."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scene_of
 from verification.ablation import ablation

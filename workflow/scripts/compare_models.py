@@ -6,8 +6,8 @@ from reporting.models import compare, comparison_values
 from reporting.pages import render, write_pages
 from reporting.results import Results
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
 
 snakemake = begin()
 space = snakemake.wildcards.space

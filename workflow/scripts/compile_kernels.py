@@ -2,8 +2,8 @@
 
 from scripts.job import begin
 from squeezefilm.api.simulation import compile_kernels
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_json
-from squeezefilm.studies.config import load_config
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

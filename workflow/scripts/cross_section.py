@@ -4,9 +4,9 @@ import pandas as pd
 
 from reporting.cross_section import cross_section
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.reynolds.effects.automatic import decided
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scenes_in
 

@@ -1,10 +1,10 @@
 """Search the paper's D-optimal points of a fitted model, for two factors or for four."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import write_json, write_table
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
 
 snakemake = begin()

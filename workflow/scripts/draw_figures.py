@@ -7,7 +7,7 @@ from paper.figures import FIGURES as OF_THE_PAPER
 from reporting.figures import FIGURES, save
 from reporting.results import Results
 from scripts.job import begin
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 
 snakemake = begin()
 results = Results(Path(snakemake.params.results), load_config(snakemake.config["study_file"]))

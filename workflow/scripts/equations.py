@@ -7,8 +7,8 @@ from paper.tables import five_digits
 from reporting.pages import render, write_pages
 from reporting.results import Results
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

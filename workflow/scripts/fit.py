@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.atomic import digest
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_forces, read_ok_forces, write_json, write_table
 from squeezefilm.models.force_model import model_named
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
 
 snakemake = begin()

@@ -1,8 +1,8 @@
 """Write the physics limit of each scene of a plan: no solving in time, nothing fitted."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_scenes, write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.fits import limits_of
 
 snakemake = begin()

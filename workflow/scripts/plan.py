@@ -1,7 +1,7 @@
 """Write the scenes of a plan."""
 
 from scripts.job import begin
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.plan_scenes import write_scenes
 
 snakemake = begin()

@@ -1,8 +1,8 @@
 """Write what a smooth profile leaves open of its scan, and of forces simulated with it."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_json, write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.scan_errors import scan_report
 
 snakemake = begin()

@@ -1,9 +1,9 @@
 """Write what made the results of the study: code, packages, device, configuration."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_json, write_json
 from squeezefilm.provenance import provenance
-from squeezefilm.studies.config import load_config
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

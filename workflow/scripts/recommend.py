@@ -5,8 +5,8 @@ from pathlib import Path
 from reporting.models import recommend
 from reporting.results import Results
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

@@ -1,9 +1,9 @@
 """Simulate, fit, judge, design, simulate …, until a model is good enough or cannot be."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import read_forces, write_json, write_table
 from squeezefilm.models.force_model import model_named
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.fits import profile_uncertainty
 from squeezefilm.studies.tasks.refined_model import refine
 

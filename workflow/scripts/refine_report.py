@@ -6,8 +6,8 @@ from reporting.pages import render, write_pages
 from reporting.refinement import refinement_table
 from reporting.results import Results
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])

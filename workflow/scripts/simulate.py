@@ -2,7 +2,7 @@
 
 from scripts.job import begin
 from squeezefilm.api.simulation import simulate_table
-from squeezefilm.studies.config import load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.studies.solver_settings import solver_settings
 
 snakemake = begin()

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured.smooth import write_smoothed
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.study import smoothed_anew, smoothing_settings
 
 snakemake = begin()

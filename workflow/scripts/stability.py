@@ -1,9 +1,9 @@
 """Write a verdict for each stiff or extreme film: solved, refused with a reason, or failed."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from verification.cases import SAMPLE, cases
 from verification.stability import stability

@@ -6,8 +6,8 @@ from reporting.pages import front_page, render, write_pages
 from reporting.results import Results
 from reporting.summary import summary_values
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.atomic import write_text
-from squeezefilm.studies.config import load_config
 
 snakemake = begin()
 config, params = load_config(snakemake.config["study_file"]), snakemake.params

@@ -3,10 +3,10 @@
 from paper.uncertainty import compare, shown
 from reporting.pages import render, write_pages
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 
 snakemake = begin()

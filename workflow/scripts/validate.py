@@ -1,10 +1,10 @@
 """Write the errors of a fit on sets of simulated forces, point by point and in all."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_ok_forces, write_json, write_table
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.fits import errors_on
 
 snakemake = begin()

@@ -1,9 +1,9 @@
 """Write error against run time of the solver and of three other methods."""
 
 from scripts.job import begin
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_table
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.solver_settings import device_of
 from verification.work_precision import FILMS, work_precision
 

@@ -33,7 +33,7 @@ SOURCES = {
     "films": [*SOLVER, "squeezefilm/cli"],
     "models": MODELS,
     "verification": [*MODELS, "verification"],
-    "figures": [*MODELS, "paper", "reporting"],
+    "figures": [*MODELS, "paper", "report", "reporting"],
 }
 """The folders and files, below workflow/, that decide the numbers of a stage, but its scripts."""
 

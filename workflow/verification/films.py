@@ -70,10 +70,6 @@ class Film:
                 density_kg_per_m3=density or 1.2,
                 mean_free_path_m=self.knudsen * H0_M or 67e-9,
                 rarefaction="slip" if self.knudsen else "none",
-                polytropic_exponent=1.0,
-                prandtl=0.71,
-                heat_capacity_ratio=1.4,
-                viscosity_exponent=0.7,
             ),
             actuator=Actuator(frequency_hz=FREQUENCY_HZ, surface=Disc(1.0), profile=self.profile),
             finger=Finger(

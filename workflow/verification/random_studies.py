@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.api.study import Study
-from squeezefilm.studies.config import parse_config
+from squeezefilm.config.loading import parse_config
 from squeezefilm.studies.study import profile_of, surface_of
 
 WAVELENGTH_M = (3e-3, 30e-3)
@@ -68,14 +68,14 @@ def drawn(seed: int, *, kind: str = "any") -> dict[str, Any]:
         "actuator": _actuator(random, finger, KINDS[kind]),
         "finger": finger,
         "screen": {
-            "h0_m": {"start": gap_m, "stop": random.uniform(1.3, 2.5) * gap_m, "levels": 5},
-            "hv_m": {
+            "h0": {"start": gap_m, "stop": random.uniform(1.3, 2.5) * gap_m, "levels": 5},
+            "hv": {
                 "start": random.uniform(0.05, 0.5) * amplitude_m,
                 "stop": amplitude_m,
                 "levels": 5,
             },
         },
-        "extrapolation": {"force_n": 1.0},
+        "extrapolation": {"force": 1.0},
         "solver": {"tolerance": float(random.choice(TOLERANCES))},
     }
 
@@ -89,16 +89,16 @@ def _between(random: np.random.Generator, limits: tuple[float, float]) -> float:
 def _gas(random: np.random.Generator) -> dict[str, Any]:
     """Air under some pressure, or another gas."""
     gas: dict[str, Any] = {
-        "ambient_pressure_pa": _between(random, (3e4, 5e5)),
+        "ambient_pressure": _between(random, (3e4, 5e5)),
         "rarefaction": str(random.choice(["none", "none", "slip", "fukui-kaneko"])),
         **{term: str(random.choice(["auto", "auto", "none"])) for term in ("inertia", "heat")},
     }
     if random.uniform() < 0.5:
         return gas
     return gas | {
-        "viscosity_pa_s": _between(random, (8e-6, 3e-5)),
-        "density_kg_per_m3": _between(random, (0.1, 6.0)),
-        "mean_free_path_m": _between(random, (2e-8, 3e-7)),
+        "viscosity": _between(random, (8e-6, 3e-5)),
+        "density": _between(random, (0.1, 6.0)),
+        "mean_free_path": _between(random, (2e-8, 3e-7)),
         "prandtl": random.uniform(0.6, 0.8),
         "heat_capacity_ratio": random.uniform(1.1, 1.66),
         "viscosity_exponent": random.uniform(0.6, 1.0),
@@ -111,9 +111,9 @@ def _finger(random: np.random.Generator) -> dict[str, Any]:
     aspect = float(random.choice([1.0, _between(random, (0.5, 2.0))]))
     return {
         "shape": str(random.choice(["rectangle", "rectangle", "ellipse"])),
-        "length_x_m": length_m,
-        "length_y_m": aspect * length_m,
-        "rotation_deg": float(random.choice([0.0, random.uniform(0, 90)])),
+        "length_x": length_m,
+        "length_y": aspect * length_m,
+        "rotation": float(random.choice([0.0, random.uniform(0, 90)])),
     }
 
 
@@ -125,28 +125,28 @@ def _actuator(
     The surface has room for the pad and as much again.
     """
     wavelength_m = _between(random, WAVELENGTH_M)
-    reach_m = hypot(finger["length_x_m"], finger["length_y_m"]) / 2
+    reach_m = hypot(finger["length_x"], finger["length_y"]) / 2
     direction_deg = float(random.choice([0.0, random.uniform(0, 180)]))
     kind = str(random.choice(VIBRATIONS, p=shares))
     profile: dict[str, Any] = {"kind": kind}
     if kind == "bessel":
         n = int(random.integers(0, 4))
-        profile |= {"nodal_diameters": n, "wave_number_rad_per_m": 2 * pi / wavelength_m}
+        profile |= {"nodal_diameters": n, "wave_number": 2 * pi / wavelength_m}
     elif kind != "piston":
-        profile |= {"wavelength_m": wavelength_m}
+        profile |= {"wavelength": wavelength_m}
     if kind != "piston":
-        profile |= {"direction_deg": direction_deg}
+        profile |= {"direction": direction_deg}
     if kind == "standing-wave":
-        profile |= {"crest_m": random.uniform(0, 0.5) * wavelength_m}
+        profile |= {"crest": random.uniform(0, 0.5) * wavelength_m}
     room = random.uniform(1.2, 2.5)
-    surface: dict[str, Any] = {"surface_radius_m": room * reach_m}
+    surface: dict[str, Any] = {"surface_radius": room * reach_m}
     if kind != "bessel":
-        angle = radians(finger["rotation_deg"])
-        x, y = finger["length_x_m"] / 2, finger["length_y_m"] / 2
+        angle = radians(finger["rotation"])
+        x, y = finger["length_x"] / 2, finger["length_y"] / 2
         c, s = abs(cos(angle)), abs(sin(angle))
-        sides = {"length_x_m": 2 * room * (c * x + s * y), "length_y_m": 2 * room * (s * x + c * y)}
+        sides = {"length_x": 2 * room * (c * x + s * y), "length_y": 2 * room * (s * x + c * y)}
         surface = {"surface": {"shape": "rectangle", **sides}}
-    return {"frequency_hz": _between(random, FREQUENCY_HZ), **surface, "profile": profile}
+    return {"frequency": _between(random, FREQUENCY_HZ), **surface, "profile": profile}
 
 
 def _scan(study: Study, seed: int) -> str:

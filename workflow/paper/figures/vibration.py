@@ -9,7 +9,7 @@ from reporting.figures import axes as drawing
 from reporting.figures import style
 from reporting.figures.axes import grid_of
 from reporting.results import Results
-from squeezefilm.studies.config import Config
+from squeezefilm.config.loading import Config
 from squeezefilm.studies.study import finger_of, profile_of
 
 

@@ -32,11 +32,11 @@ from reporting.check.tolerances import (
 )
 from reporting.figures.style import PLAIN
 from reporting.results import Results
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import coordinates, pair_distances
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import POLAR, form_of
 from squeezefilm.models.data import factors_of
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of
 
 SAMPLE = 25

@@ -30,7 +30,7 @@ function percent(share) {
 }
 
 // A value with the digits that its error leaves it, and the error with one; three digits where
-// the error is not known: as squeezefilm.io.typed_units.to_its_error.
+// the error is not known: as squeezefilm.units.to_its_error.
 function toItsError(value, error) {
   if (!(error > 0)) return [plain(value, 3), ""];
   const shown = Number(error.toPrecision(1)), places = -Math.floor(Math.log10(shown));

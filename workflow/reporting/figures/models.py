@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from reporting.figures import style
 from reporting.figures.axes import label_plane
+from reporting.notes import VERDICTS
 from reporting.results import Results
 from squeezefilm.io.tables import ROUND_COLUMNS, WHERE_COLUMNS
 from squeezefilm.models.data import factors_of
@@ -22,13 +23,6 @@ LARGEST_DOT = 140
 """Area in points² of a design point with all the weight."""
 LINEAR = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
-VERDICTS = {
-    "reached": "as good as wanted",
-    "model": "limited by the model",
-    "simulation": "limited by the simulations",
-    "budget": "out of simulations",
-    "left out": "left out",
-}
 
 
 def _without_anything(text: str) -> Figure:

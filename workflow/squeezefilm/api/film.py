@@ -12,11 +12,12 @@ import pandas as pd
 from squeezefilm.api.field import TOLERANCE, field_of
 from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
 from squeezefilm.api.points import Values, points_of, scene_points_of
+from squeezefilm.config.film import FilmSections
+from squeezefilm.config.loading import Config, config_of
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.reynolds.device import Device
-from squeezefilm.studies.config import Config, parse_film
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
 
@@ -55,8 +56,7 @@ class Film:
         """
         given = {"gas": gas, "actuator": actuator, "finger": finger, "solver": solver}
         sections = {name: dict(keys or {}) for name, keys in given.items()}
-        place = Path("film")
-        return Film(Config(place, parse_film(sections, place=place)))
+        return Film(config_of(sections, path=Path("film"), model=FilmSections))
 
     @property
     def device(self) -> Device:

@@ -13,11 +13,11 @@ from squeezefilm.api.points import Values, points_of
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.io.tables import write_json
-from squeezefilm.io.typed_units import quantity
 from squeezefilm.models.amplitude_for_force import working_point
 from squeezefilm.models.data import COLUMNS, Factors
 from squeezefilm.models.export import source
 from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.units import quantity
 
 GAPS = 6
 """Evenly spaced over the range of the fit, where a working point's gap is not said."""

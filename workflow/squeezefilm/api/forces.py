@@ -13,7 +13,6 @@ from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
 from squeezefilm.io.errors import RunError
-from squeezefilm.io.typed_units import with_error
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.answers.outputs import with_outputs
 from squeezefilm.reynolds.answers.words import outputs_text
@@ -25,6 +24,7 @@ from squeezefilm.reynolds.effects.words import budget_text, derivatives_text
 from squeezefilm.reynolds.terms import notes_of
 from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.studies.tasks.scan_errors import scan_errors
+from squeezefilm.units import with_error
 
 # Motion out of phase is spoken of where it is more than this share of the noise.
 LEAST_OUT_OF_PHASE = 0.01

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.io.typed_units import quantities
+from squeezefilm.units import quantities
 
 Values = str | float | Sequence[float] | np.ndarray
 """Values of one factor: a number in SI units (degrees for angles), several of them, or a text with

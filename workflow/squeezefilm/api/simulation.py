@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
@@ -30,7 +31,6 @@ from squeezefilm.reynolds.device import Device, describe
 from squeezefilm.reynolds.effects.automatic import kept_out
 from squeezefilm.reynolds.effects.derivatives import with_derivatives
 from squeezefilm.reynolds.periodic.launch import warm
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
 from squeezefilm.studies.study import scene_of, scenes_in
 

@@ -10,11 +10,11 @@ import pandas as pd
 
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FACTOR_COLUMNS
 from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.plans import (
     finger_positions,
     four_factor_plan,

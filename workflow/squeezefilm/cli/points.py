@@ -7,7 +7,7 @@ import pandas as pd
 
 from squeezefilm.api.points import Values, points_of
 from squeezefilm.io.tables import write_table
-from squeezefilm.io.typed_units import to_its_error
+from squeezefilm.units import to_its_error
 
 OPTIONS = {
     "h0": "mean gap, e.g. 5um",

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from squeezefilm.config.loading import Config, load_film
 from squeezefilm.io.errors import InputError
-from squeezefilm.studies.config import Config, load_film
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""

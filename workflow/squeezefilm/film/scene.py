@@ -9,38 +9,10 @@ from typing import Any, NamedTuple, overload
 
 import numpy as np
 
+from squeezefilm.config.film import Gas as Gas
 from squeezefilm.film.finger import Finger, net
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.surfaces import Surface
-
-
-@dataclass(frozen=True)
-class Gas:
-    """The film's gas.
-
-    ``rarefaction`` is ``none`` (viscous flow), ``slip`` (first order) or ``fukui-kaneko``.
-    The density follows the pressure as ρ ~ p^(1/n) with the ``polytropic_exponent`` n: 1 for an
-    isothermal film, the ratio of specific heats for an adiabatic one. The mean free path is given
-    at ambient density and goes like 1/ρ, as for molecules of a fixed size; slip of first order is
-    by a length of ``slip_coefficient`` times it. ``inertia`` and ``heat`` are ``none`` or
-    ``included``; ``auto`` is decided before a scene is solved (effects/automatic.py). Heat goes by
-    the Prandtl number, the ratio of specific heats and the exponent κ of viscosity ~
-    temperature^κ. What the equation of a scene leaves out enters its budget alone
-    (reynolds/effects).
-    """
-
-    viscosity_pa_s: float
-    ambient_pressure_pa: float
-    density_kg_per_m3: float
-    mean_free_path_m: float
-    rarefaction: str
-    polytropic_exponent: float
-    inertia: str
-    heat: str
-    prandtl: float
-    heat_capacity_ratio: float
-    viscosity_exponent: float
-    slip_coefficient: float = 1.0
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ class Disc:
 
     radius_m: float
     position = POLAR
-    key = "actuator.surface_radius_m"
+    key = "actuator.surface_radius"
     modes = "Zernike"
 
     @property

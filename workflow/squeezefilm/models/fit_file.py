@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -345,7 +345,7 @@ def describe(
         held_out = np.full(len(force_n), np.nan)
     fitted_n = model.evaluate(fit.theta, factors)
     return {
-        **fit.to_dict(),
+        **asdict(fit),
         "about": model.about,
         "expression": model.expression,
         "parameters": list(model.parameter_names),

@@ -10,7 +10,7 @@ every order of magnitude gets its share of the candidates.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -54,11 +54,6 @@ class Fit:
     searches: int
     evaluations: int
     search_theta: tuple[float, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, strings and lists, ready for JSON."""
-        plain = asdict(self)
-        return plain | {name: list(plain[name]) for name in ("theta", "search_theta")}
 
 
 Search = Callable[[Objective, Array, int], tuple[Found, dict[str, Any]]]

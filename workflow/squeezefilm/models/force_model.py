@@ -21,10 +21,10 @@ import yaml
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.formulas.expressions import Expression, Name, Node, Number, parse
-from squeezefilm.formulas.units import parameter_units
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import CARTESIAN, POLAR
 from squeezefilm.models.data import COLUMNS, FACTORS, Factors
+from squeezefilm.units import parameter_units
 
 Array = NDArray[np.float64]
 

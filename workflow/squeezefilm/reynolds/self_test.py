@@ -24,19 +24,7 @@ TABLE = Path(__file__).with_name("self_test.csv")
 CLOSENESS = 1e-9
 ITERATION_TOLERANCE = 1e-11
 SINC = Sinc(wave_number_per_m=100.0)
-AIR = Gas(
-    viscosity_pa_s=1.8e-5,
-    ambient_pressure_pa=1e5,
-    density_kg_per_m3=1.2,
-    mean_free_path_m=7e-8,
-    rarefaction="none",
-    polytropic_exponent=1.0,
-    inertia="none",
-    heat="none",
-    prandtl=0.71,
-    heat_capacity_ratio=1.4,
-    viscosity_exponent=0.7,
-)
+GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", heat="none")
 
 
 def films() -> dict[str, tuple[Scene, Grid]]:
@@ -94,7 +82,7 @@ def _film(
         hv_m=hv_m,
         x_m=x_m,
         y_m=y_m,
-        gas=Gas(**{**vars(AIR), **gas}),
+        gas=replace(GAS, **gas),  # type: ignore[arg-type]
         actuator=Actuator(4e4, Disc(1e-2), SINC),
         finger=Finger(1e-2, 1e-2, speed_x_m_per_s),
     )

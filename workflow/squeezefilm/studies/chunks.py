@@ -5,10 +5,10 @@ Only the configuration is asked: the number of jobs is known before any plan is 
 
 from math import ceil
 
+from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
 from squeezefilm.reynolds.plan import previews
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan_sizes, random_plan
 from squeezefilm.studies.study import planned_profile_of, scenes_in
 

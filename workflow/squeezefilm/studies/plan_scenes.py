@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import SCENE_COLUMNS, read_design, table_writer
 from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.fit_file import FittedModel, read_fit
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import (
     VALIDATION_SAMPLES,
     box_of,

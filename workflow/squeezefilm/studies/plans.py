@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box
 from squeezefilm.film.symmetry import Symmetry
 from squeezefilm.io.positions import POLAR, as_in, form_of
 from squeezefilm.io.tables import FACTOR_COLUMNS
-from squeezefilm.studies.config import ENDS, Config
 from squeezefilm.studies.study import surface_of, symmetry_of
 
 if TYPE_CHECKING:
@@ -117,7 +117,9 @@ def box_of(config: Config, *, centred: bool = False) -> Box:
     From the section ``screen``; unless the finger is centred also from ``positions``, ``actuator``
     and ``finger``. Positions are those that represent all by the scene's symmetry.
     """
-    limits = {each: tuple(config["screen"][each][end] for end in ENDS) for each in CENTRED}
+    limits = {
+        each: tuple(config["screen"][each][end] for end in ("start", "stop")) for each in CENTRED
+    }
     if not centred:
         limits |= symmetry_of(config).limits(config["positions"])
     lower, upper = zip(*limits.values(), strict=True)

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.solution import checked_outputs
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.plan import METHODS
-from squeezefilm.studies.config import Config
 
 TOLERANCES = (1e-10, 0.1)
 

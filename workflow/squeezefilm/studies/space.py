@@ -13,13 +13,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates, grid
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import POLAR, form_of
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import scene_of, surface_of
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.profiles import Profile, Sinc, StandingWave, make_profile
@@ -20,7 +21,6 @@ from squeezefilm.film.validity import check_scene, check_scenes
 from squeezefilm.io.errors import InputError, naming
 from squeezefilm.io.positions import POLAR
 from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint, as_in
-from squeezefilm.studies.config import Config
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,14 +58,8 @@ def scan_path(config: Config) -> Path | None:
 
 def outline_path(config: Config) -> Path | None:
     """The file of the finger's outline; None if it is not given by one."""
-    finger = config["finger"]
-    curve = finger["shape"] == "curve"
-    if curve != ("outline" in finger):
-        raise InputError(
-            f"finger.outline: {'it is missing' if curve else 'it is there'}, and finger.shape is "
-            f"{finger['shape']}: a curve has its points in a file, other shapes have none"
-        )
-    return config.path.parent / finger["outline"]["file"] if curve else None
+    outline = config["finger"].get("outline")
+    return config.path.parent / outline["file"] if outline else None
 
 
 def smoothing_settings(config: Config) -> dict[str, Any]:

@@ -18,10 +18,10 @@ Their D-efficiencies are printed, with a lower bound that does not need the best
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_ok_forces, read_scenes, write_table
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.fits import limits_of
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 

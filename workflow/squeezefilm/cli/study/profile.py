@@ -12,9 +12,9 @@ their residuals: `squeezefilm plot profile PROFILE.csv` draws them.
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_table
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, scan_report
 
 

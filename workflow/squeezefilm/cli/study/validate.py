@@ -5,10 +5,10 @@ squeezefilm validate FIT.json FORCES.csv --config C.yaml --output ERRORS.csv
 
 import argparse
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import naming
 from squeezefilm.io.tables import read_ok_forces, write_table
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.config import load_config
 from squeezefilm.studies.tasks.fits import errors_on, limits_of
 
 

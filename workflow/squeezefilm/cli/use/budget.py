@@ -19,13 +19,13 @@ import argparse
 
 import pandas as pd
 
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.film.validity import validity
 from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.effects.automatic import decided
 from squeezefilm.reynolds.effects.budget import budgets
 from squeezefilm.reynolds.effects.words import budget_row
-from squeezefilm.studies.config import Config, load_config
 from squeezefilm.studies.study import scenes_in
 
 

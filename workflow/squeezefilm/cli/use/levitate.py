@@ -38,18 +38,18 @@ from squeezefilm.api.forces import scan_parts
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
+from squeezefilm.config.loading import Config
 from squeezefilm.film.validity import GAPS_M
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import ScenePoint, read_forces, write_table
-from squeezefilm.io.typed_units import quantities, quantity
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.dynamics.levitation import Levitation, levitate, trustworthy
 from squeezefilm.reynolds.dynamics.resonance import Resonance, resonance
 from squeezefilm.reynolds.effects.words import budget_text
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
 from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.units import quantities, quantity
 
 LOADS, AMPLITUDES = 8, 3
 AMPLITUDES_M = (1e-9, 1e-4)

@@ -33,12 +33,12 @@ import pandas as pd
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import validity
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.progress import progress_bar
 from squeezefilm.io.tables import read_scenes, write_table
-from squeezefilm.io.typed_units import quantities
 from squeezefilm.reynolds import node_cache
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.dynamics.response import (
@@ -51,9 +51,9 @@ from squeezefilm.reynolds.dynamics.response import (
     steps_of,
 )
 from squeezefilm.reynolds.dynamics.slow_gain import NEGLECTED, gain_changes
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.units import quantities
 
 CALLED = {
     "gain": "gain for slow modulation",

@@ -31,7 +31,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.io.errors import InputError, naming
-from squeezefilm.io.typed_units import sizes
+from squeezefilm.units import sizes
 
 LENGTHS_M = sizes("m")
 SPEEDS_M_PER_S = {f"{name}/s": size for name, size in LENGTHS_M.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from squeezefilm.io.solution import OUTPUTS, Outputs
-from squeezefilm.io.typed_units import to_its_error
+from squeezefilm.units import to_its_error
 
 
 def outputs_text(outputs: Outputs) -> list[str]:

@@ -6,9 +6,9 @@ from math import isnan
 
 from squeezefilm.io.solution import DERIVATIVES, Derivatives
 from squeezefilm.io.tables import THIS_SCENE
-from squeezefilm.io.typed_units import to_its_error
 from squeezefilm.reynolds.effects import rim
 from squeezefilm.reynolds.effects.budget import Budget, Effect
+from squeezefilm.units import to_its_error
 
 # Per cent of the force, from which on an effect that is left out is spoken of.
 LEAST_PERCENT = 0.5

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from squeezefilm import __version__
+from squeezefilm.config.loading import Config
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.tables import (
@@ -22,7 +24,6 @@ from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel, described_fit, fit_of, number
 from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import declared_ranges
 from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
 from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
@@ -126,7 +127,7 @@ def validated(
 
 def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
     """A run as a table's row, a column for each parameter."""
-    plain = fit.to_dict()
+    plain = asdict(fit)
     theta = dict(zip(model.parameter_names, plain.pop("theta"), strict=True))
     search = {f"search_{k}": v for k, v in zip(theta, plain.pop("search_theta"), strict=True)}
     return {**plain, **theta, **search}

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import corners
 from squeezefilm.designs.exact import exchange
 from squeezefilm.designs.optimal import (
@@ -27,7 +28,6 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, ParameterRange, parameter_ranges
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.physics_limits import with_limits
@@ -218,7 +218,11 @@ def efficiencies(
 
 
 def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
-    """The local design's sensitivity over the space in two panels, and its points."""
+    """The local design's sensitivity over the space in two panels, and its points.
+
+    Over gap and amplitude it is the largest over positions; over the position that of the smallest
+    gap and the largest amplitude.
+    """
     box = study.space.box
     own = study.derivatives(local.points)
     layers = {"design": local.points}
@@ -258,14 +262,7 @@ def sensitivity_map(study: FittedSpace, local: NamedDesign) -> pd.DataFrame:
             seen = ["layer", *(["h0_um", "hv_um"] if layer == "gap" else ["x_mm", "y_mm"])]
             part = part.groupby(seen)[["sensitivity"]].max().reset_index()
         parts.append(part)
-    note = (
-        f"Model {study.model.name}: sensitivity d(x)/p of the locally D-optimal design, nowhere "
-        "above one and one at its points (circles, their area the weight), as the equivalence "
-        f"theorem asks; D-efficiency at least {np.floor(1e6 * (local.certificate or 0)) / 1e6:.6f}."
-    )
-    if "position" in layers:
-        note += " Left: largest over positions; right: smallest gap, largest amplitude."
-    return pd.concat(parts, ignore_index=True).assign(note=note)
+    return pd.concat(parts, ignore_index=True)
 
 
 def summary_of(

@@ -12,22 +12,25 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.box import Box, coordinates, corners
 from squeezefilm.designs.paper_design import (
     Criterion,
     Design,
     Gradient,
+    Pattern,
+    augment,
     d_efficiency,
     exchange_design,
+    find_patterns,
+    find_regions,
     search_design,
     spread_on_lines,
 )
-from squeezefilm.designs.patterns import Pattern, augment, find_patterns, find_regions
 from squeezefilm.io.parallel import parallel_map
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import ExpressionModel, get_model
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
 
 DIGITS = 6

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.polynomial import chebyshev
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import form_of
@@ -35,7 +36,6 @@ from squeezefilm.reynolds.asymptotics.composite import (
 )
 from squeezefilm.reynolds.asymptotics.scenes import Expanded, expanded, not_derived_for
 from squeezefilm.reynolds.needs import Needs, needs_of
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import box_of, plan
 from squeezefilm.studies.study import scene_of, scenes_in
 

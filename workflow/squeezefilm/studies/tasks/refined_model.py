@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, refine_loop
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.positions import as_in
@@ -25,7 +26,6 @@ from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.prediction_interval import error_by_region, in_words
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import film_of, scenes_in, symmetry_of

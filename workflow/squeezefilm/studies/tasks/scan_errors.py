@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.measured.tables import described, profile_table, summary_of
 from squeezefilm.film.scene import Scene
@@ -17,7 +18,6 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit
 from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 from squeezefilm.reynolds.device import Device
-from squeezefilm.studies.config import Config
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.study import scenes_in, smoothed_scan_of, symmetry_of

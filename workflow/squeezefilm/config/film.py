@@ -1,0 +1,445 @@
+"""A study's configuration as models: every key with its unit, limits, default and meaning.
+
+A key's meaning stands under ``Attributes`` in the docstring of its section, from which the table in
+config/README.md and an editor's schema are made (config/keys.py). Names in Python have their unit
+(``frequency_hz``); keys in a file have none (``frequency: 43.27 kHz``), and there a number is in SI
+units, or degrees, and a text has a unit of its own.
+"""
+
+import re
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    StrictBool,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from squeezefilm.units import in_unit
+
+UNIT_OF_NAME = re.compile(r"_(m|hz|n|deg|pa|pa_s|kg_per_m3|m_per_s|per_m|rad_per_m)$")
+LIKE_AIR = 0.05
+"""By how much the viscosity of air may differ, relative, that is not quite so warm."""
+
+Items = TypeVar("Items", bound=Iterable[Hashable])
+
+
+def key_of(name: str) -> str:
+    """The key in a file of what Python calls ``name``."""
+    return UNIT_OF_NAME.sub("", name)
+
+
+def mistake(text: str, *place: str) -> PydanticCustomError:
+    """An error at a key further inside than where the validator is that raises it."""
+    return PydanticCustomError("relation", "{text}", {"text": text, "place": place})
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number within limits, in SI units or as a text with a unit of its own.
+
+    Attributes:
+        unit: SI, or degrees; ``1`` for none.
+        open: whether the lower limit itself is not allowed.
+    """
+
+    unit: str
+    low: float
+    high: float
+    open: bool = False
+
+    def __get_pydantic_core_schema__(self, source: Any, _: GetCoreSchemaHandler) -> CoreSchema:
+        low: dict[str, Any] = {"gt" if self.open else "ge": self.low}
+        number = core_schema.float_schema(strict=True, allow_inf_nan=False, le=self.high, **low)
+        return core_schema.no_info_before_validator_function(self._in_si, number)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        text = {"type": ["number", "string"], "unit": self.unit}  # limits are a number's alone
+        return handler(schema) | (text if self.unit != "1" else {})
+
+    def _in_si(self, value: Any) -> Any:
+        """The value in SI units; as it is where it is no number with such a unit."""
+        number = in_unit(value, self.unit) if isinstance(value, str) else None
+        return value if number is None else number
+
+
+def _different(values: Items) -> Items:
+    if len(set(values)) < len(list(values)):
+        raise ValueError("a value stands twice")
+    return values
+
+
+FilmLength = Annotated[float, Number("m", 1e-9, 1e-3)]  # below a nanometre there is no film of gas
+Length = Annotated[float, Number("m", 1e-6, 10)]
+Rise = Annotated[float, Number("m", -1e-3, 1e-3)]
+Direction = Annotated[float, Number("°", -360, 360)]
+WaveNumber = Annotated[float, Number("1/m", 0, 1e6, open=True)]
+Separation = Annotated[float, Number("1", 0, 0.5, open=True)]
+Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
+Seed = Annotated[int, Field(strict=True, ge=0, le=10**9)]
+Text = Annotated[str, Field(min_length=1, max_length=1000)]
+Name = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
+Different = AfterValidator(_different)
+UpTo100 = Field(min_length=1, max_length=100)
+DERIVED: Any = Field(default=None)
+"""A default that follows from other keys; ``default:`` in the docstring says how."""
+Names = Annotated[list[Name], UpTo100, Different]
+Term = Literal["none", "included", "auto"]
+
+
+def _described(schema: dict[str, Any]) -> None:
+    """Put what a docstring says of keys to these, in a section's JSON schema."""
+    about, _, attributes = schema.get("description", "").partition("\n\nAttributes:\n")
+    schema["description"] = " ".join(about.partition("\n\n")[0].split())
+    for name, meaning in re.findall(r"^    (\w+): (.*(?:\n {8}.*)*)", attributes, re.MULTILINE):
+        key = schema["properties"][key_of(name)]
+        key["description"], _, words = " ".join(meaning.split()).partition("; default: ")
+        key |= {"derived": words} if words else {}
+
+
+KEYS = ConfigDict(
+    extra="forbid", alias_generator=key_of, defer_build=True, json_schema_extra=_described
+)
+
+
+class Section(BaseModel):
+    model_config = KEYS
+
+
+@dataclass(frozen=True)
+class Gas:
+    """The film's gas; air at 20 °C where nothing is written. Of another gas, whose viscosity is
+    another, all is to be written. The paper states none of these.
+
+    The film's own type: in Python its numbers may be any, in a study they are within limits. The
+    density follows the pressure as ρ ~ p^(1/n), the mean free path goes like 1/ρ, as for molecules
+    of a fixed size; ``auto`` is decided before a scene is solved (effects/automatic.py). What the
+    equation of a scene leaves out enters its budget alone (reynolds/effects).
+
+    Attributes:
+        viscosity_pa_s: dynamic viscosity μ
+        ambient_pressure_pa: pressure p0 around the finger
+        density_kg_per_m3: density at ambient pressure, by which the gas has inertia; default: air's
+            at 20 °C under the pressure, 1.204 at 101325 Pa
+        mean_free_path_m: mean free path at ambient density, for `rarefaction` and the budget; in
+            the film it goes like 1/density; default: air's under the pressure, 67 nm at 101325 Pa
+        rarefaction: `none` (viscous flow), `slip` (first order, 6 Kn H²) or `fukui-kaneko` (their
+            flow factor, for D ≥ 5)
+        slip_coefficient: slip length over the mean free path with `rarefaction: slip`: 1 is
+            Maxwell's, 6 Kn H² of flow; 1.147 that of kinetic theory, 6.88 Kn H²; more where walls
+            reflect molecules like mirrors
+        polytropic_exponent: n of ρ ~ p^(1/n): 1 for an isothermal film, 1.4 for adiabatic air
+        inertia: whether the gas has inertia (docs/solver.md): `none`, as in the paper's equation;
+            `included`; or `auto`, included in a scene whose force it changes by more than
+            `solver.model_tolerance`
+        heat: whether compression and friction warm the gas, between walls that stay at ambient
+            temperature (docs/solver.md): `none`, as in the paper's equation; `included`, with
+            `polytropic_exponent` 1; or `auto`, included in a scene whose force it changes by more
+            than `solver.model_tolerance`
+        prandtl: Prandtl number, viscosity over conduction of heat
+        heat_capacity_ratio: ratio γ of the specific heats
+        viscosity_exponent: κ of the viscosity's growth with temperature, T^κ
+    """
+
+    __pydantic_config__ = KEYS
+
+    viscosity_pa_s: Annotated[float, Number("Pa s", 1e-7, 100)] = 1.81e-5
+    ambient_pressure_pa: Annotated[float, Number("Pa", 1, 1e9)] = 101325.0
+    density_kg_per_m3: Annotated[float, Number("kg/m³", 1e-6, 1e5)] = 1.204
+    mean_free_path_m: Annotated[float, Number("m", 1e-12, 1)] = 67e-9
+    rarefaction: Literal["none", "slip", "fukui-kaneko"] = "none"
+    slip_coefficient: Annotated[float, Number("1", 0.1, 100)] = 1.0
+    polytropic_exponent: Annotated[float, Number("1", 1, 1.67)] = 1.0
+    inertia: Term = "auto"
+    heat: Term = "auto"
+    prandtl: Annotated[float, Number("1", 1e-3, 1000)] = 0.71
+    heat_capacity_ratio: Annotated[float, Number("1", 1, 1.67)] = 1.4
+    viscosity_exponent: Annotated[float, Number("1", 0, 2)] = 0.7
+
+
+OF_AIR = (
+    *("density_kg_per_m3", "mean_free_path_m"),
+    *("prandtl", "heat_capacity_ratio", "viscosity_exponent"),
+)
+"""What is air's where it is not written: to be written for another gas."""
+
+
+def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
+    """A gas with what is not written of it: that of air, whose density goes with the pressure."""
+    gas, air = validated(values), Gas()
+    lacking = [name for name in OF_AIR if key_of(name) not in values]
+    if lacking and abs(gas.viscosity_pa_s / air.viscosity_pa_s - 1) > LIKE_AIR:
+        raise mistake(
+            f"{gas.viscosity_pa_s:g} is not that of air at 20 °C, {air.viscosity_pa_s:g}; of "
+            f"another gas give {', '.join(map(key_of, lacking))} too, which are air's where they "
+            "are not written",
+            "viscosity",
+        )
+    if gas.slip_coefficient != 1 and gas.rarefaction != "slip":
+        raise mistake(
+            f"{gas.slip_coefficient:g} is read with rarefaction: slip, and not with "
+            f"{gas.rarefaction}",
+            "slip_coefficient",
+        )
+    density = gas.ambient_pressure_pa / air.ambient_pressure_pa
+    under_pressure = {
+        "density_kg_per_m3": air.density_kg_per_m3 * density,
+        "mean_free_path_m": air.mean_free_path_m / density,
+    }
+    return replace(gas, **{name: v for name, v in under_pressure.items() if name in lacking})
+
+
+class Rectangle(Section):
+    """Of a rectangle, instead of `surface_radius`; the finger must lie on it.
+
+    Attributes:
+        shape: its outline
+        length_x_m: its side along x
+        length_y_m: its side along y
+    """
+
+    shape: Literal["rectangle"]
+    length_x_m: Length
+    length_y_m: Length
+
+
+class Sinc(Section):
+    """A sinc.
+
+    Attributes:
+        wave_number_per_m: k, with r from the centre
+    """
+
+    kind: Literal["sinc"]
+    wave_number_per_m: WaveNumber
+
+
+class Piston(Section):
+    """A piston."""
+
+    kind: Literal["piston"]
+
+
+class StandingWave(Section):
+    """A standing wave.
+
+    Attributes:
+        wavelength_m: λ
+        direction_deg: direction of the wave, from the x axis
+        crest_m: how far a crest lies from the centre; it may lie off the surface, the largest
+            amplitude on which is 1
+    """
+
+    kind: Literal["standing-wave"]
+    wavelength_m: Length
+    direction_deg: Direction = 0.0
+    crest_m: Annotated[float, Number("m", -10, 10)] = 0.0
+
+
+class TravellingWave(Section):
+    """A travelling wave.
+
+    Attributes:
+        wavelength_m: λ
+        direction_deg: direction in which it travels, from the x axis
+    """
+
+    kind: Literal["travelling-wave"]
+    wavelength_m: Length
+    direction_deg: Direction = 0.0
+
+
+class BesselMode(Section):
+    """A bending mode of a disc.
+
+    Attributes:
+        nodal_diameters: n
+        wave_number_rad_per_m: k
+        edge_share: c, share of the near field of the disc's edge; 0 leaves it out
+        direction_deg: φ0, direction of an antinode, from the x axis
+    """
+
+    kind: Literal["bessel"]
+    nodal_diameters: Annotated[int, Field(strict=True, ge=0, le=20)]
+    wave_number_rad_per_m: Annotated[float, Number("rad/m", 0, 1e6, open=True)]
+    edge_share: Annotated[float, Number("1", -1e6, 1e6)] = 0.0
+    direction_deg: Direction = 0.0
+
+
+class Formula(Section):
+    """A formula.
+
+    Attributes:
+        expression: arithmetic on `x`, `y`, `r` (m), `phi` (rad) and `pi`: + - * / **, sqrt, exp,
+            log, sin, cos, tan, sinh, cosh, tanh, atan, abs, sinc. Divided by its largest magnitude
+            on the surface
+        quadrature: the same for what moves a quarter of a period ahead: the surface goes down by
+            expression · sin ωt + quadrature · cos ωt, over the largest root of both squares on the
+            surface; 0 where all moves in one phase
+    """
+
+    kind: Literal["formula"]
+    expression: Text
+    quadrature: Text = "0"
+
+
+class Scan(Section):
+    """A measured shape.
+
+    Attributes:
+        file: a vibrometer's table (see below), from the folder of this file
+        axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
+            leaves it free, and is what a rectangle needs
+        sign: with `measured` a scan without phase and sign that looks folded up at a node line is
+            refused; `unknown` takes it as it is, and every force says so
+    """
+
+    kind: Literal["measured"]
+    file: Text
+    axisymmetric: StrictBool = False
+    sign: Literal["measured", "unknown"] = "measured"
+
+
+Profile = Annotated[
+    Sinc | Piston | StandingWave | TravellingWave | BesselMode | Formula | Scan,
+    Field(discriminator="kind"),
+]
+
+
+class Actuator(Section):
+    """The vibrating surface, a disc or a rectangle.
+
+    Attributes:
+        frequency_hz: frequency of the vibration
+        surface_radius_m: of a disc: its radius; the finger must lie on it with all its corners
+        profile: shape of the vibration, with maximum 1 on the surface. Its `kind` decides the other
+            keys: `sinc`, sin(πkr)/(πkr) (paper eq. 2); `piston`, it moves as a whole;
+            `standing-wave`, ~ cos(2πu/λ); `travelling-wave`, cos(ωt − 2πu/λ); `bessel`, a bending
+            mode [J_n(kr) + c I_n(kr)] cos n(φ − φ0); `formula`; `measured`
+    """
+
+    frequency_hz: Annotated[float, Number("Hz", 1e-3, 1e9)]
+    surface_radius_m: Length | None = None
+    surface: Rectangle | None = None
+    profile: Profile
+
+    @model_validator(mode="after")
+    def _one_surface(self) -> "Actuator":
+        if (self.surface is None) == (self.surface_radius_m is None):
+            raise mistake(
+                "give surface_radius, of a disc, or surface, of a rectangle, and not both"
+            )
+        if self.surface and isinstance(self.profile, Scan) and self.profile.axisymmetric:
+            raise mistake("a rectangle has no axis; it must be false", "profile", "axisymmetric")
+        return self
+
+
+class OutlineFile(Section):
+    """Of a curve: where it is.
+
+    Attributes:
+        file: a table of points around the rim (see below), from the folder of this file
+        scatter_m: how far the points may lie off the smooth curve through them; 0 stands for 1e-4
+            of the longer side
+    """
+
+    file: Text
+    scatter_m: Annotated[float, Number("m", 0, 1)] = 0.0
+
+
+class GapShape(Section):
+    """How the gap at rest differs from h0, the gap at the finger's centre; all zero if pad and
+    surface are parallel.
+
+    Attributes:
+        tilt_x_m: gap at the middle of the side at +x less that at −x
+        tilt_y_m: gap at the middle of the side at +y less that at −y
+        bulge_m: gap at the middle of a side less that at the centre, growing with the square of the
+            distance; positive for a pad that bulges towards the surface
+    """
+
+    tilt_x_m: Rise = 0.0
+    tilt_y_m: Rise = 0.0
+    bulge_m: Rise = 0.0
+
+
+class Finger(Section):
+    """The finger pad.
+
+    Attributes:
+        shape: its outline
+        length_x_m: the rectangle's side, the ellipse's axis or the curve's extent, along x
+        length_y_m: the same along y
+        rotation_deg: by how much its x axis is turned from the actuator's, against the clock
+        speed_x_m_per_s: speed at which the surface passes it, towards +x of its own axes; 0 at rest
+    """
+
+    shape: Literal["rectangle", "ellipse", "curve"] = "rectangle"
+    outline: OutlineFile | None = None
+    length_x_m: Length
+    length_y_m: Length
+    rotation_deg: Direction = 0.0
+    speed_x_m_per_s: Annotated[float, Number("m/s", -10000, 10000)] = 0.0
+    gap: GapShape = Field(default_factory=GapShape)
+
+    @model_validator(mode="after")
+    def _outline_of_a_curve(self) -> "Finger":
+        curve = self.shape == "curve"
+        if curve != (self.outline is not None):
+            raise mistake(
+                f"{'it is missing' if curve else 'it is there'}, and finger.shape is {self.shape}: "
+                "a curve has its points in a file, other shapes have none",
+                "outline",
+            )
+        return self
+
+
+class Solver(Section):
+    """How forces are computed.
+
+    Attributes:
+        method: `auto` takes, for each scene, the composite expansion where that holds the tolerance
+            and costs less, else the periodic state; or one by name (docs/solver.md)
+        tolerance: wanted relative error of each force
+        model_tolerance: relative change of a force from which on `auto` includes a term of the
+            equation
+        device: OpenCL device: a part of its platform's or its own name, or `auto`. The environment
+            variable `SQUEEZEFILM_DEVICE` goes before it, and the option `--device` of a command
+            before both
+    """
+
+    method: Literal["auto", "composite", "periodic"] = "auto"
+    tolerance: Annotated[float, Number("1", 1e-10, 0.1)] = 1e-4
+    model_tolerance: Annotated[float, Number("1", 1e-6, 0.5)] = 1e-3
+    device: Annotated[str, Field(min_length=1)] = "auto"
+
+
+Output = Literal[
+    "harmonics", "power", "centre", "moments", "thrust", "extremes", "static_stiffness"
+]
+
+
+class FilmSections(Section):
+    """A film and how it is solved: what a command needs that simulates single scenes."""
+
+    gas: Annotated[Gas, WrapValidator(_whole_gas)] = Field(default={}, validate_default=True)
+    actuator: Actuator
+    finger: Finger
+    solver: Solver = Field(default_factory=Solver)
+    outputs: Annotated[list[Output], Different] = Field(
+        default=[],
+        description="answers beside the mean force in every `forces.csv`, each with its error "
+        "(docs/outputs.md)",
+    )

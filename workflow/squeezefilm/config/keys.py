@@ -1,0 +1,174 @@
+"""The keys of a study: what is allowed, in words; their table in config/README.md (`make keys`).
+
+All of it from the models' JSON schema, which ``squeezefilm config --schema`` prints for editors.
+"""
+
+import sys
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from squeezefilm.config.film import FilmSections
+from squeezefilm.config.study import Study
+from squeezefilm.io.errors import InputError
+
+Part = Mapping[str, Any]
+"""Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""
+Place = tuple[str | int, ...]
+"""The keys, and numbers of a list's items, that lead to a value."""
+
+BEGIN = "<!-- From squeezefilm/config by `make keys`: edit there. -->\n"
+END = "<!-- End of the keys. -->\n"
+HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
+
+
+@cache
+def schema(model: type[FilmSections] = Study) -> Part:
+    """The JSON schema of a model, its parts in the places where it refers to them."""
+    raw = model.model_json_schema()
+
+    def inlined(part: Any) -> Any:
+        if isinstance(part, list):
+            return [inlined(each) for each in part]
+        if not isinstance(part, dict):
+            return part
+        if "$ref" in part:
+            return inlined(raw["$defs"][part["$ref"].rpartition("/")[2]]) | without(part, "$ref")
+        if "discriminator" in part:
+            kinds = {each["properties"]["kind"]["const"]: each for each in inlined(part["oneOf"])}
+            keys = {"kind": {"enum": list(kinds), "description": "it decides the other keys"}}
+            return {**part, "properties": keys, "required": ["kind"], "kinds": kinds}
+        choices = [each for each in part.get("anyOf", ()) if each != {"type": "null"}]
+        if len(choices) == 1:  # a key that may be left out
+            return inlined(choices[0]) | without(part, "anyOf", "default")
+        return {name: inlined(each) for name, each in part.items()}
+
+    def without(part: dict[str, Any], *names: str) -> dict[str, Any]:
+        return {name: each for name, each in part.items() if name not in names}
+
+    whole: Part = inlined(without(raw, "$defs"))
+    return whole
+
+
+def part_at(part: Part, place: Place, values: Any) -> Part:
+    """The part of a schema for a place in some values; empty where there is none."""
+    for step in place:
+        own = _of_kind(part, values)
+        key = own.get("properties", {}).get(step) or _of_any_name(own)
+        part = own.get("items", {}) if isinstance(step, int) else key
+        try:
+            values = values[step]
+        except (KeyError, IndexError, TypeError):
+            values = None
+    return _of_kind(part, values)
+
+
+def _of_any_name(part: Part) -> Part:
+    """The part for each key of a section whose keys are the user's names."""
+    return next(iter(part.get("patternProperties", {}).values()), {})
+
+
+def _of_kind(part: Part, values: Any) -> Part:
+    kind = values.get("kind") if isinstance(values, Mapping) else None
+    chosen: Part = part.get("kinds", {}).get(str(kind), part)
+    return chosen
+
+
+def allowed(part: Part) -> str:
+    """What the schema demands of a value, in words; nothing for a section."""
+    inner = part.get("properties", {})
+    if "levels" in inner:
+        return "; ".join(f"`{name}` {allowed(key)}" for name, key in inner.items())
+    if "enum" in part or "const" in part:
+        return ", ".join(f"`{value}`" for value in part.get("enum", [part.get("const")]))
+    if "items" in part:
+        return f"a list: {allowed(part['items'])}"
+    if "anyOf" in part:
+        choices = [each for each in part["anyOf"] if each != {"type": "null"}]
+        return " or ".join(allowed(choice) or "a mapping" for choice in choices)
+    if "maximum" in part:
+        low = f"{shown(part['minimum'])} …" if "minimum" in part else "above 0, at most"
+        return f"{low} {shown(part['maximum'])}{', whole' if part['type'] == 'integer' else ''}"
+    return {"string": "text", "boolean": "`true`, `false`"}.get(part.get("type", ""), "")
+
+
+def shown(value: float, *, digits: int = 5) -> str:
+    """A limit or a default as it is written in texts."""
+    text = f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
+    return text.replace("-", "−") if text.startswith("-") else text
+
+
+def with_key_table(text: str) -> str:
+    """A text with the table between its two marks made anew.
+
+    Raises InputError when a mark is missing, or a key has no description.
+    """
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise InputError(f"the table of keys belongs between the lines {BEGIN}and {END}")
+    return before + BEGIN + "\n" + key_table(schema()) + "\n" + END + after
+
+
+def key_table(whole: Part) -> str:
+    """A row of Markdown for each key: its unit, values, default, and what it means."""
+    return HEAD + "".join(
+        f"| {_name(path)} | {unit_of(part)} | {allowed(part)} | {_default(part, needed)} "
+        f"| {_meaning(path, part)} |\n"
+        for path, part, needed in _keys(whole)
+    )
+
+
+def _keys(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Part, bool]]:
+    """Each key below a part of the schema: the names that lead to it, and whether it is needed."""
+    for name, key in part.get("properties", {}).items():
+        yield (*path, name), key, name in part.get("required", ())
+        if "levels" not in key.get("properties", {}):  # ranges, whose keys stand in their row
+            yield from _keys(key, (*path, name))
+    if "patternProperties" in part:
+        yield from _keys(_of_any_name(part), (*path, "NAME"))
+    for kind, choice in part.get("kinds", {}).items():
+        for place, key, needed in _keys(choice, path):
+            if place[-1] != "kind":
+                yield place, {**key, "description": f"of `{kind}`: {key['description']}"}, needed
+
+
+def unit_of(part: Part) -> str:
+    """The unit of a key's number, of each in its list, or of the ends of its range."""
+    inner = part.get("items", part.get("properties", {}).get("start", {}))
+    return str(part.get("unit", inner.get("unit", "")))
+
+
+def _default(part: Part, needed: bool) -> str:
+    """What a key is where it is not written; that it must be."""
+    inner, required = part.get("properties", {}), part.get("required", ())
+    if "levels" in inner:
+        ends = (f"`{name}` {_default(key, name in required)}" for name, key in inner.items())
+        return "; ".join(ends)
+    if "derived" in part or needed:
+        return str(part.get("derived", "to be written"))
+    if inner or "default" not in part:
+        return ""
+    value = part["default"]
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    text = shown(value, digits=12) if number else yaml.safe_dump(value, default_flow_style=True)
+    return f"`{text.removesuffix('...' + chr(10)).strip()}`"
+
+
+def _name(path: tuple[str, ...]) -> str:
+    """A section in bold; of other keys the names below their section."""
+    return f"`{'.'.join(path[1:])}`" if len(path) > 1 else f"**`{path[0]}`**"
+
+
+def _meaning(path: tuple[str, ...], part: Part) -> str:
+    if not part.get("description"):
+        raise InputError(f"{'.'.join(path)} has no description in squeezefilm/config")
+    return str(part["description"]).replace("|", "\\|")
+
+
+if __name__ == "__main__":
+    README = Path(sys.argv[1])
+    README.write_text(with_key_table(README.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,268 @@
+"""Reading a study from YAML: all that is wrong with it at once, each with its line and remedy."""
+
+import difflib
+import re
+import reprlib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from squeezefilm.config.film import FilmSections, key_of
+from squeezefilm.config.keys import Part, Place, allowed, part_at, schema
+from squeezefilm.config.study import Study
+from squeezefilm.io.atomic import read_text
+from squeezefilm.io.errors import InputError
+from squeezefilm.units import DECIMAL, examples
+
+CONSTANTS = {"true": True, "false": False, "null": None, "~": None, "": None}
+INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*)", re.ASCII)
+FLOAT = re.compile(rf"(?!{INTEGER.pattern}$)(?!0\d){DECIMAL}|[-+]?\.(?:inf|nan)", re.I | re.ASCII)
+LONGEST_INTEGER = 18
+ABOUT_KEYS = ("missing", "extra_forbidden", "unexpected_keyword_argument")
+TEXT = ("string_pattern_mismatch", "string_too_short", "string_too_long")
+
+
+@dataclass(frozen=True)
+class Config(Mapping[str, Any]):
+    """A study's sections as mappings, by the names that Python has for keys (``frequency_hz``).
+
+    Attributes:
+        path: the file, from whose folder those that it names count.
+        sections: what is written, and what follows where it is not.
+        model: the same as it was validated; None of sections that were put together in Python.
+        written: the places of all keys that were written.
+    """
+
+    path: Path
+    sections: dict[str, Any]
+    model: FilmSections | None = None
+    written: frozenset[Place] = field(default=frozenset(), repr=False)
+
+    def __getitem__(self, section: str) -> Any:
+        return self.sections[section]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.sections)
+
+    def __len__(self) -> int:
+        return len(self.sections)
+
+
+def load_config(path: Path | str) -> Config:
+    """Read and validate a configuration file; what it lacks has its default.
+
+    Raises InputError naming the file, line and key, what is wrong with it and what is allowed.
+    """
+    return parse_config(read_text(path, what="configuration file"), path=Path(path))
+
+
+def parse_config(text: str, *, path: Path) -> Config:
+    """Validate the text of a configuration file, which is or will be at ``path``.
+
+    Raises InputError as ``load_config`` does.
+    """
+    values, lines = _read(text, path=path)
+    return config_of(values, path=path, lines=lines)
+
+
+def load_film(path: Path | str) -> Config:
+    """Read the sections of a film from a configuration; others are not checked and may be missing.
+
+    Raises InputError as ``load_config`` does.
+    """
+    values, lines = _read(read_text(path, what="configuration file"), path=Path(path))
+    others = Study.model_fields.keys() - FilmSections.model_fields.keys()
+    film = {name: value for name, value in values.items() if name not in others}
+    return config_of(film, path=Path(path), lines=lines, model=FilmSections)
+
+
+def config_of(
+    values: Mapping[str, Any],
+    *,
+    path: Path,
+    lines: Mapping[Place, int] | None = None,
+    model: type[FilmSections] = Study,
+) -> Config:
+    """Validate sections by the keys of a file.
+
+    Args:
+        path: the file that they are of, or a name for where they are from.
+        lines: of the file, at which keys and items stand.
+
+    Raises InputError as ``load_config`` does.
+    """
+    try:
+        valid = model.model_validate(values)
+    except ValidationError as error:
+        told = _mistakes(error, values, schema(model), lines or {})
+        raise InputError("\n".join(f"{path}: {each}" for each in told)) from None
+    sections = valid.model_dump(exclude_none=True)
+    return Config(path, sections, valid, frozenset(_places(values)))
+
+
+def _places(values: Any, place: Place = ()) -> Iterator[Place]:
+    if isinstance(values, Mapping):
+        for name, value in values.items():
+            yield (*place, name)
+            yield from _places(value, (*place, name))
+
+
+def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[Place, int]]:
+    """The values of a YAML text, and the line of each.
+
+    Of YAML its plain part: true, false, null, decimal numbers, text, lists and mappings, for YAML's
+    own rules read 12:30 as 750 and 010 as 8. A key may stand only once; tags, aliases and merge
+    keys are refused, so that a file is no larger than it looks.
+    """
+    lines: dict[Place, int] = {}
+    seen: set[int] = set()
+
+    def value_of(node: yaml.Node, place: Place) -> Any:
+        lines.setdefault(place, node.start_mark.line + 1)
+        if id(node) in seen:
+            raise refused("an alias is not allowed", node)
+        seen.add(id(node))
+        if not node.tag.endswith((":str", ":seq", ":map")):
+            raise refused(f"the tag {node.tag} is not allowed", node)
+        if isinstance(node, yaml.SequenceNode):
+            return [value_of(item, (*place, i)) for i, item in enumerate(node.value)]
+        if isinstance(node, yaml.MappingNode):
+            return mapping_of(node, place)
+        assert isinstance(node, yaml.ScalarNode)
+        return node.value if node.style else _scalar(node.value)
+
+    def mapping_of(node: yaml.MappingNode, place: Place) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        for key, value in node.value:
+            name = value_of(key, ())
+            if not isinstance(name, str):
+                raise refused(f"the key {reprlib.repr(name)} is not text", key)
+            if name == "<<":
+                raise refused("merge keys are not allowed", key)
+            if name in values:
+                raise refused(f"the key {name!r} stands twice", key)
+            lines[*place, name] = key.start_mark.line + 1
+            values[name] = value_of(value, (*place, name))
+        return values
+
+    def refused(problem: str, node: yaml.Node) -> InputError:
+        return InputError(f"{path}: line {node.start_mark.line + 1}: {problem}")
+
+    try:
+        # BaseLoader takes every scalar as text.
+        node = yaml.compose(text, Loader=yaml.BaseLoader)
+        values = value_of(node, ()) if node else None
+    except yaml.YAMLError as error:
+        raise InputError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from None
+    except RecursionError:
+        raise InputError(f"{path}: nested too deeply") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: a configuration is a mapping of keys to values")
+    return values, lines
+
+
+def _scalar(text: str) -> Any:
+    if text in CONSTANTS:
+        return CONSTANTS[text]
+    if INTEGER.fullmatch(text):
+        return int(text) if len(text) <= LONGEST_INTEGER else float(text)
+    return float(text.replace(".i", "i").replace(".n", "n")) if FLOAT.fullmatch(text) else text
+
+
+def _mistakes(
+    error: ValidationError,
+    values: Mapping[str, Any],
+    whole: Part,
+    lines: Mapping[Place, int],
+) -> list[str]:
+    """What is wrong, each mistake once, in the order of the file."""
+    found: dict[Place, tuple[int, str]] = {}
+    for each in error.errors(include_url=False):
+        place = _place(each["loc"], values) + each.get("ctx", {}).get("place", ())
+        if place in found:  # by another choice of a union
+            continue
+        about = _about_key if each["type"] in ABOUT_KEYS else _about_value
+        text = about(each, place, whole, values)
+        inner = next((place[:end] for end in range(len(place), 0, -1) if place[:end] in lines), ())
+        found[place] = lines[inner] if inner else 0, text
+    in_order = sorted(found, key=lambda place: (found[place][0], list(map(str, place))))
+    told = [found[place] for place in in_order if found[place][1]]
+    return [f"line {line}: {text}" if line else text for line, text in told]
+
+
+def _place(loc: Place, values: Any) -> Place:
+    """The place of a pydantic error, without what it says of the choices of a union."""
+    place: Place = ()
+    for step in loc:
+        if isinstance(values, Mapping):
+            if step not in values and step in ("[key]", values.get("kind")):
+                continue
+        elif isinstance(step, str):
+            continue
+        place += (step,)
+        try:
+            values = values[step]
+        except (KeyError, IndexError, TypeError):
+            values = None
+    return place
+
+
+def _about_key(error: Any, place: Place, whole: Part, values: Any) -> str:
+    """What is wrong with a key that is unknown or missing; empty where another error says it."""
+    *section, key = map(str, place)
+    where, part = ".".join(section) or "top level", part_at(whole, place[:-1], values)
+    known = part.get("properties", {})
+    if error["type"] != "missing":
+        close = _close(key, known) or _close(key_of(key), known)
+        hint = f"did you mean {close!r}?" if close else f"allowed are {', '.join(sorted(known))}"
+        return f"{where}: unknown key {key!r}; {hint}"
+    written = _at(values, place[:-1])
+    if any(_close(name, known) == key for name in written if name not in known):
+        return ""
+    wanted = known[key]
+    inner = ", ".join(wanted.get("required", ()))
+    words = allowed(wanted) or (f"a section with {inner}" if inner else "a section")
+    unit = f" {wanted['unit']}" if "unit" in wanted else ""
+    about = f": {wanted['description']}" if "description" in wanted else ""
+    return f"{where}: missing {key!r} ({words}{unit}){about}"
+
+
+def _about_value(error: Any, place: Place, whole: Part, values: Any) -> str:
+    where, part = ".".join(map(str, place)) or "top level", part_at(whole, place, values)
+    wrong, kind = error["input"], error["type"]
+    if kind == "relation":
+        return f"{where}: {error['msg']}"
+    if kind == "value_error":
+        return f"{where}: {error['ctx']['error']}"
+    if kind.startswith("union_tag"):
+        kinds = part["properties"]["kind"]
+        if kind == "union_tag_not_found":
+            return f"{where}: missing 'kind' ({allowed(kinds)})"
+        wrong, where, part = error["ctx"]["tag"], f"{where}.kind", kinds
+    if "enum" in part:
+        close = _close(str(wrong), part["enum"])
+        hint = f"; did you mean {close!r}?" if close else ""
+        return f"{where}: {wrong!r} is none of {allowed(part)}{hint}"
+    value = reprlib.repr(wrong)
+    text = f"{where}: {value} {error['msg'].partition(' ')[2]}"
+    if kind in TEXT and "description" in part:
+        return f"{text}; it is the {part['description']}"
+    if "properties" in part:
+        return f"{where}: {value} is no section; its keys are {', '.join(part['properties'])}"
+    unit = part.get("unit")
+    like = f" {unit}, as a number or with its unit, like {examples(unit)}" if unit else ""
+    return f"{text}; allowed: {allowed(part)}{like}"
+
+
+def _at(values: Any, place: Place) -> Any:
+    for step in place:
+        values = values[step]
+    return values
+
+
+def _close(key: str, known: Iterable[str]) -> str:
+    return next(iter(difflib.get_close_matches(key, known, n=1)), "")

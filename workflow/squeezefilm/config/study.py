@@ -1,0 +1,585 @@
+"""A whole study: the film, the plans of its simulations, and the models fitted to them.
+
+What follows from other keys where it is not written is filled in once all keys are valid
+(``Study.with_derived``), then relations between keys are checked.
+"""
+
+from math import cos, floor, hypot, log10, pi, radians, sin, sqrt
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, StrictBool, model_validator
+
+from squeezefilm.config.film import (
+    DERIVED,
+    Count,
+    Different,
+    FilmLength,
+    FilmSections,
+    Finger,
+    Name,
+    Names,
+    Number,
+    Section,
+    Seed,
+    Separation,
+    UpTo100,
+    key_of,
+    mistake,
+)
+from squeezefilm.io.positions import CARTESIAN, POLAR
+
+FACTORS = ("h0", "hv")
+FINER, MOST_LEVELS = 2, 1000
+"""The error map's levels over the screen's: they share no points but the corners."""
+SAME = SLACK = 1e-9
+DIRECTIONS_DEG = (0.0, 22.5, 45.0)
+POSITIONS = 25
+"""Of the four-factor plan, where they are to fill the reachable space."""
+FARTHER, FARTHEST = 1.1, 1.5
+"""An amplitude beyond the screen at which its models are tried, over the screen's largest: the
+default, and the most."""
+
+
+class Simulation(Section):
+    """How the work is divided.
+
+    Attributes:
+        seconds_per_job: the simulations of a plan are divided into jobs of about so many seconds of
+            solving on one thread, by an estimate of what its scenes cost. A job's start takes one
+            to two seconds, on a cluster more. Forces do not depend on it
+    """
+
+    seconds_per_job: Annotated[float, Number("s", 1e-6, 1e6)] = 10.0
+
+
+class Sweep(Section):
+    """`snakemake sweep`: many points, evenly over the box of all four factors.
+
+    Attributes:
+        points: how many
+        first: how many points of the sequence to leave out: sweeps with `first` 0, 1000, 2000 … and
+            1000 `points` each are one sweep in parts, each a study of its own
+        seed: of the sequence's scrambling; the same for all parts
+    """
+
+    points: Annotated[int, Field(strict=True, ge=1, le=10**7)] = 1000
+    first: Seed = 0
+    seed: Seed = 1
+
+
+class Levels(Section):
+    """Evenly spaced values."""
+
+    start: FilmLength
+    stop: FilmLength
+    levels: Annotated[int, Field(strict=True, ge=2, le=MOST_LEVELS)] = 8
+
+
+class Screen(Section):
+    """The first plan: every gap with every amplitude, finger centred.
+
+    Attributes:
+        h0_m: mean gaps: `levels` values, evenly spaced from `start` to `stop`. This range and that
+            of `hv` are the space of every plan: designs, control points, `error_map`, `refine`,
+            `sweep`
+        hv_m: amplitudes at the profile's maximum, likewise; the largest must stay below the
+            smallest gap
+    """
+
+    h0_m: Levels
+    hv_m: Levels
+
+
+class Seeds(Section):
+    """Runs per bound.
+
+    Attributes:
+        two_factor: for models of gap and amplitude alone
+        four_factor: for models that know the finger's position
+    """
+
+    two_factor: Count = 4
+    four_factor: Count = 1
+
+
+class Fit(Section):
+    """A genetic algorithm, then Nelder–Mead, from many seeds.
+
+    Attributes:
+        bounds: largest magnitudes of a parameter in the genetic search; every fit is made with each
+        first_seed: seed of the first run; the others count up from it
+    """
+
+    bounds: Annotated[
+        list[Annotated[float, Number("1", 0, 1e12, open=True)]],
+        Field(min_length=1, max_length=10),
+        Different,
+    ] = Field(default=[100.0])
+    seeds: Seeds = Field(default_factory=Seeds)
+    first_seed: Seed = 1
+
+
+class Design(Section):
+    """D-optimal triplets of the two-factor model, criterion (12).
+
+    Attributes:
+        searches: how many searches, each from a seed of its own
+        first_seed: seed of the first search; the others count up from it
+        scaling: in which measure the distances of (12) are taken for the design that is used:
+            `unit` (factors scaled to [0, 1]), `micrometre`, `metre`. All three are searched and
+            reported
+        points: size of the design: the union of the patterns found, extended to this number
+    """
+
+    searches: Count = 5
+    first_seed: Seed = 1
+    scaling: Literal["unit", "micrometre", "metre"] = "unit"
+    points: Annotated[int, Field(strict=True, ge=3, le=100)] = 5
+
+
+Distances = Annotated[list[Annotated[float, Number("m", 0, 10)]], UpTo100, Different]
+
+
+class Positions(Section):
+    """Finger positions of the four-factor plan, besides the centre: those written, on a disc in
+    polar form, on a rectangle every x with every y; or so many `points` that fill the space up to
+    the farthest of those written. The paper's Table II is not legible, so ours are assumed.
+
+    Attributes:
+        points: how many positions, the centre among them, that fill the reachable space (a
+            scrambled Sobol' sequence, edges too), so that no wave of the profile can alias with
+            them; default: 25 where no position is written and the study is not the paper's; else
+            none
+        phi_r_m: on a disc: distances of the finger's centre from the disc's; default: half of the
+            way that the pad may go and stay on the disc, and all of it
+        phi_deg: on a disc: directions. Those of 0 … 45 are enough: their mirror images are added as
+            far as the scene lacks a square's symmetry (see below); default: 0, 22.5 and 45 on a
+            disc
+        x_m: on a rectangle: distances of the finger's centre from the y axis. Both sides of it are
+            meant: images at −x are added unless pad and vibration make them the same; default: on a
+            rectangle, 0, half of the way that the pad may go along x, and all of it
+        y_m: the same along y; default: the same along y
+    """
+
+    points: Annotated[int, Field(strict=True, ge=4, le=1000)] = DERIVED
+    phi_r_m: Annotated[
+        list[Annotated[float, Number("m", 0, 10, open=True)]], UpTo100, Different
+    ] = DERIVED
+    phi_deg: Annotated[list[Annotated[float, Number("°", 0, 360)]], UpTo100, Different] = DERIVED
+    x_m: Distances = DERIVED
+    y_m: Distances = DERIVED
+
+
+class FourFactorDesign(Section):
+    """D-optimal points of the four-factor model.
+
+    Attributes:
+        searches: how many searches, each from a seed of its own
+        first_seed: seed of the first search; the others count up from it
+        separation: least distance between two points of the physically distinct form, all factors
+            scaled to 1
+    """
+
+    searches: Count = 2
+    first_seed: Seed = 1
+    separation: Separation = 0.25
+
+
+class FourFactorControl(Section):
+    """Random points of the four-factor space, on which the paper's fits are judged.
+
+    Attributes:
+        points: how many
+        seed: of their draw
+    """
+
+    points: Annotated[int, Field(strict=True, ge=1, le=10**6)] = 20
+    seed: Seed = 1
+
+
+class LevelsOfScreen(Section):
+    """Evenly spaced values, over the screen's range where nothing else is written.
+
+    Attributes:
+        start: the first; default: the screen's
+        stop: the last; default: the screen's
+        levels: how many; default: twice the screen's
+    """
+
+    start: FilmLength = DERIVED
+    stop: FilmLength = DERIVED
+    levels: Annotated[int, Field(strict=True, ge=2, le=MOST_LEVELS)] = DERIVED
+
+
+class ErrorMap(Section):
+    """Control simulations, a finer grid of gaps and amplitudes over the screen's ranges.
+
+    Attributes:
+        h0_m: mean gaps over the screen's range; with `start` or `stop` a part of it
+        hv_m: amplitudes, likewise
+    """
+
+    h0_m: LevelsOfScreen = Field(default_factory=LevelsOfScreen)
+    hv_m: LevelsOfScreen = Field(default_factory=LevelsOfScreen)
+
+
+Unit = Annotated[str, Field(min_length=1, max_length=40)]
+
+
+class OwnModel(Section):
+    """A formula of your own for the force.
+
+    Attributes:
+        expression: the formula: the mean force in newtons
+        about: what it is, in words, for tables
+        parameters: its parameters, unless they are called `t0`, `t1`, …: a list, or a mapping to
+            their units
+    """
+
+    expression: Annotated[str, Field(min_length=1, max_length=4000)]
+    about: Annotated[str, Field(max_length=200)] | None = None
+    parameters: (
+        Annotated[list[Unit], Field(max_length=30), Different]
+        | Annotated[dict[str, Unit | Literal[1]], Field(max_length=30)]
+        | None
+    ) = None
+
+
+class Comparison(Section):
+    """Candidates that `snakemake models` compares, by the names of your own or of the library
+    (workflow/squeezefilm/models/models.yaml).
+
+    Attributes:
+        two_factor: those fitted to the screen, the finger centred, and ranked on half of the
+            validation sample; default: the usual ones; those of the physics limit where it is known
+            for the pad and its gas
+        four_factor: those fitted to the four-factor plan, likewise; default: likewise
+    """
+
+    two_factor: Names = DERIVED
+    four_factor: Names = DERIVED
+
+
+class Refine(Section):
+    """`snakemake refine`: simulate, fit, design, until a model is good enough (see
+    docs/experiments.md).
+
+    Attributes:
+        two_factor: models to refine with the finger centred: the library's or the study's own;
+            default: `limit_1`, or `polynomial_3` where the physics limit is not known for the pad
+            or its gas
+        four_factor: models to refine with the finger anywhere; default: `limit_2`, or
+            `polynomial_5`
+        global_error: wanted |model − simulation|/|simulation| over the space; its upper 95 % limit
+            must be below
+        worst_error: wanted largest error, over the root mean square force of the space
+        simulations: most simulations in all, verification included
+        verification: of these, points drawn from the space that are never fitted
+        batch: points designed in each round
+        candidates: most points of the grid that designs are chosen from
+        separation: least distance of two points, all factors scaled to 1
+        seed: of the verification points, and of the search of the first fit
+    """
+
+    two_factor: Names = DERIVED
+    four_factor: Names = DERIVED
+    global_error: Annotated[float, Number("1", 0, 1, open=True)] = 1e-3
+    worst_error: Annotated[float, Number("1", 0, 10, open=True)] = 5e-3
+    simulations: Annotated[int, Field(strict=True, ge=3, le=10000)] = 20
+    verification: Annotated[int, Field(strict=True, ge=3, le=1000)] = 8
+    batch: Count = 2
+    candidates: Annotated[int, Field(strict=True, ge=16, le=20000)] = 300
+    separation: Separation = 0.1
+    seed: Seed = 1
+
+
+class Optimal(Section):
+    """`snakemake optimal`: D-optimal designs with a certificate.
+
+    Attributes:
+        candidates: most points of the grid that designs are chosen from
+        points: sizes of the exact designs
+        separation: least distance of two points, all factors scaled to 1
+        seed: of the search
+    """
+
+    candidates: Annotated[int, Field(strict=True, ge=16, le=100000)] = 300
+    points: Annotated[
+        list[Annotated[int, Field(strict=True, ge=1, le=200)]],
+        Field(min_length=1, max_length=20),
+        Different,
+    ] = Field(default=[5, 8])
+    separation: Separation = 0.1
+    seed: Seed = 1
+
+
+class Validation(Section):
+    """How fitted models are judged: by samples of independent points, uniform over the declared
+    space, one with the finger centred and one over all factors.
+
+    Attributes:
+        points: of each sample; one half ranks models, the other calibrates their prediction
+            intervals (95 % needs 38 points in all, 99 % 198)
+        seed: of their draw
+        relative_error_band: relative error up to which a model counts as good, 0.15 in the paper
+    """
+
+    points: Annotated[int, Field(strict=True, ge=2, le=10**6)] = 1000
+    seed: Seed = 2
+    relative_error_band: Annotated[float, Number("1", 0, 1, open=True)] = 0.15
+
+
+class Extrapolation(Section):
+    """The check beyond the screen, in amplitude alone.
+
+    Attributes:
+        h0_m: mean gap of the operating point that is simulated, within the screen's range; default:
+            the screen's smallest gap
+        hv_m: its amplitude, up to 1.5 times the screen's largest; default: 1.1 times the screen's
+            largest amplitude; that itself where 1.1 times it reaches the gap
+        force_n: the wanted force: each model is asked for the amplitude that gives it at `h0`, and
+            a simulation checks it
+    """
+
+    h0_m: FilmLength = DERIVED
+    hv_m: FilmLength = DERIVED
+    force_n: Annotated[float, Number("N", 0, 1e6, open=True)]
+
+
+class Numerics(Section):
+    """The solver examined, `snakemake verification` (see docs/numerics.md).
+
+    Attributes:
+        extent: `full`, or a `sample` of its films, methods and cases
+        repeats: how often a short run is timed; the median counts
+        longest_seconds: a method is refined until a run takes longer than this
+    """
+
+    extent: Literal["full", "sample"] = "sample"
+    repeats: Count = 1
+    longest_seconds: Annotated[float, Number("s", 0, 1e5, open=True)] = 0.2
+
+
+class Header(Section):
+    """What a study begins with."""
+
+    study: Annotated[str, Field(pattern="^[a-z0-9][a-z0-9_-]*$")]
+    paper: StrictBool = False
+
+
+class Study(FilmSections, Header):
+    """A study – gas, actuator, finger, and what is simulated, fitted and designed.
+
+    Attributes:
+        study: name of the study: lower-case letters, digits, `_`, `-`. Its results lie in
+            `results/STUDY`
+        paper: `true` for studies of the paper's actuator: its claims, tables and figures are made
+            beside the study's own
+        models: formulas of your own for the force, each under a name (see below)
+    """
+
+    simulation: Simulation = Field(default_factory=Simulation)
+    sweep: Sweep = Field(default_factory=Sweep)
+    screen: Screen
+    fit: Fit = Field(default_factory=Fit)
+    design: Design = Field(default_factory=Design)
+    positions: Positions = Field(default_factory=Positions)
+    four_factor_design: FourFactorDesign = Field(default_factory=FourFactorDesign)
+    four_factor_control: FourFactorControl = Field(default_factory=FourFactorControl)
+    error_map: ErrorMap = Field(default_factory=ErrorMap)
+    models: Annotated[dict[Name, OwnModel], Field(max_length=100)] = Field(default={})
+    comparison: Comparison = Field(default_factory=Comparison)
+    refine: Refine = Field(default_factory=Refine)
+    optimal: Optimal = Field(default_factory=Optimal)
+    validation: Validation = Field(default_factory=Validation)
+    extrapolation: Extrapolation
+    numerics: Numerics = Field(default_factory=Numerics)
+
+    @model_validator(mode="after")
+    def with_derived(self) -> "Study":
+        """The study with what follows from the rest, its relations checked."""
+        self._derive_plans()
+        self._derive_models()
+        self._derive_positions()
+        self._check_ranges()
+        self._check_film_is_thin()
+        self._check_space()
+        self._check_positions()
+        return self
+
+    def _derive_plans(self) -> None:
+        """The ranges of the error map and the extrapolation, from the screen's."""
+        for factor in ("h0_m", "hv_m"):
+            fitted, control = getattr(self.screen, factor), getattr(self.error_map, factor)
+            levels = min(FINER * fitted.levels, MOST_LEVELS)
+            _fill(control, start=fitted.start, stop=fitted.stop, levels=levels)
+        wanted, largest_m = self.extrapolation, self.screen.hv_m.stop
+        _fill(wanted, h0_m=self.screen.h0_m.start)
+        farther_m = float(f"{FARTHER * largest_m:.12g}")
+        _fill(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
+
+    def _derive_models(self) -> None:
+        """The models that are compared and refined: physics' where its limit was derived."""
+        finger, gas, profile = self.finger, self.gas, self.actuator.profile
+        one_phase = profile.kind != "travelling-wave" and getattr(profile, "quadrature", "0") == "0"
+        known = (
+            finger.shape == "rectangle"
+            and finger.speed_x_m_per_s == 0
+            and not any(finger.gap.model_dump().values())
+            and (one_phase or gas.inertia == "none")
+            and gas.rarefaction == "none"
+            and gas.polytropic_exponent == 1
+        )
+        physics = ["limit", "limit_1", "limit_2"] if known else []
+        _fill(
+            self.comparison,
+            two_factor=["two_factor", "polynomial_3", *physics[:2]],
+            four_factor=["four_factor", "polynomial_5", *physics],
+        )
+        best = ("limit_1", "limit_2") if known else ("polynomial_3", "polynomial_5")
+        _fill(self.refine, two_factor=[best[0]], four_factor=[best[1]])
+
+    def _derive_positions(self) -> None:
+        """Positions in the form of the surface: half of the way that the pad may go, and all."""
+        positions, surface = self.positions, self.actuator.surface
+        if not (self.paper or positions.model_fields_set):
+            positions.points = POSITIONS
+        if surface is None:
+            _fill(positions, phi_deg=list(DIRECTIONS_DEG))
+            if positions.phi_r_m is None:
+                half_m, reach_m = self.actuator.surface_radius_m, _reach_m(self.finger)
+                way_m = _way_m("actuator.surface_radius", half_m, reach_m, "phi_r")
+                positions.phi_r_m = [_cut(way_m / 2), _cut(way_m)]
+            return
+        for axis, reach_m in zip("xy", _reaches_m(self.finger), strict=True):
+            if getattr(positions, f"{axis}_m") is None:
+                half_m = getattr(surface, f"length_{axis}_m") / 2
+                way_m = _way_m(f"actuator.surface.length_{axis}", half_m, reach_m, axis)
+                setattr(positions, f"{axis}_m", [0.0, _cut(way_m / 2), _cut(way_m)])
+
+    def _check_ranges(self) -> None:
+        """Refuse empty ranges, contact, and an error map all of whose points the screen has."""
+        for section in ("screen", "error_map"):
+            plan = getattr(self, section)
+            for factor in FACTORS:
+                levels = getattr(plan, f"{factor}_m")
+                if levels.start >= levels.stop:
+                    raise mistake("start must be below stop", section, factor)
+            if plan.hv_m.stop >= plan.h0_m.start:
+                raise mistake(
+                    "the largest hv must stay below the smallest h0, or surface and finger touch",
+                    section,
+                )
+        if self.extrapolation.hv_m >= self.extrapolation.h0_m:
+            raise mistake("hv must stay below h0, or surface and finger touch", "extrapolation")
+        if not any(
+            min(abs(own - its) for its in _values(getattr(self.screen, factor))) > SAME * own
+            for factor in ("h0_m", "hv_m")
+            for own in _values(getattr(self.error_map, factor))
+        ):
+            raise mistake(
+                "all its points are the screen's, and no model can be judged by points that it was "
+                "fitted to; give other levels, or leave error_map out to have twice the screen's",
+                "error_map",
+            )
+
+    def _check_film_is_thin(self) -> None:
+        """Refuse a gap over which the pressure of sound differs: no film equation holds there."""
+        gas, h0_m, frequency_hz = self.gas, self.screen.h0_m.stop, self.actuator.frequency_hz
+        speed = sqrt(gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3)
+        wavelength_m = speed / frequency_hz
+        if h0_m > wavelength_m / (2 * pi):
+            raise mistake(
+                f"at {frequency_hz:g} Hz sound in this gas is {wavelength_m:.2g} m long, and over "
+                f"a gap of {h0_m:g} m (screen.h0) pressure is not the same, as in a film; at most "
+                f"{speed / (2 * pi * h0_m):.2g} Hz",
+                *("actuator", "frequency"),
+            )
+
+    def _check_space(self) -> None:
+        """Refuse what lies outside the screen's ranges, where models are fitted and all plans lie.
+
+        An extrapolation may lie above them in amplitude, up to FARTHEST times the largest.
+        """
+        for factor, farthest in (("h0", 1.0), ("hv", FARTHEST)):
+            fitted, control, wanted_m = (
+                getattr(section, f"{factor}_m")
+                for section in (self.screen, self.error_map, self.extrapolation)
+            )
+            for place, value, most in (
+                (("error_map", factor, "start"), control.start, fitted.stop),
+                (("error_map", factor, "stop"), control.stop, fitted.stop),
+                (("extrapolation", factor), wanted_m, farthest * fitted.stop),
+            ):
+                if not fitted.start * (1 - SLACK) <= value <= most * (1 + SLACK):
+                    raise mistake(
+                        f"{value:g} does not suit screen.{factor}, {fitted.start:g} … "
+                        f"{fitted.stop:g}, where the models are fitted; it must lie from "
+                        f"{fitted.start:g} to {most:g}",
+                        *place,
+                    )
+
+    def _check_positions(self) -> None:
+        """Refuse positions in a form that is not the surface's."""
+        disc, written = self.actuator.surface is None, self.positions.model_dump(exclude_none=True)
+        factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
+        if written.keys() - {"points"} != set(factors):
+            raise mistake(
+                f"on a {shape} they are {' and '.join(map(key_of, factors))}; "
+                f"the keys are {', '.join(key_of(name) for name in written if name != 'points')}",
+                "positions",
+            )
+        for factor in () if disc else factors:
+            if max(written[factor]) <= 0:
+                raise mistake(
+                    "a value must be above 0: the finger moves in x and y",
+                    *("positions", key_of(factor)),
+                )
+        if not disc and self.paper:
+            raise mistake("the paper's actuator is a disc; it must be false", "paper")
+
+
+def _fill(section: Section, **values: Any) -> None:
+    """Give a section's keys their values where nothing is written."""
+    for name, value in values.items():
+        if getattr(section, name) is None:
+            setattr(section, name, value)
+
+
+def _values(levels: Levels | LevelsOfScreen) -> list[float]:
+    step = (levels.stop - levels.start) / (levels.levels - 1)
+    return [levels.start + step * number for number in range(levels.levels)]
+
+
+def _reach_m(finger: Finger) -> float:
+    """How far a pad reaches from its centre."""
+    half_x, half_y = finger.length_x_m / 2, finger.length_y_m / 2
+    return max(half_x, half_y) if finger.shape == "ellipse" else hypot(half_x, half_y)
+
+
+def _reaches_m(finger: Finger) -> tuple[float, float]:
+    """How far a pad reaches from its centre along the surface's axes."""
+    half_x, half_y = finger.length_x_m / 2, finger.length_y_m / 2
+    angle = radians(finger.rotation_deg)
+    c, s = abs(cos(angle)), abs(sin(angle))
+    if finger.shape == "ellipse":
+        return hypot(c * half_x, s * half_y), hypot(s * half_x, c * half_y)
+    return c * half_x + s * half_y, s * half_x + c * half_y
+
+
+def _way_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
+    """How far the pad may go one way."""
+    if half_m - reach_m <= 1e-6 * reach_m:
+        raise mistake(
+            f"the pad reaches {reach_m * 1e3:.4g} mm from its centre and the surface ({surface}) "
+            f"{half_m * 1e3:.4g} mm: there is no room to move the pad, as the four-factor plan "
+            f"does; make one of them fit, or write positions.{key}",
+            *("positions", key),
+        )
+    return half_m - reach_m
+
+
+def _cut(value: float) -> float:
+    """A little less than the value, in three digits."""
+    step = 10.0 ** (floor(log10(value)) - 2)
+    return float(f"{floor(value * (1 - 1e-9) / step) * step:.3g}")
