@@ -85,7 +85,7 @@ class SimulatedSpace:
         """Forces and their errors; raises RunError for a scene that has no force."""
         solver = self.config["solver"]
         found = solve(
-            [self.scenes[point] for point in points],
+            self.scenes[points],
             tolerance=solver["tolerance"],
             model_tolerance=solver["model_tolerance"],
             method=solver["method"],
