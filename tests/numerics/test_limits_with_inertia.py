@@ -217,10 +217,7 @@ def test_slip_and_inertia_together(epsilon: float, sigma: float, reynolds: float
     assert abs(found - exact) < 0.5 * abs(product - exact)
 
 
-@pytest.mark.parametrize(
-    "method",
-    EXPANSIONS,
-)
+@pytest.mark.parametrize("method", EXPANSIONS)
 def test_little_inertia_changes_little(method: Method) -> None:
     film = {"epsilon": 0.4, "sigma": 600.0}
     still, hardly = (on_square(method, **film, reynolds=each) for each in (0.0, 1e-9))
@@ -250,14 +247,6 @@ def test_error_estimates_hold_on_random_films_of_small_amplitude(
     assert min(ratios) > 1
     # Honest, but not by despair.
     assert np.median(ratios) < largest_median
-
-
-def test_composite_is_second_order_at_small_amplitude() -> None:
-    film = {"epsilon": 1e-3, "sigma": 300.0, "reynolds": 3.0}
-    small, matched = (
-        on_square(each, **film).mean for each in (small_amplitude_expansion, composite_expansion)
-    )
-    assert matched == pytest.approx(small, rel=2e-6)
 
 
 def test_films_with_and_without_inertia_may_share_a_batch() -> None:

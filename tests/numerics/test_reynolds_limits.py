@@ -7,9 +7,12 @@ from physics_facts import (
     CUT_OFF_SIGMA,
     DAMPING_AT_CUT_OFF,
     SINC_CONVERGED,
+    SINC_FAST,
+    SINC_SECOND_ORDER,
     SPRING_AT_20,
     SPRING_AT_CUT_OFF,
     piston_response,
+    slow_piston,
 )
 
 
@@ -143,3 +146,30 @@ def test_time_converges_geometrically_at_the_rate_of_the_gap():
     ]
     rates = np.divide(errors[1:], errors[:-1]) ** (1 / 4)
     assert rates == pytest.approx(ratio, abs=0.06)
+
+
+@pytest.mark.parametrize("epsilon", [0.1, 0.5])
+def test_slow_motion_of_a_piston_gives_the_incompressible_limit(epsilon):
+    scene = film(epsilon=epsilon, sigma=1e-3, profile=PISTON)
+    force = mean_overpressure(scene, points=16, instants=32, fold=True)
+    assert force == pytest.approx(slow_piston(epsilon, 1e-3), rel=1e-5)
+
+
+@pytest.mark.parametrize(("sigma", "known"), SINC_SECOND_ORDER.items())
+def test_second_order_of_the_periodic_state(sigma, known):
+    """F/ε² for ε → 0, its next term removed."""
+    coarse, fine = (
+        mean_overpressure(film(epsilon=e, sigma=sigma), points=40, instants=12, fold=True) / e**2
+        for e in (0.04, 0.02)
+    )
+    assert (4 * fine - coarse) / 3 == pytest.approx(known, rel=1e-6)
+
+
+@pytest.mark.parametrize(("epsilon", "known"), SINC_FAST.items())
+def test_periodic_state_at_infinite_squeeze_number(epsilon, known):
+    """Approached like the layer's width, 1/√σ."""
+    slower, faster = (
+        mean_overpressure(film(epsilon=epsilon, sigma=s), points=96, instants=16, fold=True)
+        for s in (4e4, 16e4)
+    )
+    assert 2 * faster - slower == pytest.approx(known, rel=3e-6)

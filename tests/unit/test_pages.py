@@ -124,6 +124,8 @@ def test_the_report_begins_with_the_headline_and_pictures(tmp_path):
         assert "<h1>Study “&lt;a&gt;”</h1>" in raw
         assert "<li>F = {{ 1 }} N &lt;b&gt;</li>" in raw
         assert "data:image/png;base64,cGljdHVyZQ==" in raw
+        # A line that is not indented would end what is raw.
+        assert not re.search(r"^\S", raw.partition(".. raw:: html\n")[2], re.MULTILINE)
         assert "surface lift" in rest
     with pytest.raises(InputError, match=r"b\.png"):
         front_page(headline, study="a", pictures=[tmp_path / "b.png"], guide=guide)

@@ -230,14 +230,14 @@ def test_a_scan_that_cannot_be_read_is_named(tmp_path):
     ],
     ids=lambda settings: str(settings["kind"]),
 )
-def test_a_profile_of_any_kind_can_be_drawn(settings, repository):
+def test_a_profile_of_any_kind_can_be_drawn(settings, repository, tmp_path):
     """Also without a node line, and flat."""
     config = load_config(repository / "config" / "vibrometer.yaml")
     actuator = {**config["actuator"], "profile": settings}
     study = replace(config, sections={**config, "actuator": actuator})
     for draw in (vibration.fig05, vibration.fig06):
         with style.settings():
-            figure, _ = draw(Results(repository, study))
+            figure, _ = draw(Results(tmp_path, study))
         axes = figure.axes[0]
         assert [*axes.lines, *axes.collections, *axes.images]
 

@@ -44,6 +44,12 @@ def text(header: str, *columns: np.ndarray, comma: bool = False) -> str:
 
 PHASE = np.where(U < 0, 180.0, 0.0)
 PLAIN = text("x_mm,y_mm,amplitude_um,phase_deg", X, Y, abs(U), PHASE)
+
+
+def with_header(header: str) -> str:
+    return PLAIN.replace("x_mm,y_mm,amplitude_um,phase_deg", header)
+
+
 TURNED = U * np.exp(0.7j)
 SPEED = U * 2 * np.pi * FREQUENCY_HZ * 1e-3  # mm/s
 COMMAS = text("x_mm;y_mm;amplitude_µm;phase_deg", X, Y, abs(U), PHASE, comma=True)
@@ -65,12 +71,9 @@ FORMS: dict[str, bytes] = {
     .removesuffix('"')
     .join(['"', ""])
     .encode(),
-    "brackets": PLAIN.replace(
-        "x_mm,y_mm,amplitude_um,phase_deg", "X [mm],Y [mm],Amplitude [µm],Phase [°]"
-    ).encode(),
-    "round brackets": PLAIN.replace(
-        "x_mm,y_mm,amplitude_um,phase_deg",
-        "X Position (mm),Position Y (mm),Displacement Magnitude (um),Phase (deg)",
+    "brackets": with_header("X [mm],Y [mm],Amplitude [µm],Phase [°]").encode(),
+    "round brackets": with_header(
+        "X Position (mm),Position Y (mm),Displacement Magnitude (um),Phase (deg)"
     ).encode(),
     "a header that is a comment": f"# made today\n# {PLAIN}".encode(),
     "lines before the header": f"Scan data\nDevice;3\n\n{PLAIN}".encode(),
@@ -125,10 +128,6 @@ def test_what_is_ignored_is_noted(tmp_path):
     assert "divided by the angular frequency" in notes(path, FORMS["velocity"].decode())
     decibels = PLAIN.replace("\n", ",Level [dB]\n", 1).replace("\n", ",3\n").replace("],3", "]")
     assert "'Level [dB]'" in notes(path, decibels)
-
-
-def with_header(header: str) -> str:
-    return PLAIN.replace("x_mm,y_mm,amplitude_um,phase_deg", header)
 
 
 WRONG = {

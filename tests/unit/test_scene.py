@@ -4,13 +4,18 @@ from dataclasses import replace
 from math import nan
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Piston, Sinc, make_profile
+from squeezefilm.film.scene import Scenes
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import cartesian
+from squeezefilm.io.tables import scene_points
+from squeezefilm.studies.study import scene_of, scenes_in
 
 
 def test_dimensionless_numbers_of_the_paper(scene):
@@ -44,6 +49,36 @@ def test_the_profile_is_seen_from_where_the_finger_is(scene):
     x = np.array([0.5 - moved.x_m / moved.finger.length_x_m])
     y = np.array([0.5 - moved.y_m / moved.finger.length_y_m])
     assert moved.amplitude(x, y) == pytest.approx(1)
+
+
+def test_scenes_as_columns_have_the_numbers_of_each(scene):
+    """Of two films in turn, one of them under a tilted finger."""
+    tilted = replace(scene, finger=replace(scene.finger, gap=GapShape(tilt_x_m=1e-6)))
+    each = [replace(film, h0_m=h0_m) for h0_m in (5e-6, 8e-6) for film in (scene, tilted)]
+    scenes = Scenes.of(each)
+    assert list(scenes) == each
+    for name in ("epsilon", "sigma", "modified_reynolds", "narrowest", "force_scale_n"):
+        alone = [getattr(one, name) for one in each]
+        assert getattr(scenes, name) == pytest.approx(alone, rel=1e-15), name
+    assert scenes.closure == pytest.approx([one.closure() for one in each], rel=1e-15)
+    assert scenes.closure[1] > scenes.closure[0]
+    assert np.transpose(scenes.rest_range) == pytest.approx(np.array([e.rest_range for e in each]))
+
+
+@pytest.mark.parametrize("polar", [True, False])
+def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
+    points = pd.DataFrame({"point_id": ["a", "b"], "h0_m": [5e-6, 9e-6], "hv_m": [2e-6, 1e-6]})
+    places = {"phi_r_m": [0.0, 2e-3], "phi_deg": [0.0, 30.0]}
+    if not polar:
+        places = {"x_m": [0.0, 1e-3], "y_m": [0.0, -2e-3]}
+    table = points.assign(**places)
+    scenes = scenes_in(table, paper)
+    for found, point in zip(scenes, scene_points(table), strict=True):
+        expected = scene_of(point, paper)
+        assert (found.x_m, found.y_m) == pytest.approx((expected.x_m, expected.y_m), abs=1e-18)
+        assert replace(found, x_m=expected.x_m, y_m=expected.y_m) == expected
+    with pytest.raises(InputError, match="point b: hv_m = 1e-06 reaches h0_m = 1e-06"):
+        scenes_in(table.assign(h0_m=[5e-6, 1e-6]), paper)
 
 
 @pytest.mark.parametrize(

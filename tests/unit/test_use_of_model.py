@@ -215,7 +215,7 @@ def test_one_unit_at_the_end_is_that_of_all_numbers():
         ({"theta": [1.0]}, "'theta' has 1 numbers"),
         ({"theta": ["x"]}, "theta.0: Input should be a valid number"),
         ({"validation": {"points": 1}}, "validation.ranges: Field required"),
-        ({"film": {"gas": {}}}, "film.gas.viscosity_pa_s: Field required"),
+        ({"film": {"gas": {}}}, "film.gas: Value error, viscosity_pa_s, ambient_pressure_pa"),
         ({"refused": "no fit"}, "there is no fit: no fit"),
     ],
 )

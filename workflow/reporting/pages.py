@@ -85,6 +85,6 @@ def front_page(headline: str, *, study: str, pictures: Sequence[Path], guide: st
 def _data(path: Path) -> str:
     try:
         # In lines: docutils takes no long ones, and a page's data may have breaks.
-        return base64.encodebytes(path.read_bytes()).decode()
+        return base64.encodebytes(path.read_bytes()).decode().strip()
     except OSError as error:
         raise InputError(f"{path}: the picture cannot be read: {error}") from None

@@ -15,6 +15,7 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.io.errors import InputError, RunError, naming
 from squeezefilm.io.positions import as_in
 from squeezefilm.io.progress import progress_bar
+from squeezefilm.io.solution import Solutions
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
@@ -141,13 +142,9 @@ def scenes_of_table(rows: pd.DataFrame, *, config: Config, path: Path | str) -> 
 
 def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
     """The rows of a plan with what was solved for them."""
-    columns = {
-        name: [getattr(solution, name) for solution in solutions]
-        for name in as_in(FORCE_COLUMNS, rows)
-        if name not in rows.columns
-    }
+    found = Solutions.of(solutions).to_frame(rows.index)
     more = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
-    table = rows.assign(**columns)[as_in(FORCE_COLUMNS, rows)]
+    table = pd.concat([rows, found], axis=1)[as_in(FORCE_COLUMNS, rows)]
     return table.assign(**{name: more[name] for name in map(str, more)})
 
 

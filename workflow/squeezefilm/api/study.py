@@ -116,10 +116,8 @@ class Study(Film):
             method=settings.method,
             device=self.device,
         )
-        columns = {
-            name: [getattr(solution, name) for solution in solutions]
-            for name in ("force_n", "force_error_n", "status", "left_out")
-        }
+        found = solutions.to_frame(points.index)
+        columns = found[["force_n", "force_error_n", "status", "left_out"]]
         return points.assign(**columns), with_limits(points, scenes) if limits else None
 
 

@@ -248,8 +248,8 @@ def distinct(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def rows_alike(values: np.ndarray) -> list[np.ndarray]:
     """The rows of each different value."""
     first, which = distinct(values)
-    if len(first) == 1:
-        return [np.arange(len(values))]
+    if len(first) <= 1:
+        return [np.arange(len(values))][: len(values)]
     ends = np.cumsum(np.bincount(which))[:-1]
     return np.split(np.argsort(which, kind="stable"), ends)
 
@@ -321,7 +321,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def __getitem__(self, rows: int | Rows) -> "Scene | Scenes":
         index, point_id = self.film_index[rows], self.point_id[rows]
         numbers = [each[rows] for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)]
-        if isinstance(rows, int):
+        if isinstance(rows, (int, np.integer)):
             film = self.films[index]
             return Scene(point_id, *map(float, numbers), film.gas, film.actuator, film.finger)  # type: ignore[call-arg, arg-type]
         return Scenes(self.films, index, *numbers, point_id)  # type: ignore[call-arg]

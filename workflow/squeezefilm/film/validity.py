@@ -88,7 +88,7 @@ class Limit:
     def exceeded_by(self, scenes: Scenes) -> dict[int, str]:
         """Return the scenes that exceed the limit, and by what, in words."""
         films = FILMS[self.films](scenes)
-        if not np.any(films):
+        if films is False:
             return {}
         value = QUANTITIES[self.symbol](scenes)
         within = value <= min(self.not_above, self.unknown_above)

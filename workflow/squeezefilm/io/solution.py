@@ -134,11 +134,11 @@ class Solutions(Sequence[Solution]):
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and list(self) == list(other)
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self, index: pd.Index | None = None) -> pd.DataFrame:
         """The columns of a table of forces, a row for each scene."""
         import pandas as pd
 
-        return pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS})
+        return pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS}, index=index)
 
 
 # What stands in a column before it is known.

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, Field, StrictFloat, StrictInt, ValidationError
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    StrictFloat,
+    StrictInt,
+    ValidationError,
+)
 
+from squeezefilm.config.film import key_of
 from squeezefilm.film.finger import Finger, GapShape
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Gas, Scene
@@ -51,10 +61,20 @@ class Pad(BaseModel):
     gap: GapShape
 
 
+def _gas_by_names(values: Any) -> Any:
+    """A gas with the keys of a study; a fit's file has its names with units, and all of them."""
+    if not isinstance(values, Mapping):
+        return values
+    missing = [each.name for each in fields(Gas) if each.name not in values]
+    if missing:
+        raise ValueError(f"{', '.join(missing)}: not there")
+    return {key_of(name): value for name, value in values.items()}
+
+
 class Film(BaseModel):
     """The film of a fit's simulations, as far as limits of validity go."""
 
-    gas: Gas
+    gas: Annotated[Gas, BeforeValidator(_gas_by_names), PlainSerializer(asdict)]
     frequency_hz: float
     finger: Pad
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from squeezefilm.reynolds.profile_sampling import (
 )
 from squeezefilm.reynolds.terms import LeftOut, Terms, left_out_of, terms_of_each
 
+Result = TypeVar("Result")
+# Scenes whose needs are kept: those at the same places ask again for other gaps and amplitudes.
+MOST_KEPT = 256
 HALVES = tuple(
     LeftOut(what, "the profile is even about the finger's middle, and nothing else breaks that")
     for what in ("mirror half in x", "mirror half in y")
@@ -42,7 +46,7 @@ class Needs:
     fold_y: np.ndarray
     uniform: np.ndarray
     profiles: Sequence[tuple[Rows, SampledProfiles, np.ndarray]]
-    _samples: dict[float, Samples] = field(default_factory=dict)
+    _known: dict[object, Any] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.scenes)
@@ -84,15 +88,22 @@ class Needs:
         for rows in rows_alike(code):
             yield rows, self.scenes[int(rows[0])], self.kinds[self.kind[rows[0]]]
 
+    def once(self, name: str, of: Callable[..., Result], *arguments: Any) -> Result:
+        """What follows from films and profiles alone, found once for scenes at the same places."""
+        if (name, *arguments) not in self._known:
+            self._known[name, *arguments] = of(*arguments)
+        return self._known[name, *arguments]
+
     def samples(self, share: float) -> Samples:
         """What grids that miss no more than a share of the profiles resolve, (n,)."""
-        if share not in self._samples:
-            found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
-            if len(found) > 1:
-                rows = np.concatenate([rows for rows, _, _ in self.profiles])
-                found = [joined_samples(found)[np.argsort(rows)]]
-            self._samples[share] = found[0]
-        return self._samples[share]
+        return self.once("samples", self._sampled, share)
+
+    def _sampled(self, share: float) -> Samples:
+        found = [sampled.at(share)[at] for _, sampled, at in self.profiles]
+        if len(found) == 1:
+            return found[0]
+        rows = np.concatenate([rows for rows, _, _ in self.profiles])
+        return joined_samples(found)[np.argsort(rows)]
 
     def position(self, row: int) -> tuple[SampledProfiles, int]:
         """The profile under one scene's finger: the positions sampled, and which of them it is."""
@@ -109,6 +120,9 @@ class Needs:
 
     def left_out(self) -> list[str]:
         """The same of each scene, for a table."""
+        return self.once("left out", self._left_out)
+
+    def _left_out(self) -> list[str]:
         code = 4 * self.kind + 2 * self.fold_x + self.fold_y
         first, which = distinct(code)
         texts = ["; ".join(part.what for part in self.simplifications(row)) for row in first]
@@ -118,6 +132,22 @@ class Needs:
 def needs_of(scenes: Scenes | Sequence[Scene] | Scene) -> Needs:
     """What scenes need, from their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
+    flat = all(film.finger.gap.flat for film in scenes.films)
+    if not flat or len(scenes) > MOST_KEPT:  # a gap's terms go by its size where it is shaped
+        return _needs_of(scenes)
+    columns = (scenes.film_index, scenes.x_m, scenes.y_m)
+    return replace(_kept(scenes.films, *(each.tobytes() for each in columns)), scenes=scenes)
+
+
+@lru_cache(maxsize=64)
+def _kept(films: tuple[Film, ...], film_index: bytes, x_m: bytes, y_m: bytes) -> Needs:
+    x, y = np.frombuffer(x_m), np.frombuffer(y_m)
+    one = np.ones(len(x))
+    index = np.frombuffer(film_index, dtype=np.int64)
+    return _needs_of(Scenes(films, index, one, 0 * one, x, y, one))
+
+
+def _needs_of(scenes: Scenes) -> Needs:
     kinds, kind = terms_of_each(scenes)
     fold_x, fold_y, uniform = np.empty((3, len(scenes)), dtype=bool)
     broken = np.array([_broken(terms) for terms in kinds], dtype=bool)[kind]

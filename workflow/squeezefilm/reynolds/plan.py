@@ -55,10 +55,16 @@ def plans_of(needs: Needs, *, tolerance: float, method: str) -> dict[int, Plan]:
         if method == "composite":
             reasons = {rows[at]: reason for at, reason in not_derived_for(some).items()}
             return {row: Plan(method, refused=reason) for row, reason in reasons.items()} | plans
-    for alike, scene, terms in needs.alike():
+    return needs.once("on grids", lambda: _refused_on_grids(needs)) | plans
+
+
+def _refused_on_grids(needs: Needs) -> dict[int, Plan]:
+    """The scenes whose terms the periodic state does not have, and why: by their films alone."""
+    refused: dict[int, Plan] = {}
+    for rows, scene, terms in needs.alike():
         if reason := first_reason(term.refused_on_grid(scene) for term in terms):
-            plans = dict.fromkeys(alike.tolist(), Plan("periodic", refused=reason)) | plans
-    return plans
+            refused |= dict.fromkeys(rows.tolist(), Plan("periodic", refused=reason))
+    return refused
 
 
 @dataclass(frozen=True)

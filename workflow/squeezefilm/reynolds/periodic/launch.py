@@ -27,7 +27,6 @@ from squeezefilm.reynolds.layout import (
     rows_of,
 )
 from squeezefilm.reynolds.periodic.sizes import most_krylov, sizes_of
-from squeezefilm.reynolds.periodic.sources import in_single, sources_of
 from squeezefilm.reynolds.periodic.states import ENDINGS, SAID, States
 from squeezefilm.reynolds.periodic.time_modes import modes_of
 from squeezefilm.reynolds.problems import (
@@ -190,6 +189,22 @@ class Launch:
                 states[-1].append(States(unknowns, means, own))
             first = last
         return states
+
+
+def in_single(terms: Terms) -> bool:
+    """Whether GMRES works in single precision: residual and state are double, so that only its
+    steps are rounded. Most terms' own lines in the linear system are written for doubles.
+    """
+    return all(term.IN_SINGLE or "response" not in term.HOOKS for term in terms)
+
+
+@lru_cache(maxsize=64)
+def sources_of(terms: Terms, *, single: bool) -> tuple[str, ...]:
+    """Files that a kernel for some terms is made of, in order."""
+    own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
+    vectors = ["vectors.cl"] * (2 if single else 1)
+    grid = ["linear_algebra.cl", *vectors, "periodic/grid_over_period.cl"]
+    return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
 def launch(batches: Sequence[Batch], *, device: Device) -> Launch:

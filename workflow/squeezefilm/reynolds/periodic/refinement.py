@@ -140,7 +140,7 @@ class Refinement:
         """Have each scene wait on its first grids."""
         needs = self.needs
         sequences, which = first_grids(needs, tolerance=self.tolerance, room=self.room)
-        aspect = np.broadcast_to(needs.scenes.aspect, len(needs))
+        aspect = needs.scenes.aspect + np.zeros(len(needs))
         for rows in rows_alike(which * len(needs.kinds) + needs.kind + 1j * aspect):
             one = rows[0]
             grids, terms = sequences[which[one]], needs.kinds[needs.kind[one]]
@@ -233,10 +233,10 @@ class Refinement:
         finish(np.isin(np.arange(len(rows)), list(refused)), lambda k: refused[k])
         good = np.flatnonzero((error <= allowed) & open_)
         open_[good] = False
-        scale_n = np.broadcast_to(batch.scenes.force_scale_n, len(rows))[good]
+        scale_n = batch.scenes.force_scale_n
         solutions.status[rows[good]] = "ok"
-        solutions.force_n[rows[good]] = said["mean"][good] * scale_n
-        solutions.force_error_n[rows[good]] = error[good] * scale_n
+        solutions.force_n[rows[good]] = (said["mean"] * scale_n)[good]
+        solutions.force_error_n[rows[good]] = (error * scale_n)[good]
         if self.keep_states:
             for k in good.tolist():
                 solutions.states[rows[k]] = _kept(group.grids, stages, k)

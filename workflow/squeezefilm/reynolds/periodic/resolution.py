@@ -99,11 +99,15 @@ def share_of(tolerance: float) -> float:
 def nodes_for_profile(needs: Needs, *, tolerance: float) -> np.ndarray:
     """Nodes along x and y without which a grid would not see the profile, (n, 2)."""
     share = share_of(tolerance)
-    return needs.samples(share).nodes(share)
+    return needs.once("nodes", lambda share: needs.samples(share).nodes(share), share)
 
 
 def unseen_profiles(needs: Needs, *, tolerance: float) -> dict[int, str]:
     """The scenes whose profile under the finger no grid sees, and why."""
+    return needs.once("unseen", lambda tolerance: _unseen_profiles(needs, tolerance), tolerance)
+
+
+def _unseen_profiles(needs: Needs, tolerance: float) -> dict[int, str]:
     share = share_of(tolerance)
     missed = needs.samples(share).missed
     most = np.where(needs.fold_x & needs.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST)
@@ -145,7 +149,7 @@ def _choose(
     """
     scenes = needs.scenes
     samples = needs.samples(share_of(tolerance))
-    seen = samples.nodes(share_of(tolerance))
+    seen = nodes_for_profile(needs, tolerance=tolerance)
     known: dict[Chosen, int] = {}
     which = np.empty(len(needs), dtype=np.int64)
     outlines = [film.finger.smooth_outline for film in scenes.films]
@@ -212,7 +216,7 @@ def _points(
     """
     digits = log10(1 / (share * tolerance))
     epsilon, sigma, bend = gap_numbers(scenes)
-    aspect, n = scenes.aspect, len(scenes)
+    aspect = scenes.aspect
     with np.errstate(divide="ignore", invalid="ignore"):  # of films at rest
         ratio = epsilon / (1 + np.sqrt(1 - epsilon**2))
         left = np.minimum(log(TIME_SHARE / 3), log(TIME_FORCE) + 2 * np.log(epsilon))
@@ -235,11 +239,10 @@ def _points(
         wanted_y = _nodes(digits, epsilon=epsilon, sigma=layers * aspect**2, curvature=bent_y)
         shares = [1 + fold for fold in folds]
     wanted_x = _nodes(digits, epsilon=epsilon, sigma=layer_x, curvature=bent_x)
-    unknowns = (
+    nx, ny = (
         _unknowns(np.maximum(at_least, wanted), each, step)
         for at_least, wanted, each in zip(nodes.T, (wanted_x, wanted_y), shares, strict=True)
     )
-    nx, ny, nt = (np.broadcast_to(each, n) for each in (*unknowns, nt))
     return nx, ny, nt
 
 
