@@ -74,11 +74,11 @@ def script() -> Callable[..., None]:
         params: dict[str, Any] | None = None,
         **wildcards: str,
     ) -> None:
-        files = output if isinstance(output, dict) else {"file": output}
+        files = output if isinstance(output, dict) else {"file": str(output)}
         snakemake = SimpleNamespace(
             config={"study_file": str(config)},
             input=InputFiles(fromdict=input),
-            output=OutputFiles(fromdict={key: str(file) for key, file in files.items()}),
+            output=OutputFiles(fromdict=files),
             params=SimpleNamespace(**params or {}),
             threads=threads,
             wildcards=SimpleNamespace(**wildcards),

@@ -2,10 +2,14 @@
 
 import re
 import tomllib
+from pathlib import Path
 
 import pytest
 
-from squeezefilm.cli.main import commands_of, installed
+from paper.figures import FIGURES as PAPER_FIGURES
+from reporting.figures import FIGURES
+from squeezefilm.cli.main import commands_of
+from verification.__main__ import GROUPS as VERIFICATION
 
 from .commands import (
     BY_HAND,
@@ -60,10 +64,10 @@ def test_what_is_named_is_there(repository, texts):
     rules = "".join(path.read_text("utf-8") for path in repository.glob("workflow/rules/*.smk"))
     rules += (repository / "workflow/Snakefile").read_text(encoding="utf-8")
     targets = {*re.findall(r"^ *(?:rule|checkpoint) (\w+):", rules, re.MULTILINE)}
-    figures = {path.stem for path in repository.glob("workflow/*/figures/*.py")}
+    figures = {Path(place).name for place in (*FIGURES, *PAPER_FIGURES)}
     known = {
-        "squeezefilm": commands_of(installed()),
-        "verification": commands_of(("verification.commands",)),
+        "squeezefilm": commands_of(),
+        "verification": commands_of(VERIFICATION),
         "snakemake": targets | figures,
     }
     for text in texts:

@@ -74,7 +74,7 @@ def study(tmp_path_factory, repository, script):
     _write_simulations(root, repository / "tests" / "reference")
     _write_fits(root)
     _write_designs(root)
-    _write_validations(root, config)
+    _write_validations(root, config, script)
     _write_extras(root, config)
     scenes = root / "simulations/extrapolation/scenes.csv"
     script("cross_section", config, input={"scenes": scenes}, output=scenes.parent / "film.csv")
@@ -229,7 +229,7 @@ def _write_design(path: Path, points: list[tuple[Any, ...]]) -> None:
     write_table(table, path)
 
 
-def _write_validations(root: Path, config: Path) -> None:
+def _write_validations(root: Path, config: Path, script: Callable[..., None]) -> None:
     for fit, plans in (
         ("screen", ["screen"]),
         ("two_factor_design", ["screen", "error_map"]),
@@ -237,12 +237,8 @@ def _write_validations(root: Path, config: Path) -> None:
         ("four_factor_design_distinct", ["four_factor", "four_factor_control"]),
     ):
         stems = [f"{root}/validation/{fit}_on_{plan}" for plan in plans]
-        arguments = [
-            "validate",
-            f"{root}/fits/{fit}.json",
-            *(f"{root}/simulations/{plan}/forces.csv" for plan in plans),
-            f"--config={config}",
-            *("--output", *(f"{stem}.csv" for stem in stems)),
-            *("--summary", *(f"{stem}.json" for stem in stems)),
-        ]
-        assert cli.main(arguments) == 0
+        forces = [f"{root}/simulations/{plan}/forces.csv" for plan in plans]
+        output = {"errors": [f"{stem}.csv" for stem in stems]}
+        output["summary"] = [f"{stem}.json" for stem in stems]
+        given = {"fit": f"{root}/fits/{fit}.json", "forces": forces}
+        script("validate", config, input=given, output=output)

@@ -7,13 +7,13 @@ import pandas as pd
 import pytest
 
 from squeezefilm.api.simulation import merge_forces
-from squeezefilm.cli.main import commands_of, installed, main, summary_of, with_negative_values
+from squeezefilm.cli.main import commands_of, main, summary_of, with_negative_values
 from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
 from squeezefilm.studies.plan_scenes import write_scenes
 
-COMMANDS = commands_of(installed())
+COMMANDS = commands_of()
 
 
 @pytest.fixture(scope="module")
@@ -44,10 +44,10 @@ def test_help_shows_groups_in_the_order_of_use(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
     text = capsys.readouterr().out
-    heads = ["Use: ", "A study of your own", "Steps of the workflow: plans"]
+    heads = ["Use: ", "A study of your own"]
     places = [text.index(f"\n{head}") for head in heads]
     assert places == sorted(places)
-    assert places[0] < text.index("\n  simulate ") < places[1] < text.index("\n  new ") < places[2]
+    assert places[0] < text.index("\n  simulate ") < places[1] < text.index("\n  new ")
 
 
 @pytest.mark.parametrize(
@@ -183,16 +183,6 @@ def test_a_force_out_of_reach_is_told(config, tmp_path):
     fit = fit_file(tmp_path / "screen.json", theta=[0.1, 0.1, -1.0])
     with pytest.raises(InputError, match="screen"):
         write_scenes("extrapolation", load_config(config), sources=[fit], output=tmp_path / "s.csv")
-
-
-def test_a_design_of_another_model_is_refused(config, tmp_path, refused):
-    fit = fit_file(tmp_path / "fit.json")
-    names = [tmp_path / name for name in ("d.csv", "s.csv", "d.json", "x.csv")]
-    words = ["--config", config, "--output", names[0], "--searches", names[1]]
-    text = refused(
-        "design", "four-factor", fit, *words, "--summary", names[2], "--distinct", names[3]
-    )
-    assert "a fit of the model two_factor" in text
 
 
 def test_doctor_finds_the_device_and_says_where_things_lie(tmp_path, capsys):

@@ -11,12 +11,7 @@ import pandas as pd
 import psutil
 import pytest
 
-COMMANDS = {
-    "squeezefilm": "simulate",
-    "reporting": "figure",
-    "paper": "claims",
-    "verification": "stability",
-}
+COMMANDS = {"squeezefilm": "simulate", "verification": "random-studies"}
 
 
 def interrupted(

@@ -14,9 +14,9 @@ from reporting.pages import render
 from reporting.results import Results
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import SCENE_COLUMNS
+from squeezefilm.io.tables import SCENE_COLUMNS, read_ok_forces
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
-from squeezefilm.models.data import Factors
+from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit
 from squeezefilm.models.force_model import TWO_FACTOR, check_models, get_model, make_model
@@ -127,17 +127,18 @@ def tables(study, tmp_path):
     return forces, limits
 
 
-def fitted(study, tables, tmp_path, name: str, *more: str) -> dict:
-    forces, limits = tables
-    path = tmp_path / f"{name}.json"
-    arguments = ["fit", str(forces), "--limits", str(limits), "--model", name, "--seeds", "1"]
-    arguments += ["--sample", str(forces), "--sample-limits", str(limits)]
-    assert cli.main([*arguments, f"--config={study.config}", f"--output={path}", *more]) == 0
+def fitted(script, study, tables, tmp_path, name: str) -> dict:
+    forces, limits = map(str, tables)
+    path, limit_table = tmp_path / f"{name}.json", tmp_path / "limit_table.json"
+    limit_table.write_text(json.dumps({"refused": "made up"}))
+    given = {"forces": forces, "limits": limits, "limit_table": str(limit_table)}
+    given |= {"sample": forces, "sample_limits": limits, "scan": []}
+    script("fit_candidate", study.config, input=given, output=path, model=name)
     return json.loads(path.read_text())
 
 
-def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path):
-    fit = fitted(study, tables, tmp_path, "limit_1")
+def test_a_fits_file_says_all_that_its_users_need(script, study, tables, tmp_path):
+    fit = fitted(script, study, tables, tmp_path, "limit_1")
     assert fit["expression"] == "limit + t0*(hv/h0)**2/sigma**1.5"
     assert (fit["parameters"], fit["parameter_units"]) == (["t0"], ["N"])
     assert fit["ranges"]["h0_m"] == [5e-6, 10e-6]
@@ -146,20 +147,16 @@ def test_a_fits_file_says_all_that_its_users_need(study, tables, tmp_path):
     assert len(fit["source"]["forces_sha256"]) == 64
 
 
-def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(
-    study, repository, tmp_path, capsys, refused
-):
-    forces, summary = study.root / "simulations/screen/forces.csv", tmp_path / "summary.json"
+def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(script, study, tmp_path, capsys):
+    forces, summary = str(study.root / "simulations/screen/forces.csv"), tmp_path / "summary.json"
     summary.write_text(json.dumps({"largest_force_error_share": 0.016}))
-    words = ["fit", str(forces), "--model=polynomial_3", f"--output={tmp_path}/fit.json"]
-    scanned = [*words, f"--config={repository}/config/vibrometer.yaml"]
-    assert "its profile is measured; give --scan SUMMARY.json" in refused(*scanned)
-    assert cli.main([*scanned, f"--scan={summary}"]) == 0
+    given = {"forces": forces, "sample": forces, "scan": str(summary)}
+    output = {"fit": tmp_path / "fit.json", "runs": tmp_path / "runs.csv"}
+    script("fit", study.config, input=given, output=output, params={"model": "polynomial_3"})
     fit = read_fit(tmp_path / "fit.json")
     assert fit.profile_uncertainty == 0.016
     assert cli.main(["predict", fit.place, "--h0=6um", "--hv=1.5um"]) == 0
     assert "1.6" in capsys.readouterr().out
-    assert "is not measured" in refused(*words, f"--config={study.config}", f"--scan={summary}")
 
 
 def test_the_seeds_of_a_fit_are_those_of_its_factors(study, edited, tmp_path):
@@ -180,13 +177,15 @@ def test_the_seeds_of_a_fit_are_those_of_its_factors(study, edited, tmp_path):
     assert counts == {"gap": 1, "place": 2}
 
 
-def test_models_are_ranked_on_half_of_the_validation_sample(study, tables, edited, tmp_path):
+def test_models_are_ranked_on_half_of_the_validation_sample(
+    script, study, tables, edited, tmp_path
+):
     """A point without a force is excluded from the errors, and counted."""
     names = ("polynomial_3", "limit", "polynomial_5")
     config = edited("paper", comparison={"two_factor": list(names)})
     (tmp_path / "models/two_factor").mkdir(parents=True)
     for name in names:
-        fitted(study, tables, tmp_path / "models/two_factor", name, "--keep-going")
+        fitted(script, study, tables, tmp_path / "models/two_factor", name)
     plan = tmp_path / "simulations/validation_two_factor"
     plan.mkdir(parents=True)
     table = pd.read_csv(tables[0], dtype={"point_id": str})
@@ -219,9 +218,8 @@ def test_models_are_ranked_on_half_of_the_validation_sample(study, tables, edite
         (lambda text: text.replace("sigma", "stigma"), "'sigma' is missing"),
     ],
 )
-def test_limits_of_other_scenes_are_refused(study, tables, tmp_path, refused, damage, message):
+def test_limits_of_other_scenes_are_refused(tables, damage, message):
     forces, limits = tables
     limits.write_text(damage(limits.read_text()))
-    end = ["--model=limit", f"--config={study.config}", f"--output={tmp_path}/f.json"]
-    assert message in refused("fit", forces, f"--limits={limits}", *end)
-    assert "limit_n: the points lack this column" in refused("fit", forces, *end)
+    with pytest.raises(InputError, match=message):
+        factors_of(read_ok_forces(forces), limits=limits)

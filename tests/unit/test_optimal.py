@@ -1,7 +1,6 @@
 """The command that certifies designs and judges plans beside them."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -9,32 +8,40 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.designs.paper_design import d_efficiency
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import read_ok_forces, read_scenes
 from squeezefilm.models.data import Factors
+from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 from squeezefilm.models.parameter_intervals import RANGES_NOTE
-
-NAMES = {"output": "d.csv", "efficiencies": "p.csv", "sensitivity": "m.csv", "summary": "s.json"}
-
-
-def optimal(folder: Path, *words: object) -> int:
-    files = [word for key, name in NAMES.items() for word in (f"--{key}", str(folder / name))]
-    return main(["optimal", *map(str, words), *files])
+from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 
 
 @pytest.fixture(scope="module", params=["two_factor", "four_factor"])
-def made(request, study, repository, tmp_path_factory):
+def made(request, study, repository, tmp_path_factory, script):
     folder = tmp_path_factory.mktemp("optimal")
     fit = {"two_factor": "screen", "four_factor": "four_factor"}[request.param]
     points = study.root / "simulations" / fit
-    done = optimal(
-        folder,
-        study.root / "fits" / f"{fit}.json",
-        *("--forces", points / "forces.csv", "--config", repository / "config/quick.yaml"),
-        *("--plans", f"plan={points / 'scenes.csv'}"),
-        *("--existing", study.root / "simulations/two_factor_design/scenes.csv"),
-        *(["--patterns", study.root / "designs/two_factor.json"] if fit == "screen" else []),
+    none = folder / "none.json"
+    none.write_text("{}")
+    files = {
+        "fit": study.root / "fits" / f"{fit}.json",
+        "forces": points / "forces.csv",
+        "existing": study.root / "simulations/two_factor_design/scenes.csv",
+        "patterns": study.root / "designs/two_factor.json" if fit == "screen" else none,
+    }
+    given = {name: str(path) for name, path in files.items()}
+    script(
+        "optimal_designs",
+        repository / "config/quick.yaml",
+        input=given | {"plans": [str(points / "scenes.csv")]},
+        output={
+            "designs": f"{folder}/d.csv",
+            "efficiencies": f"{folder}/p.csv",
+            "sensitivity": f"{folder}/m.csv",
+            "summary": f"{folder}/s.json",
+        },
     )
-    assert done == 0
     return request.param, folder
 
 
@@ -75,13 +82,20 @@ def test_efficiencies_are_true_and_their_bounds_below_them(made):
     assert ratio == pytest.approx(listed["exact-8"] / listed["exact-5"], rel=1e-6)
 
 
-def test_a_plan_off_the_centre_is_refused_for_a_centred_model(study, repository, tmp_path, capsys):
-    done = optimal(
-        tmp_path,
-        study.root / "fits/screen.json",
-        *("--forces", study.root / "simulations/screen/forces.csv"),
-        *("--config", repository / "config/quick.yaml"),
-        *("--plans", f"plan={study.root / 'simulations/four_factor/scenes.csv'}"),
-    )
-    assert done == 2
-    assert "the finger is moved" in capsys.readouterr().err
+def test_designs_for_a_table_of_ones_own(study, repository, tmp_path, capsys):
+    words = ["optimal", f"{study.root}/fits/screen.json", f"--output={tmp_path}/d.csv"]
+    words += [f"--forces={study.root}/simulations/screen/forces.csv"]
+    assert main([*words, f"--config={repository}/config/quick.yaml"]) == 0
+    assert {"local", "bayesian", "maximin"} < set(pd.read_csv(tmp_path / "d.csv")["design"])
+    assert "d_efficiency" in capsys.readouterr().out
+
+
+def test_a_plan_off_the_centre_is_refused_for_a_centred_model(study, quick):
+    folder = study.root / "simulations"
+    with pytest.raises(InputError, match="the finger is moved"):
+        designs_of_fit(
+            read_fit(study.root / "fits/screen.json"),
+            quick,
+            forces=read_ok_forces(folder / "screen/forces.csv"),
+            plans={"plan": read_scenes(folder / "four_factor/scenes.csv")},
+        )

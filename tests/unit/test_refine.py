@@ -15,6 +15,7 @@ from reporting.refinement import refinement_table
 from reporting.results import Results
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
+from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_forces
 from squeezefilm.studies.tasks import refined_model
 
@@ -26,6 +27,10 @@ class Refined:
     folder: Path
     unseen: Path
     limits: Path
+
+    @property
+    def sample(self) -> dict[str, str]:
+        return {"sample": str(self.unseen), "sample_limits": str(self.limits)}
 
     def verdict(self, model: str) -> dict:
         return json.loads((self.folder / model / "verdict.json").read_text())
@@ -42,26 +47,27 @@ def study(repository: Path, path: Path, **more: dict) -> Path:
     return path
 
 
-def refine(model: str, folder: Path, config: Path, *more: str) -> int:
+def refine(script, model: str, folder: Path, config: Path, sample: dict[str, str]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    names = {"rounds": "rounds.csv", "forces": "forces.csv", "limits": "limits.csv"}
-    names |= {"fit": "fit.json", "where": "where.csv", "output": "verdict.json"}
-    words = [word for key, name in names.items() for word in (f"--{key}", str(folder / name))]
-    return main(["refine", model, "--space", "four-factor", "--config", str(config), *words, *more])
+    names = ("rounds.csv", "forces.csv", "limits.csv", "fit.json", "where.csv", "verdict.json")
+    output = {name.partition(".")[0]: str(folder / name) for name in names}
+    given = sample | {"scan": []}
+    script("refine", config, input=given, output=output, model=model, space="four_factor")
 
 
 @pytest.fixture(scope="module")
 def refined(repository, tmp_path_factory, script):
     folder = tmp_path_factory.mktemp("refined")
     config = study(repository, folder / "study.yaml", refine={"worst_error": 0.01})
-    for model in ("limit_2", "square"):
-        assert refine(model, folder / model, config) == 0
     scenes, forces, limits = (folder / f"{name}.csv" for name in ("scenes", "forces", "limits"))
     end = ["--config", str(config), "--output"]
     script("plan", config, input={"sources": []}, output=scenes, plan="validation_four_factor")
     assert main(["simulate", str(scenes), *end, str(forces)]) == 0
-    assert main(["limits", str(scenes), *end, str(limits)]) == 0
-    return Refined(folder, forces, limits)
+    script("limits", config, input={"scenes": scenes}, output=limits)
+    made = Refined(folder, forces, limits)
+    for model in ("limit_2", "square"):
+        refine(script, model, folder / model, config, made.sample)
+    return made
 
 
 def test_physics_with_two_parameters_is_good_enough_with_few_simulations(refined):
@@ -122,22 +128,23 @@ def test_the_report_compares_estimates_with_the_truth(refined, tmp_path):
         ("polynomial_5", {"simulations": 10}, "more than the 10 allowed"),
     ],
 )
-def test_what_cannot_be_refined_is_refused(model, settings, message, repository, tmp_path, capsys):
+def test_what_cannot_be_refined_is_refused(
+    model, settings, message, repository, refined, tmp_path, script
+):
     config = study(repository, tmp_path / "study.yaml", refine=settings)
-    assert refine(model, tmp_path, config) == 2
-    assert message in capsys.readouterr().err
+    with pytest.raises(InputError, match=message):
+        refine(script, model, tmp_path, config, refined.sample)
 
 
 def test_a_model_whose_physics_does_not_hold_is_left_out_before_anything_is_simulated(
-    repository, refined, tmp_path, monkeypatch
+    repository, refined, tmp_path, monkeypatch, script
 ):
     def no_simulation(*arguments: object, **settings: object) -> None:
         raise AssertionError("a scene is simulated")
 
     monkeypatch.setattr(refined_model, "solve", no_simulation)
     config = study(repository, tmp_path / "study.yaml", finger={"shape": "ellipse"})
-    assert refine("limit_1", tmp_path / "limit_1", config) == 2
-    assert refine("limit_1", tmp_path / "limit_1", config, "--keep-going") == 0
+    refine(script, "limit_1", tmp_path / "limit_1", config, refined.sample)
     for others in ([], [refined.folder / "limit_2"]):
         folder = tmp_path / f"results-{len(others)}"
         table, page, drawn = reported(refined, folder, tmp_path / "limit_1", *others)

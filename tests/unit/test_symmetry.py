@@ -139,8 +139,8 @@ def rectangle(repository, tmp_path_factory, script):
     config.write_text(text, encoding="utf-8")
     design = "point_id,h0_m,hv_m,phi_r_m,phi_deg,origin\n1,5e-6,2e-6,0,0,A\n2,8e-6,1e-6,0,0,A\n"
     (folder / "design.csv").write_text(design, encoding="utf-8")
-    names = {name: f"{folder}/{name}.csv" for name in ("design", "scenes", "forces", "limits")}
-    sample = {name: f"{folder}/sample_{name}.csv" for name in ("scenes", "forces", "limits")}
+    names = {name: f"{folder}/{name}.csv" for name in ("design", "scenes", "forces")}
+    sample = {name: f"{folder}/sample_{name}.csv" for name in ("scenes", "forces")}
     study = f"--config={config}"
     design_of_plan = {"four_factor": [names["design"]], "validation_four_factor": []}
     for plan, files in (("four_factor", names), ("validation_four_factor", sample)):
@@ -148,14 +148,10 @@ def rectangle(repository, tmp_path_factory, script):
         script("plan", config, input={"sources": sources}, output=files["scenes"], plan=plan)
     for words in (
         ["simulate", names["scenes"], f"--output={names['forces']}"],
-        ["limits", names["scenes"], f"--output={names['limits']}"],
         ["simulate", sample["scenes"], f"--output={sample['forces']}"],
-        ["limits", sample["scenes"], f"--output={sample['limits']}"],
-        ["limit-table", f"--output={folder}/table.json"],
         [
-            *("fit", names["forces"], "--model=limit_1", f"--limits={names['limits']}"),
-            *(f"--sample={sample['forces']}", f"--sample-limits={sample['limits']}"),
-            *(f"--limit-table={folder}/table.json", f"--output={folder}/fit.json"),
+            *("fit", names["forces"], "--model=limit_1"),
+            *(f"--sample={sample['forces']}", f"--output={folder}/fit.json"),
         ],
     ):
         assert cli.main([*words, study]) == 0

@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.sources import read_columns
 from squeezefilm.io.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
+    read_columns,
     read_forces,
     read_json,
     read_ok_forces,

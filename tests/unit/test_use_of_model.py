@@ -22,6 +22,7 @@ from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
+from squeezefilm.studies.tasks.fits import limit_table_values
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 from squeezefilm.units import quantities, with_error
 
@@ -336,7 +337,7 @@ def test_an_export_goes_to_a_file_or_is_refused(write_fit, tmp_path, refused):
     del bare["limit_table"]
     path.write_text(json.dumps(bare))
     for command in (["export", "--language=python"], ["predict", "--h0=5um", "--hv=1um"]):
-        assert "--limit-table" in refused(command[0], str(path), *command[1:])
+        assert "table" in refused(command[0], str(path), *command[1:])
 
 
 @pytest.mark.parametrize("name", ['x"); system("true', "a b", "*/", "é", ""])
@@ -369,10 +370,9 @@ def test_a_damaged_table_of_limits_is_refused(damage, message, limit_table, writ
         read_fit(path)
 
 
-def test_where_the_limit_does_not_hold_the_table_says_so(edited, tmp_path):
-    sliding, table = edited(finger={"speed_x_m_per_s": 2}), tmp_path / "table.json"
-    assert cli.main(["limit-table", f"--config={sliding}", f"--output={table}"]) == 0
-    assert "not derived with bearing" in json.loads(table.read_text())["refused"]
+def test_where_the_limit_does_not_hold_the_table_says_so(edited):
+    values = limit_table_values(load_config(edited(finger={"speed_x_m_per_s": 2})))
+    assert "not derived with bearing" in values["refused"]
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,11 @@
 """Errors of a model against simulations."""
 
+import json
+
 import numpy as np
 import pytest
 
+from squeezefilm.cli.main import main
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.cross_validation import summarise
 
@@ -37,10 +40,12 @@ def test_bad_forces_are_refused(model, simulation, message):
         summarise(model_n=model, simulation_n=simulation, band=0.15)
 
 
-def test_a_set_without_its_file_is_refused(study, tmp_path, refused):
-    forces = [f"{study.root}/simulations/{plan}/forces.csv" for plan in ("screen", "error_map")]
-    options = [f"--config={study.config}", f"--output={tmp_path}/a.csv", f"--summary={tmp_path}/a"]
-    assert "--output: 1 files for 2 sets" in refused(
-        "validate", f"{study.root}/fits/screen.json", *forces, *options
-    )
-    assert not list(tmp_path.iterdir())
+def test_a_fit_is_compared_with_a_table_as_in_its_study(study, tmp_path, capsys):
+    fit = f"{study.root}/fits/two_factor_design.json"
+    forces = f"{study.root}/simulations/screen/forces.csv"
+    output = tmp_path / "errors.csv"
+    assert main(["validate", fit, forces, f"--config={study.config}", f"--output={output}"]) == 0
+    made = study.root / "validation/two_factor_design_on_screen.csv"
+    assert output.read_bytes() == made.read_bytes()
+    summary = json.loads(made.with_suffix(".json").read_text())
+    assert f"{summary['global_error']:.6g}" in capsys.readouterr().out

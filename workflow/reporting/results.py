@@ -11,8 +11,7 @@ from reporting.notes import Inertia
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.config.written import NAME as STUDY
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import read_design, read_json, read_ok_forces, read_scenes
+from squeezefilm.io.tables import read_columns, read_design, read_json, read_ok_forces, read_scenes
 from squeezefilm.models.fit_file import FittedModel, number, read_fit
 
 VALIDATION_NUMBERS = (

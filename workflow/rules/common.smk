@@ -122,10 +122,39 @@ pathvars:
 SMOOTHED = "<results>/profile/smoothed.npz" if SCAN else []
 # What a scan leaves open is part of a fit's error.
 SCAN_SUMMARY = "<results>/profile/summary.json" if SCAN else []
-WITH_SCAN = "--scan {input.scan:q} " if SCAN else ""
 
 
 PLAN = "<results>/simulations/{plan}"
+# What a plan is made from: a design, or the fits that an extrapolation is beyond.
+SOURCES_OF_PLAN = {
+    "two_factor_design": ["<results>/designs/two_factor.csv"],
+    "four_factor": ["<results>/designs/two_factor.csv"],
+    "four_factor_design": ["<results>/designs/four_factor.csv"],
+    "four_factor_design_distinct": ["<results>/designs/four_factor_distinct.csv"],
+    "extrapolation": ["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
+}
+# Sections of the study that decide the points of a plan, besides its sources.
+SECTIONS_OF_PLAN = {
+    "screen": ["screen"],
+    "error_map": ["error_map"],
+    "four_factor_control": ["four_factor_control", "screen", "positions"],
+    "sweep": ["sweep", "screen", "positions"],
+    "validation_two_factor": ["validation", "screen", "positions"],
+    "validation_four_factor": ["validation", "screen", "positions"],
+    "two_factor_design": [],
+    "four_factor": ["positions"],
+    "four_factor_design": [],
+    "four_factor_design_distinct": [],
+    "extrapolation": ["extrapolation"],
+}
+# The paper's model that is fitted to a plan; its name is also that of the space.
+MODEL_OF_FIT = {
+    "screen": "two_factor",
+    "two_factor_design": "two_factor",
+    "four_factor": "four_factor",
+    "four_factor_design": "four_factor",
+    "four_factor_design_distinct": "four_factor",
+}
 
 
 def code_of_plan(wildcards):
@@ -146,11 +175,6 @@ def chunk_files(wildcards, kind):
     ]
 
 
-def named(files, names):
-    """The words NAME=PATH of a command."""
-    return " ".join(f"{name}={quote(path)}" for name, path in zip(names, files, strict=True))
-
-
 def files_of_plans(plans):
     """All that a simulated plan leaves but its chunks."""
     names = ["scenes", "forces", "timings"]
@@ -159,7 +183,7 @@ def files_of_plans(plans):
 
 def files_of_fits(model):
     """All that the fits of one of the paper's models leave, and their validations."""
-    fits = [fit for fit in FITS if MODEL_OF_FIT[fit] == model]
+    fits = [fit for fit in MODEL_OF_FIT if MODEL_OF_FIT[fit] == model]
     return expand(["<results>/fits/{fit}.json", "<results>/fits/{fit}_runs.csv"], fit=fits)
 
 
@@ -207,49 +231,45 @@ def cores_for(searches):
 
 def validations(model, plans):
     """The names of a model's validations: each of its fits on each of the plans."""
-    fits = [fit for fit in FITS if MODEL_OF_FIT[fit] == model]
+    fits = [fit for fit in MODEL_OF_FIT if MODEL_OF_FIT[fit] == model]
     return [f"{fit}_on_{plan}" for fit in fits for plan in plans]
 
 
-# Put before every command of every rule: the library is found installed or not, and the python is
-# that of the environment that runs snakemake, unless a conda environment is activated after it. A
-# job on a cluster's node keeps its compiled kernels there, in Snakemake's tmpdir: home directories
-# are shared by nodes that may differ, over a network that may not lock.
+def in_report(place):
+    """A figure's drawing as the report lists it: the paper's by their numbers."""
+    folder, name = place.split("/")
+    labels = {"shows": FIGURES[place]}
+    if folder == "figures":
+        labels = {"figure": name.replace("fig", "Fig. ").replace("_", " "), **labels}
+    caption = {"models": "model_errors", "designs": "sensitivity", "refine": "refined"}
+    return report(
+        f"<results>/{place}.svg",
+        category=CATEGORIES[folder],
+        labels=labels,
+        caption=f"../report/captions/{caption.get(folder, name)}.rst",
+    )
+
+
+def numbered(places):
+    """Those of the paper's numbered figures, which keep the table that they draw."""
+    return [place for place in places if place.startswith("figures/fig")]
+
+
+# Put before the command of every job. The library is found installed or not. Threads of BLAS that
+# wait for work count as processor time, and a job has its own processes. A job on a cluster's node
+# keeps its compiled kernels there, in Snakemake's tmpdir: home directories are shared by nodes that
+# may differ, over a network that may not lock.
 shell.prefix(
-    "set -euo pipefail; "
-    + ("export SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}}; " if workflow.remote_exec else "")
-    + f"export PATH={quote(str(Path(sys.executable).parent))}:$PATH "
-    f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}} "
-    + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.npz')}" if SCAN else "")
-    + "; "
+    "set -euo pipefail; export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 "
+    + ("SQUEEZEFILM_NODE_CACHE=${{TMPDIR:-/tmp}} " if workflow.remote_exec else "")
+    + (f"SQUEEZEFILM_SMOOTHED={quote(f'results/{STUDY}/profile/smoothed.npz')} " if SCAN else "")
+    + f"PYTHONPATH={quote(str(LIBRARY))}${{{{PYTHONPATH:+:$PYTHONPATH}}}}; "
 )
 
 
-PLANS = [
-    "sweep",
-    "screen",
-    "error_map",
-    "two_factor_design",
-    "extrapolation",
-    "four_factor",
-    "four_factor_control",
-    "validation_two_factor",
-    "validation_four_factor",
-    "four_factor_design",
-    "four_factor_design_distinct",
-]
-FITS = [
-    "screen",
-    "two_factor_design",
-    "four_factor",
-    "four_factor_design",
-    "four_factor_design_distinct",
-]
-
-
 wildcard_constraints:
-    plan="|".join(PLANS),
-    fit="|".join(FITS),
+    plan="|".join(SECTIONS_OF_PLAN),
+    fit="|".join(MODEL_OF_FIT),
     chunk="[0-9]+",
     chunks="[0-9]+",
     suffix="csv|parquet",

@@ -3,7 +3,7 @@
 SIDES = {side: f"results/{side}" for side in ("paper", "paper-inertia")}
 COMPARED = [
     *expand("simulations/{plan}/forces.csv", plan=["screen", "four_factor", "extrapolation"]),
-    *expand("fits/{fit}.json", fit=FITS),
+    *expand("fits/{fit}.json", fit=MODEL_OF_FIT),
     *expand("designs/{name}.csv", name=["two_factor", "four_factor", "four_factor_distinct"]),
     *ON_SCREEN,
     *ON_ERROR_MAP,

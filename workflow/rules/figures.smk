@@ -100,7 +100,7 @@ OF_THE_PAPER = [
     *expand("simulations/{plan}/scenes.csv", plan=["screen", "four_factor"]),
     "simulations/screen/timings.csv",
     "simulations/extrapolation/budget.csv",
-    *expand("fits/{fit}.json", fit=FITS),
+    *expand("fits/{fit}.json", fit=MODEL_OF_FIT),
     "fits/screen_runs.csv",
     *expand("designs/{name}", name=["two_factor.csv", "two_factor.json", "four_factor.csv"]),
     *ON_SCREEN,

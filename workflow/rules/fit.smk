@@ -1,21 +1,11 @@
 # From forces to the parameters of an empirical model. A fit bears the name of its plan.
 
-MODEL_OF_FIT = {
-    "screen": "two-factor",
-    "two_factor_design": "two-factor",
-    "four_factor": "four-factor",
-    "four_factor_design": "four-factor",
-    "four_factor_design_distinct": "four-factor",
-}
-SPACE_OF_FIT = {fit: model.replace("-", "_") for fit, model in MODEL_OF_FIT.items()}
-
 
 rule fit:
     input:
-        config=ancient(CONFIG_FILE),
         forces="<results>/simulations/{fit}/forces.csv",
         sample=lambda wildcards: (
-            f"<results>/simulations/validation_{SPACE_OF_FIT[wildcards.fit]}/forces.csv"
+            f"<results>/simulations/validation_{MODEL_OF_FIT[wildcards.fit]}/forces.csv"
         ),
         scan=SCAN_SUMMARY,
     output:
@@ -23,9 +13,6 @@ rule fit:
         runs="<results>/fits/{fit}_runs.csv",
     log:
         "<logs>/fit/{fit}.log",
-    localrule: True
-    conda:
-        "../../envs/fit.yaml"
     threads: cores_for(sum(CONFIG["fit"]["seeds"].values()))
     params:
         code=CODE["models"],
@@ -33,7 +20,5 @@ rule fit:
         model=lambda wildcards: MODEL_OF_FIT[wildcards.fit],
     message:
         "Fit the {params.model} model to {wildcards.fit}"
-    shell:
-        f"python -m squeezefilm fit {{input.forces:q}} {WITH_SCAN}--model {{params.model}} "
-        "--sample {input.sample:q} --config {input.config:q} --processes {threads} --output {output.fit:q} "
-        "--runs {output.runs:q} >{log:q} 2>&1"
+    script:
+        "../scripts/fit.py"

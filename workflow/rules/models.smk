@@ -15,48 +15,38 @@ wildcard_constraints:
 
 rule limits:
     input:
-        config=ancient(CONFIG_FILE),
         scenes="<results>/simulations/{plan}/scenes.csv",
     output:
         "<results>/simulations/{plan}/limits.csv",
     log:
         "<logs>/limits/{plan}.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
     params:
         code=CODE["models"],
         study=sections(*FILM),
     message:
         "What physics says of {wildcards.plan} with nothing fitted"
-    shell:
-        "python -m squeezefilm limits {input.scenes:q} --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/limits.py"
 
 
 rule limit_table:
     input:
-        config=ancient(CONFIG_FILE),
         profile=SMOOTHED,
     output:
         "<results>/models/limit_table.json",
     log:
         "<logs>/models/limit_table.log",
-    localrule: True
-    conda:
-        "../../envs/simulate.yaml"
     params:
         code=CODE["models"],
         study=sections("screen", "positions", *FILM),
     message:
         "What physics says all over the space, for models that use it"
-    shell:
-        "python -m squeezefilm limit-table --config {input.config:q} --output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/limit_table.py"
 
 
 rule fit_candidate:
     input:
-        config=ancient(CONFIG_FILE),
         forces=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/forces.csv",
         limits=lambda wildcards: f"<results>/simulations/{FITTED_PLAN[wildcards.space]}/limits.csv",
         limit_table="<results>/models/limit_table.json",
@@ -67,20 +57,13 @@ rule fit_candidate:
         "<results>/models/{space}/{model}.json",
     log:
         "<logs>/models/{space}/{model}.log",
-    localrule: True
-    conda:
-        "../../envs/fit.yaml"
     params:
         code=CODE["models"],
         study=sections("fit", "models", "screen", "positions", *SHAPES),
     message:
         "Fit the candidate {wildcards.model} to {wildcards.space} points"
-    shell:
-        "python -m squeezefilm fit {input.forces:q} --limits {input.limits:q} "
-        f"--limit-table {{input.limit_table:q}} --sample {{input.sample:q}} "
-        f"--sample-limits {{input.sample_limits:q}} {WITH_SCAN}"
-        "--model {wildcards.model} --seeds 1 --keep-going --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/fit_candidate.py"
 
 
 rule compare:

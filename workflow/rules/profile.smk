@@ -2,17 +2,14 @@
 
 if SCAN:
 
-    # Refusals are for the terminal: everything else waits for this.
+    # Everything else waits for this.
     rule smooth:
         input:
-            config=ancient(CONFIG_FILE),
             scan=ancient(relative(CONFIG.path.parent / SCAN)),
         output:
             SMOOTHED,
         log:
             "<logs>/smooth.log",
-        conda:
-            "../../envs/tables.yaml"
         resources:
             mem_mb=4000,
             runtime=30,
@@ -21,13 +18,11 @@ if SCAN:
             study=sections("actuator"),
         message:
             "Make a smooth profile of the scan"
-        shell:
-            "python -m squeezefilm smooth --config {input.config:q} --output {output:q} >{log:q} 2>&1 "
-            "|| {{ cat {log:q} >&2; exit 1; }}"
+        script:
+            "../scripts/smooth.py"
 
     rule smooth_profile:
         input:
-            config=ancient(CONFIG_FILE),
             kernels="<results>/simulations/device.json",
         output:
             summary="<results>/profile/summary.json",
@@ -35,8 +30,6 @@ if SCAN:
             figure="<results>/figures/profile.csv",
         log:
             "<logs>/profile.log",
-        conda:
-            "../../envs/simulate.yaml"
         resources:
             mem_mb=2000,
             runtime=30,
@@ -45,11 +38,8 @@ if SCAN:
             study=sections("solver", "screen", "positions", *FILM),
         message:
             "Smooth the measured profile; simulate it with other noise"
-        shell:
-            "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-            "python -m squeezefilm profile "
-            "--config {input.config:q} --summary {output.summary:q} "
-            "--forces {output.forces:q} --figure {output.figure:q} >{log:q} 2>&1"
+        script:
+            "../scripts/profile.py"
 
     rule profile:
         input:

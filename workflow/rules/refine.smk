@@ -12,7 +12,6 @@ REFINED = ["rounds.csv", "forces.csv", "limits.csv", "where.csv", "fit.json", "v
 
 rule optimal_design:
     input:
-        config=ancient(CONFIG_FILE),
         fit=lambda wildcards: f"<results>/fits/{OPTIMAL_FIT[wildcards.space]}.json",
         forces=lambda wildcards: (
             f"<results>/simulations/{OPTIMAL_FIT[wildcards.space]}/forces.csv"
@@ -26,25 +25,18 @@ rule optimal_design:
         ],
     output:
         designs="<results>/designs/optimal_{space}.csv",
-        plans="<results>/designs/optimal_{space}_plans.csv",
+        efficiencies="<results>/designs/optimal_{space}_plans.csv",
         sensitivity="<results>/designs/optimal_{space}_sensitivity.csv",
         summary="<results>/designs/optimal_{space}.json",
     log:
         "<logs>/design/optimal_{space}.log",
-    localrule: True
-    conda:
-        "../../envs/numerics.yaml"
     params:
         code=CODE["models"],
         study=sections("screen", "positions", "optimal", *FILM),
-        plans=lambda wildcards, input: named(input.plans, names=JUDGED_PLANS[wildcards.space]),
     message:
         "D-optimal designs of the {wildcards.space} model, with a certificate"
-    shell:
-        "python -m squeezefilm optimal {input.fit:q} --forces {input.forces:q} "
-        "--config {input.config:q} --plans {params.plans} --patterns {input.patterns:q} "
-        "--existing {input.existing:q} --output {output.designs:q} --efficiencies {output.plans:q} "
-        "--sensitivity {output.sensitivity:q} --summary {output.summary:q} >{log:q} 2>&1"
+    script:
+        "../scripts/optimal_designs.py"
 
 
 rule optimal:
@@ -66,7 +58,6 @@ rule optimal:
 
 rule refine_model:
     input:
-        config=ancient(CONFIG_FILE),
         kernels="<results>/simulations/device.json",
         sample="<results>/simulations/validation_{space}/forces.csv",
         sample_limits="<results>/simulations/validation_{space}/limits.csv",
@@ -82,8 +73,6 @@ rule refine_model:
         "<logs>/refine/{space}/{model}.log",
     benchmark:
         "<benchmarks>/refine/{space}/{model}.tsv"
-    conda:
-        "../../envs/numerics.yaml"
     resources:
         mem_mb=2000,
         runtime=60,
@@ -92,12 +81,8 @@ rule refine_model:
         study=sections("solver", "screen", "positions", "fit", "models", "refine", *FILM),
     message:
         "Refine {wildcards.model} over the {wildcards.space} space"
-    shell:
-        "POCL_MAX_PTHREAD_COUNT={threads} python -m squeezefilm refine {wildcards.model} "
-        f"{WITH_SCAN}--sample {{input.sample:q}} --sample-limits {{input.sample_limits:q}} "
-        "--space {wildcards.space} --config {input.config:q} --rounds {output.rounds:q} "
-        "--forces {output.forces:q} --limits {output.limits:q} --fit {output.fit:q} "
-        "--where {output.where:q} --keep-going --output {output.verdict:q} >{log:q} 2>&1"
+    script:
+        "../scripts/refine.py"
 
 
 rule refine_report:

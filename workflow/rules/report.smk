@@ -26,7 +26,7 @@ rule summary:
             pair=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
         ),
         expand("<results>/simulations/{plan}/forces.csv", plan=SUMMARY_PLANS),
-        expand("<results>/fits/{fit}.json", fit=FITS),
+        expand("<results>/fits/{fit}.json", fit=MODEL_OF_FIT),
         "<results>/claims.csv" if PAPER else "<results>/models/recommended.csv",
         "<results>/simulations/device.json",
         "<results>/simulations/screen/budget.csv",
@@ -51,7 +51,7 @@ rule summary:
         study=sections(*CONFIG),
         results=results_folder,
         plans=SUMMARY_PLANS,
-        fits=FITS,
+        fits=list(MODEL_OF_FIT),
         pairs=[*VALIDATIONS_TWO_FACTOR, *VALIDATIONS_FOUR_FACTOR],
         paper=PAPER,
     message:

@@ -1,27 +1,5 @@
 # From a plan to its forces. As CSV, or for a sweep's many rows as Parquet.
 
-# What a plan is made from: a design, or the fits that an extrapolation is beyond.
-SOURCES_OF_PLAN = {
-    "two_factor_design": ["<results>/designs/two_factor.csv"],
-    "four_factor": ["<results>/designs/two_factor.csv"],
-    "four_factor_design": ["<results>/designs/four_factor.csv"],
-    "four_factor_design_distinct": ["<results>/designs/four_factor_distinct.csv"],
-    "extrapolation": ["<results>/fits/screen.json", "<results>/fits/two_factor_design.json"],
-}
-# Sections of the study that decide the points of a plan, besides its sources.
-SECTIONS_OF_PLAN = {
-    "screen": ["screen"],
-    "error_map": ["error_map"],
-    "four_factor_control": ["four_factor_control", "screen", "positions"],
-    "sweep": ["sweep", "screen", "positions"],
-    "validation_two_factor": ["validation", "screen", "positions"],
-    "validation_four_factor": ["validation", "screen", "positions"],
-    "two_factor_design": [],
-    "four_factor": ["positions"],
-    "four_factor_design": [],
-    "four_factor_design_distinct": [],
-    "extrapolation": ["extrapolation"],
-}
 # Plans that are simulated by several jobs; all others by one that makes the plan too.
 DIVIDED = [plan for plan in SECTIONS_OF_PLAN if CHUNKS.get(plan, 1) > 1]
 
@@ -145,64 +123,54 @@ rule sweep:
 
 rule plan_budget:
     input:
-        config=ancient(CONFIG_FILE),
-        scenes="<results>/simulations/{plan}/scenes.csv",
+        scenes=f"{PLAN}/scenes.csv",
         kernels="<results>/simulations/device.json",
     output:
-        "<results>/simulations/{plan}/budget.csv",
+        f"{PLAN}/budget.csv",
     log:
         "<logs>/budget/{plan}.log",
     params:
-        code=CODE["solver"],
+        code=CODE["films"],
         study=sections("solver", *FILM),
     message:
         "What the film equation leaves out of the forces of {wildcards.plan}"
-    shell:
-        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm budget {input.scenes:q} --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/budget.py"
 
 
 rule plan_response:
     input:
-        config=ancient(CONFIG_FILE),
-        scenes="<results>/simulations/{plan}/scenes.csv",
+        scenes=f"{PLAN}/scenes.csv",
         kernels="<results>/simulations/device.json",
     output:
-        response="<results>/simulations/{plan}/response.csv",
-        gains="<results>/simulations/{plan}/gains.csv",
+        response=f"{PLAN}/response.csv",
+        gains=f"{PLAN}/gains.csv",
     log:
         "<logs>/response/{plan}.log",
     params:
-        code=CODE["solver"],
+        code=CODE["films"],
         study=sections("solver", *FILM),
     message:
         "How the forces of {wildcards.plan} follow a changing amplitude"
-    shell:
-        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm response {input.scenes:q} --config {input.config:q} "
-        "--frequencies 3Hz,10Hz,30Hz,60Hz,100Hz,150Hz,200Hz,300Hz,500Hz,700Hz,1kHz,2kHz,4kHz "
-        "--output {output.response:q} --gains {output.gains:q} >{log:q} 2>&1"
+    script:
+        "../scripts/response.py"
 
 
 rule plan_levitation:
     input:
-        config=ancient(CONFIG_FILE),
-        forces="<results>/simulations/{plan}/forces.csv",
+        forces=f"{PLAN}/forces.csv",
         kernels="<results>/simulations/device.json",
     output:
-        "<results>/simulations/{plan}/levitation.csv",
+        f"{PLAN}/levitation.csv",
     log:
         "<logs>/levitation/{plan}.log",
     params:
-        code=CODE["solver"],
+        code=CODE["films"],
         study=sections("solver", *FILM),
     message:
         "The gaps that carry loads as in {wildcards.plan}"
-    shell:
-        "POCL_MAX_PTHREAD_COUNT={threads} OPENBLAS_NUM_THREADS={threads} "
-        "python -m squeezefilm levitate --like {input.forces:q} --config {input.config:q} "
-        "--output {output:q} >{log:q} 2>&1"
+    script:
+        "../scripts/levitation.py"
 
 
 rule film_tables:
@@ -213,7 +181,7 @@ rule film_tables:
             "<results>/simulations/screen/{table}.csv",
             table=["budget", "gains", "levitation", "response"],
         ),
-        expand("<results>/simulations/{plan}/budget.csv", plan=["four_factor", "extrapolation"]),
+        expand(f"{PLAN}/budget.csv", plan=["four_factor", "extrapolation"]),
     message:
         "What the films of the plans do besides is known"
 

@@ -4,14 +4,13 @@
 PLANS_TWO_FACTOR = ["screen", "error_map", "extrapolation"]
 PLANS_FOUR_FACTOR = ["four_factor", *(["four_factor_control"] if PAPER else [])]
 DESIGNED_PLANS = ["four_factor_design", "four_factor_design_distinct"]
-VALIDATIONS_TWO_FACTOR = validations("two-factor", PLANS_TWO_FACTOR)
-VALIDATIONS_FOUR_FACTOR = validations("four-factor", PLANS_FOUR_FACTOR)
+VALIDATIONS_TWO_FACTOR = validations("two_factor", PLANS_TWO_FACTOR)
+VALIDATIONS_FOUR_FACTOR = validations("four_factor", PLANS_FOUR_FACTOR)
 
 
 # Of one fit on all its sets of points: a process takes longer to start than to judge.
 rule validate_two_factor:
     input:
-        config=ancient(CONFIG_FILE),
         fit="<results>/fits/{fit}.json",
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=PLANS_TWO_FACTOR),
     output:
@@ -19,34 +18,28 @@ rule validate_two_factor:
         summary=expand("<results>/validation/{{fit}}_on_{plan}.json", plan=PLANS_TWO_FACTOR),
     log:
         "<logs>/validate/{fit}.log",
-    localrule: True
-    conda:
-        "../../envs/tables.yaml"
     params:
         code=CODE["models"],
         study=sections("validation"),
     message:
         "Judge the fit {wildcards.fit}"
-    shell:
-        "python -m squeezefilm validate {input.fit:q} {input.forces:q} --config {input.config:q} "
-        "--output {output.errors:q} --summary {output.summary:q} >{log:q} 2>&1"
+    script:
+        "../scripts/validate.py"
 
 
 use rule validate_two_factor as validate_four_factor with:
     input:
-        config=ancient(CONFIG_FILE),
         fit="<results>/fits/{fit}.json",
         forces=expand("<results>/simulations/{plan}/forces.csv", plan=PLANS_FOUR_FACTOR),
     output:
         errors=expand("<results>/validation/{{fit}}_on_{plan}.csv", plan=PLANS_FOUR_FACTOR),
         summary=expand("<results>/validation/{{fit}}_on_{plan}.json", plan=PLANS_FOUR_FACTOR),
-    localrule: True
 
 
 rule two_factor:
     input:
         files_of_plans([*PLANS_TWO_FACTOR, "two_factor_design", "validation_two_factor"]),
-        files_of_fits("two-factor"),
+        files_of_fits("two_factor"),
         rules.design_two_factor.output,
         expand(
             "<results>/validation/{pair}.{format}",
@@ -60,7 +53,7 @@ rule two_factor:
 rule four_factor:
     input:
         files_of_plans([*PLANS_FOUR_FACTOR, *DESIGNED_PLANS, "validation_four_factor"]),
-        files_of_fits("four-factor"),
+        files_of_fits("four_factor"),
         rules.design_four_factor.output,
         expand(
             "<results>/validation/{pair}.{format}",

@@ -27,8 +27,10 @@ def _library(*without: str) -> list[str]:
 
 
 MODELS = _library("cli")
+SOLVER = [*_library("cli", "designs", "models"), "squeezefilm/designs/box.py"]
 SOURCES = {
-    "solver": [*_library("cli", "designs", "models"), "squeezefilm/designs/box.py"],
+    "solver": SOLVER,
+    "films": [*SOLVER, "squeezefilm/cli"],
     "models": MODELS,
     "verification": [*MODELS, "verification"],
     "figures": [*MODELS, "paper", "report", "reporting"],

@@ -1,6 +1,8 @@
-"""Run one of this package's commands: ``python -m verification``, installed or not."""
+"""Run the campaign of random studies: ``python -m verification random-studies``."""
 
 from squeezefilm.cli.main import main
 
+GROUPS = {"The solver examined": ("verification.commands", ("random-studies",))}
+
 if __name__ == "__main__":
-    raise SystemExit(main(packages=("verification.commands",)))
+    raise SystemExit(main(groups=GROUPS))

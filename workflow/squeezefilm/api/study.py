@@ -8,26 +8,22 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from squeezefilm import __version__
 from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FACTOR_COLUMNS
-from squeezefilm.models.data import factors_of
-from squeezefilm.models.fit_file import described_fit, fit_of
 from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import (
-    declared_ranges,
     finger_positions,
     four_factor_plan,
     level_values,
 )
 from squeezefilm.studies.space import Space
-from squeezefilm.studies.study import film_of, scenes_in, surface_of, symmetry_of
-from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
-from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
+from squeezefilm.studies.study import scenes_in, surface_of
+from squeezefilm.studies.tasks.fits import fit_to_forces, limit_table_values, profile_uncertainty
+from squeezefilm.studies.tasks.physics_limits import with_limits
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,28 +82,24 @@ class Study(Film):
         failed = solved[solved["status"] != "ok"]
         if len(failed):
             raise RunError(f"point {failed['point_id'].iloc[0]}: {failed['status'].iloc[0]}")
-        found, _ = described_fit(
-            chosen,
-            factors_of(solved, limits=limits),
-            solved["force_n"].to_numpy(),
-            settings=config["fit"] | {"seeds": dict.fromkeys(config["fit"]["seeds"], seeds)},
-            profile_uncertainty=self._scan_error(),
-            processes=processes,
-        )
-        found["directions"] = symmetry_of(config).to_dict()
-        found["film"] = film_of(config, left_out=solved["left_out"])
-        if chosen.column_names:
-            found["limit_table"] = limit_table_of(config)
-        found["source"] = {"squeezefilm": __version__, "study": self.name}
         space = Space.of(config, centred=chosen.is_centred)
         settings = config["validation"]
         drawn = space.independent_sample(settings["points"], seed=settings["seed"])
-        sample, limits = self._simulated(space.table(drawn), limits=bool(chosen.column_names))
-        fitted = fit_of(found, place=f"{self.name}: {chosen.name}").validated(
-            factors_of(sample, limits=limits),
-            force_n=sample["force_n"],
-            force_error_n=sample["force_error_n"],
-            ranges=declared_ranges(config, centred=chosen.is_centred),
+        sample, sample_limits = self._simulated(
+            space.table(drawn), limits=bool(chosen.column_names)
+        )
+        fitted, _ = fit_to_forces(
+            chosen,
+            config,
+            forces=solved,
+            limits=limits,
+            limit_table=None if limits is None else limit_table_values(config),
+            sample=sample,
+            sample_limits=sample_limits,
+            uncertainty=profile_uncertainty(config),
+            seeds=seeds,
+            processes=processes,
+            source={"study": self.name},
         )
         return Fit(fitted)
 
@@ -121,14 +113,6 @@ class Study(Film):
         found = solutions.to_frame(points.index)
         columns = found[["force_n", "force_error_n", "status", "left_out"]]
         return points.assign(**columns), with_limits(points, scenes) if limits else None
-
-    def _scan_error(self) -> float:
-        """The largest share of a force that the scan leaves open, 0 without one."""
-        scan = self.scan
-        if scan is None:
-            return 0.0
-        errors = errors_in_study(self.config, scan, draws=DRAWS, seed=SEED)
-        return float(errors["scan_error_share"].max())
 
 
 def load(path: Path | str) -> Study:

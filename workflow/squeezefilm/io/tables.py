@@ -4,6 +4,7 @@ A table is CSV, or Parquet where its file name ends in ``.parquet``: for plans s
 would take longer to read than scenes to solve.
 """
 
+import io
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -259,6 +260,28 @@ def _check_header(
         raise InputError(
             f"{path}: unknown column {unknown[0]!r}; the columns are {', '.join(columns)}"
         )
+
+
+def read_columns(path: Path | str, *, columns: Sequence[str]) -> pd.DataFrame:
+    """Read a table that one of our commands wrote and that has at least these columns.
+
+    Positions, named in polar form, may be in Cartesian form.
+    Raises InputError naming the file and the column that is missing, or a file without rows.
+    """
+    text = read_text(path, what="table")
+    try:
+        data = pd.read_csv(io.StringIO(text))
+    except (pd.errors.EmptyDataError, pd.errors.ParserError) as error:
+        raise InputError(f"{path}: the table cannot be read: {error}") from None
+    columns = as_in(columns, data.columns)
+    for name in columns:
+        if name not in data.columns:
+            raise InputError(
+                f"{path}: column {name!r} is missing; it must have {', '.join(columns)}"
+            )
+    if data.empty:
+        raise InputError(f"{path}: the table has a header and no rows")
+    return data
 
 
 def write_table(table: pd.DataFrame, path: Path | str) -> None:

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.positions import CARTESIAN, POLAR, as_in
-from squeezefilm.io.sources import read_columns
-from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS
+from squeezefilm.io.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
 Array = NDArray[np.float64]
 
@@ -116,9 +115,7 @@ class Factors:
             return self.columns[name]
         if name in FACTORS.values():
             return np.asarray(getattr(self, name))
-        raise InputError(
-            f"{name}: the points lack this column; `squeezefilm limits` writes a table that has it"
-        )
+        raise InputError(f"{name}: the points lack this column of the physics limits")
 
     def take(self, which: ArrayLike) -> Factors:
         """Some of the points, by a mask or by indices."""
@@ -134,7 +131,7 @@ class Factors:
 def factors_of(points: pd.DataFrame, *, limits: Path | str | pd.DataFrame | None = None) -> Factors:
     """The factors of a table's rows, with the results of physics where their table is given.
 
-    ``limits`` is what ``squeezefilm limits`` wrote for the same scenes, or its path.
+    ``limits`` are the physics limits of the same scenes, or the path of their table.
     Raises InputError where the two tables do not have the same scenes in the same order.
     """
     factors = {name: points[name].to_numpy(dtype=float) for name in as_in(FACTOR_COLUMNS, points)}

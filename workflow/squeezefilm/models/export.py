@@ -145,7 +145,7 @@ def _limit_table(fit: FittedModel) -> LimitTable:
     if fit.limit_table is None:
         raise InputError(
             f"{fit.place}: the model {fit.model} uses the physics limit, which code without "
-            "dependencies cannot solve for; fit it with --limit-table, and its table is exported"
+            "dependencies cannot solve for, and its file has no table of it"
         )
     return fit.limit_table
 

@@ -175,8 +175,7 @@ class FittedModel(BaseModel):
         if self.limit_table is None:
             raise InputError(
                 f"{self.place}: the model {self.model} needs {', '.join(model.column_names)} and "
-                "its file has no table of them; fit it with --limit-table, or give points with "
-                "these columns (`squeezefilm limits`)"
+                "its file has no table of them: they do not hold all over its study's space"
             )
         return self.limit_table.complete(factors)
 

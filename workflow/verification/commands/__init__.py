@@ -1,1 +1,1 @@
-"""Steps of the workflow: the solver examined."""
+"""The solver examined."""

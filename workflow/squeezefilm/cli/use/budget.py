@@ -19,7 +19,7 @@ import argparse
 
 import pandas as pd
 
-from squeezefilm.config.loading import load_config
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.film.validity import validity
 from squeezefilm.io.tables import read_scenes, write_table
 from squeezefilm.quantities.model_error import budget_row, error_budgets
@@ -39,11 +39,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
-    table = read_scenes(options.scenes)
-    device = choose_device(config["solver"]["device"], option=options.device)
+    table = budget_table(read_scenes(options.scenes), config, device_name=options.device)
+    write_table(table, options.output)
+
+
+def budget_table(
+    table: pd.DataFrame, config: Config, *, device_name: str | None = None
+) -> pd.DataFrame:
+    """A table of scenes with the budget of each."""
+    device = choose_device(config["solver"]["device"], option=device_name)
     scenes = solver_settings(config, outputs=()).resolved(scenes_in(table, config), device)
     rows = [
         budget_row(budget) | {"validity": validity(scene)}
         for scene, budget in zip(scenes, error_budgets(scenes, device=device), strict=True)
     ]
-    write_table(pd.concat([table, pd.DataFrame(rows)], axis=1), options.output)
+    return pd.concat([table, pd.DataFrame(rows)], axis=1)

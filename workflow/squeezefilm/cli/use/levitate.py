@@ -26,8 +26,10 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -36,6 +38,7 @@ from squeezefilm.api.forces import scan_parts
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
+from squeezefilm.config.loading import Config
 from squeezefilm.dynamics.levitation import (
     Levitation,
     Resonance,
@@ -101,11 +104,38 @@ def run(options: argparse.Namespace) -> None:
     loads_n, points = _asked(options, mass_kg=mass_kg)
     with node_cache.one_build_at_a_time():
         device = device_of(config, option=options.device)
-    smoothed, how = (
-        smoothed_scan_of(config),
-        settings.how(device) | {"model_tolerance": settings.model_tolerance},
-    )
-    rows, failures = [], []
+    how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
+    table, failures, found, moving = levitations(loads_n, points, config, how, mass_kg=mass_kg)
+    smoothed = smoothed_scan_of(config)
+    if smoothed is not None:
+        without = "note: errors of stiffness are without the scan's"
+        print(without, *smoothed.warnings, sep="\n", file=sys.stderr)
+    if options.output is not None:
+        write_table(table, options.output)
+        return
+    if len(table) > 1:
+        print(table.to_string(index=False, na_rep="", float_format="{:.4g}".format))
+        return
+    if failures:
+        failures.append(trustworthy(scene_of(points[0], config), **how))
+        raise RunError("; ".join(failures))
+    assert found is not None
+    _show(found)
+    if moving is not None:
+        print(f"vertical motion of {mass_kg:g} kg: {_words(moving)}")
+
+
+def levitations(
+    loads_n: Sequence[float],
+    points: Sequence[ScenePoint],
+    config: Config,
+    how: dict[str, Any],
+    *,
+    mass_kg: float | None = None,
+) -> tuple[pd.DataFrame, list[str], Levitation | None, Resonance | None]:
+    """A table with a row for each point and load, the failures, and the last gap in full."""
+    smoothed, rows, failures = smoothed_scan_of(config), [], []
+    found = moving = None
     with progress_bar(len(loads_n) * len(points), unit="load", name="levitate") as bar:
         for point in points:
             for load_n in loads_n:
@@ -113,7 +143,7 @@ def run(options: argparse.Namespace) -> None:
                 try:
                     found = levitate(scene_of(point, config), load_n=load_n, **how)
                     if smoothed is not None:
-                        (part,) = scan_parts([found.scene], smoothed, device=device)
+                        (part,) = scan_parts([found.scene], smoothed, device=how["device"])
                         more_m = part.total_n / abs(found.stiffness_n_per_m)
                         found = replace(found, h0_error_m=found.h0_error_m + more_m)
                     moving = None if mass_kg is None else resonance(found, mass_kg=mass_kg)
@@ -123,22 +153,20 @@ def run(options: argparse.Namespace) -> None:
                     failures.append(str(error))
                 rows.append(row)
                 bar.update(1)
-    table = pd.DataFrame(rows).reindex(columns=COLUMNS + MASS_COLUMNS * (mass_kg is not None))
-    if smoothed is not None:
-        without = "note: errors of stiffness are without the scan's"
-        print(without, *smoothed.warnings, sep="\n", file=sys.stderr)
-    if options.output is not None:
-        write_table(table, options.output)
-        return
-    if len(rows) > 1:
-        print(table.to_string(index=False, na_rep="", float_format="{:.4g}".format))
-        return
-    if failures:
-        failures.append(trustworthy(scene_of(points[0], config), **how))
-        raise RunError("; ".join(failures))
-    _show(found)
-    if moving is not None:
-        print(f"vertical motion of {mass_kg:g} kg: {_words(moving)}")
+    columns = COLUMNS + MASS_COLUMNS * (mass_kg is not None)
+    return pd.DataFrame(rows).reindex(columns=columns), failures, found, moving
+
+
+def like(path: str) -> tuple[list[float], list[float]]:
+    """Loads and amplitudes over the range of a table of forces."""
+    table = read_forces(path)
+    known = table.loc[table["force_n"] > 0, "force_n"]
+    if known.empty:
+        raise InputError(f"{path}: has no force above 0")
+    loads_n = [float(each) for each in np.geomspace(known.min(), known.max(), LOADS)]
+    levels = np.sort(table["hv_m"].unique())
+    places = np.linspace(0, len(levels) - 1, AMPLITUDES).round().astype(int)
+    return loads_n, list(dict.fromkeys(levels[places].tolist()))
 
 
 def _asked(
@@ -148,14 +176,8 @@ def _asked(
     if options.like is not None:
         if options.load is not None or options.hv is not None:
             raise InputError("give either --like or --load and --hv, not both")
-        table = read_forces(options.like)
-        known = table.loc[table["force_n"] > 0, "force_n"]
-        if known.empty:
-            raise InputError(f"{options.like}: has no force above 0")
-        loads_n = [float(each) for each in np.geomspace(known.min(), known.max(), LOADS)]
-        levels = np.sort(table["hv_m"].unique())
-        places = np.linspace(0, len(levels) - 1, AMPLITUDES).round().astype(int)
-        options.hv = ",".join(f"{each!r}m" for each in dict.fromkeys(levels[places].tolist()))
+        loads_n, amplitudes_m = like(options.like)
+        options.hv = ",".join(f"{each!r}m" for each in amplitudes_m)
     else:
         if options.hv is None or (options.load is None and mass_kg is None):
             raise InputError("give --load and --hv, or --mass and --hv, or --like FORCES.csv")
@@ -165,13 +187,17 @@ def _asked(
             loads_n = [GRAVITY_M_PER_S2 * mass_kg]
         if min(loads_n) <= 0:
             raise InputError(f"--load {options.load!r} must be positive")
-    points = points_in(options)
+    return loads_n, points_at(points_in(options))
+
+
+def points_at(points: pd.DataFrame) -> list[ScenePoint]:
+    """The amplitudes and places at which gaps are sought."""
     wrong = points.loc[~points["hv_m"].between(*AMPLITUDES_M), "hv_m"]
     if len(wrong):
         least, most = AMPLITUDES_M
         raise InputError(f"--hv: {wrong.iloc[0]:g} m must lie within {least:g} … {most:g} m")
     # Of the gap, which is sought, the largest: there surface and finger do not touch.
-    return loads_n, scene_points_of(points.assign(h0_m=GAPS_M[1]))
+    return scene_points_of(points.assign(h0_m=GAPS_M[1]))
 
 
 def _row(found: Levitation, moving: Resonance | None) -> dict[str, object]:

@@ -25,7 +25,7 @@ from squeezefilm.api.points import COLUMNS as FACTORS
 from squeezefilm.cli.points import add_point_options, points_in, write_points
 from squeezefilm.film.validity import OK
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.sources import read_columns
+from squeezefilm.io.tables import read_columns
 from squeezefilm.models.data import COLUMNS
 from squeezefilm.models.fit_file import FILM_UNKNOWN
 

@@ -33,6 +33,7 @@ import pandas as pd
 from squeezefilm.api.points import scene_points_of
 from squeezefilm.cli import which_study
 from squeezefilm.cli.points import add_point_options, points_in
+from squeezefilm.config.loading import Config
 from squeezefilm.dynamics.response import (
     CHANGED,
     MOST_MODULATION,
@@ -106,16 +107,21 @@ def run(options: argparse.Namespace) -> None:
         raise InputError("give either a table of scenes or --h0 and --hv, not both")
     if options.output is options.gains is options.steps is None:
         raise InputError("a table of scenes needs --output, --gains or --steps")
-    table = read_scenes(options.scenes)
-    with naming(options.scenes):
-        scenes = scenes_in(table, config)
-    table = table.assign(validity=list(map(_validity, scenes)))
+    table, scenes = table_and_scenes(options.scenes, config)
     if options.output is not None:
-        write_table(_summaries(table, scenes, settings, device), options.output)
+        write_table(summaries(table, scenes, settings, device), options.output)
     if options.gains is not None:
-        write_table(_all_gains(table, scenes, frequency_hz), options.gains)
+        write_table(all_gains(table, scenes, frequency_hz), options.gains)
     if options.steps is not None:
         write_table(_all_steps(table, scenes), options.steps)
+
+
+def table_and_scenes(path: str, config: Config) -> tuple[pd.DataFrame, Sequence[Scene]]:
+    """A table of scenes with their validity, and the scenes."""
+    table = read_scenes(path)
+    with naming(path):
+        scenes = scenes_in(table, config)
+    return table.assign(validity=list(map(_validity, scenes))), scenes
 
 
 def _neglected(
@@ -173,9 +179,10 @@ def _neglected_lines(scene: Scene, changes: dict[str, float]) -> list[str]:
     return lines
 
 
-def _summaries(
+def summaries(
     table: pd.DataFrame, scenes: Sequence[Scene], settings: SolverSettings, device: Device
 ) -> pd.DataFrame:
+    """The table with the response of each scene, or the reason why there is none."""
     rows: list[dict[Any, Any]] = []
     with progress_bar(len(scenes), unit="scene", name="response") as bar:
         for scene in scenes:
@@ -196,9 +203,10 @@ def _or_reason(find: Callable[[], Any], **unknown: Any) -> dict[Any, Any]:
         return {**unknown, "status": str(error)}
 
 
-def _all_gains(
+def all_gains(
     table: pd.DataFrame, scenes: Sequence[Scene], frequency_hz: np.ndarray
 ) -> pd.DataFrame:
+    """The table with a row for each scene and frequency: gain and phase."""
     parts = []
     for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
         slow = frequency_hz <= MOST_MODULATION * scene.actuator.frequency_hz

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from squeezefilm.io.positions import CARTESIAN
 from squeezefilm.models.data import COLUMNS, Factors, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit
-from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, ParameterRange, parameter_ranges
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in
@@ -282,3 +283,52 @@ def summary_of(
         "parameter_ranges": [each.to_dict() for each in study.ranges],
         "parameter_ranges_note": RANGES_NOTE,
     }
+
+
+@dataclass(frozen=True, eq=False)
+class OptimalDesigns:
+    """The optimal designs of a fit as tables: points, efficiencies beside other plans, a map."""
+
+    designs: pd.DataFrame
+    efficiencies: pd.DataFrame
+    sensitivity: pd.DataFrame
+    summary: dict[str, Any]
+
+
+def designs_of_fit(
+    fit: FittedModel,
+    config: Config,
+    *,
+    forces: pd.DataFrame,
+    limits: Path | str | pd.DataFrame | None = None,
+    existing: pd.DataFrame | None = None,
+    plans: Mapping[str, pd.DataFrame] | None = None,
+    patterns: Mapping[str, Any] | None = None,
+) -> OptimalDesigns:
+    """All optimal designs of a fit, with its plans and patterns beside them.
+
+    Args:
+        forces: what the model was fitted to; limits their physics limits, if it uses them.
+        existing: scenes that a design adds to.
+        plans: scenes of other plans, by their names.
+        patterns: summary of the searches by the paper's criterion.
+
+    Raises InputError where the model cannot be used on these points, or has no parameters.
+    """
+    factors = factors_of(forces, limits=limits)
+    check_columns(fit.force_model, factors)
+    study = FittedSpace.of(fit, factors, forces["force_n"].to_numpy(), config=config)
+    others = {name: study.space.points(scenes) for name, scenes in (plans or {}).items()}
+    for kind in ("scalings", "forms"):
+        for search, found in (patterns or {}).get(kind, {}).items():
+            for pattern in found:
+                table = pd.DataFrame(pattern["points"])[list(study.space.box.names)]
+                others[f"pattern {pattern['pattern']} ({search})"] = table.to_numpy()
+    designs = optimal_designs(study, config["optimal"], existing=existing)
+    table = efficiencies(study, designs, others)
+    return OptimalDesigns(
+        designs=pd.concat([each.table for each in designs], ignore_index=True),
+        efficiencies=table,
+        sensitivity=sensitivity_map(study, designs[0]),
+        summary=summary_of(study, designs, table),
+    )

@@ -1,7 +1,8 @@
 """A model refined on a study: the loop's points, their simulations, and what its files tell."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,19 +10,26 @@ import pandas as pd
 
 from squeezefilm.config.loading import Config
 from squeezefilm.designs.sequential import Goal, Outcome, Pool, Round, refine_loop
-from squeezefilm.io.errors import RunError
+from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.positions import as_in
-from squeezefilm.io.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS
+from squeezefilm.io.tables import (
+    FACTOR_COLUMNS,
+    FORCE_COLUMNS,
+    LIMIT_COLUMNS,
+    ROUND_COLUMNS,
+    WHERE_COLUMNS,
+)
 from squeezefilm.models.data import COLUMNS, Factors
-from squeezefilm.models.fit_file import describe
+from squeezefilm.models.fit_file import describe, fit_of
 from squeezefilm.models.fitting import Fit
-from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.models.force_model import ExpressionModel, check_columns
 from squeezefilm.models.parameter_intervals import RANGES_NOTE, parameter_ranges
 from squeezefilm.models.prediction_interval import error_by_region, in_words
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import film_of, scenes_in, symmetry_of
+from squeezefilm.studies.tasks.fits import validated
 from squeezefilm.studies.tasks.physics_limits import with_limits
 
 TYPICAL = 1000
@@ -32,15 +40,20 @@ CLOSE = 0.3
 """The physics limit maps a model's error if it leaves less than this share of it unexplained."""
 
 
+TABLES = {
+    "rounds": ROUND_COLUMNS,
+    "forces": FORCE_COLUMNS,
+    "limits": LIMIT_COLUMNS,
+    "where": WHERE_COLUMNS,
+}
+"""What a refinement leaves as tables, with the columns that each has at least."""
+
+
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """How the loop ended, as the tables and files of `squeezefilm refine`."""
+    """How the loop ended: tables by their names (TABLES), the last fit, and the verdict."""
 
-    outcome: Outcome
-    rounds: pd.DataFrame
-    forces: pd.DataFrame
-    limits: pd.DataFrame
-    where: pd.DataFrame
+    tables: dict[str, pd.DataFrame]
     fit: dict[str, Any]
     verdict: dict[str, Any]
 
@@ -97,6 +110,51 @@ class SimulatedSpace:
         return rows[as_in(LIMIT_COLUMNS, rows)]
 
 
+def refine(
+    model: ExpressionModel,
+    config: Config,
+    *,
+    space: str,
+    sample: pd.DataFrame,
+    sample_limits: Path | str,
+    uncertainty: float,
+) -> Refinement:
+    """Refine a model on a study, and validate its last fit; print the rounds.
+
+    A model that needs the physics limits where they do not hold is refused before anything is
+    simulated: the fit and the verdict have the reason, and the tables are empty.
+
+    Args:
+        space: ``two_factor`` or ``four_factor``.
+        sample: forces of a validation sample; sample_limits the table of its physics limits.
+        uncertainty: share of a force that the scan of a measured profile leaves open.
+    """
+    simulated = SimulatedSpace(config, centred=space == "two_factor")
+    try:
+        check_columns(model, simulated.pool.factors)
+    except InputError as error:
+        print(error)
+        reason = {"model": model.name, "space": space, "refused": str(error)}
+        tables = {name: pd.DataFrame(columns=list(columns)) for name, columns in TABLES.items()}
+        return Refinement(tables, fit=reason, verdict=reason)
+    found = refined_model(
+        model, simulated, space=space, profile_uncertainty=uncertainty, report=_print_round
+    )
+    print(f"{found.verdict['verdict']}: {found.verdict['reason']}")
+    fit = fit_of(found.fit, place=f"{config['study']}: {model.name}")
+    fit = validated(fit, config, sample=sample, limits=sample_limits)
+    print(fit.statement)
+    return replace(found, fit=fit.to_dict())
+
+
+def _print_round(done: Round) -> None:
+    print(
+        f"round {done.number}: {done.simulations} simulations, global error {done.global_error:.2g}"
+        f" ({done.global_lower:.2g} … {done.global_upper:.2g}), worst {done.worst_error:.2g}, "
+        f"floor {done.floor:.2g}"
+    )
+
+
 def refined_model(
     model: ExpressionModel,
     simulated: SimulatedSpace,
@@ -139,11 +197,12 @@ def refined_model(
         "error_by_region_text": in_words(by_region),
     }
     return Refinement(
-        outcome=outcome,
-        rounds=_rounds_table(outcome, model, simulated),
-        forces=simulated.forces(outcome.simulated, labels),
-        limits=simulated.limits(outcome.simulated, labels),
-        where=where,
+        tables={
+            "rounds": _rounds_table(outcome, model, simulated),
+            "forces": simulated.forces(outcome.simulated, labels),
+            "limits": simulated.limits(outcome.simulated, labels),
+            "where": where,
+        },
         fit=_fit_values(
             model,
             simulated,

@@ -2,16 +2,18 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from squeezefilm.config.loading import Config
 from squeezefilm.film.measured.smooth import SmoothedScan
+from squeezefilm.film.measured.tables import described, profile_table, summary_of
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import Directions
-from squeezefilm.io.errors import RunError
+from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.composite import high_squeeze_limit
@@ -19,7 +21,7 @@ from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.plans import plan
 from squeezefilm.studies.solver_settings import device_of
-from squeezefilm.studies.study import scenes_in, symmetry_of
+from squeezefilm.studies.study import scenes_in, smoothed_scan_of, symmetry_of
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 TOLERANCE = 1e-3
@@ -129,6 +131,39 @@ def errors_in_study(
             scan_error_share=errors["scan_error_n"] / force_n,
         )
     )
+
+
+@dataclass(frozen=True, eq=False)
+class ScanReport:
+    """What a scan leaves open: forces of some scenes, the profile as a table, a summary, a text."""
+
+    forces: pd.DataFrame
+    profile: pd.DataFrame
+    summary: dict[str, Any]
+    text: str
+
+
+def scan_report(config: Config, *, draws: int = DRAWS, seed: int = SEED) -> ScanReport:
+    """Smooth the scan of a study and simulate some of its scenes with other noise.
+
+    Args:
+        draws: profiles with other noise; seed of the draws.
+
+    Raises InputError for a study whose profile is not measured.
+    """
+    smoothed = smoothed_scan_of(config)
+    if smoothed is None:
+        kind = config["actuator"]["profile"]["kind"]
+        raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
+    forces = errors_in_study(config, smoothed, draws=draws, seed=seed)
+    summary = summary_of(
+        smoothed,
+        noise=float(forces["noise_share"].max()),
+        error=float(forces["scan_error_share"].max()),
+    )
+    text = described(summary)
+    note = "; ".join(" ".join(line.split()) for line in text.splitlines())
+    return ScanReport(forces, profile_table(smoothed).assign(note=note), summary, text)
 
 
 def _points(config: Config) -> pd.DataFrame:

@@ -1,6 +1,0 @@
-"""Run one of this package's commands: ``python -m paper``, installed or not."""
-
-from squeezefilm.cli.main import main
-
-if __name__ == "__main__":
-    raise SystemExit(main(packages=("paper.commands",)))

@@ -1,0 +1,26 @@
+"""Write what leaving things out saves; the estimates of forces must cover their errors."""
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.errors import RunError
+from squeezefilm.io.tables import read_scenes, scene_points, write_table
+from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.study import scene_of
+from verification.ablation import ablation
+
+TOLERANCES = (1e-2, 1e-4, 1e-6)
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+device, repeats = device_of(config), config["numerics"]["repeats"]
+points = [point for path in snakemake.input.scenes for point in scene_points(read_scenes(path))]
+scenes = [scene_of(point, config) for point in points]
+table = ablation(scenes, tolerances=TOLERANCES, repeats=repeats, device=device)
+write_table(table.assign(repeats=repeats, device=device.name), snakemake.output[0])
+print(table.to_string(index=False))
+# The promise to a user: no error above the tolerance, and estimates honest in 99 %.
+judged = table[table["covered"].notna()]
+wrong = judged[(judged["worst_error"] > judged["tolerance"]) | (judged["covered"] < 0.99)]
+if len(wrong):
+    names = ", ".join(f"{row.put_back} at {row.tolerance:g}" for row in wrong.itertuples())
+    raise RunError(f"error above the tolerance, or estimates that do not cover it: {names}")

@@ -1,0 +1,19 @@
+"""Search the paper's D-optimal points of a fitted model, for two factors or for four."""
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.errors import naming
+from squeezefilm.io.tables import write_json, write_table
+from squeezefilm.models.fit_file import read_fit
+from squeezefilm.studies.tasks.paper_designs import four_factor_designs, two_factor_designs
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+fit, output = read_fit(snakemake.input.fit), snakemake.output
+designs_of = {"two_factor": two_factor_designs, "four_factor": four_factor_designs}[fit.model]
+with naming(snakemake.input.fit):
+    designs = designs_of(fit, config, processes=snakemake.threads)
+for path, table in zip(output.designs, designs.tables, strict=True):
+    write_table(table, path)
+write_table(designs.searches, output.searches)
+write_json(designs.summary, output.summary)

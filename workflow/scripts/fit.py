@@ -1,0 +1,28 @@
+"""Fit one of the paper's models to the forces of a plan."""
+
+from pathlib import Path
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.atomic import digest
+from squeezefilm.io.errors import naming
+from squeezefilm.io.tables import read_forces, read_ok_forces, write_json, write_table
+from squeezefilm.models.force_model import model_named
+from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+files = snakemake.input
+with naming(files.forces):
+    fit, runs = fit_to_forces(
+        model_named(snakemake.params.model, config["models"], place=config.path),
+        config,
+        forces=read_ok_forces(files.forces),
+        sample=read_forces(files.sample),
+        uncertainty=profile_uncertainty(config, summary=files.scan),
+        processes=snakemake.threads,
+        source={"forces_sha256": digest(Path(files.forces))},
+    )
+write_json(fit.to_dict(), snakemake.output.fit)
+write_table(runs, snakemake.output.runs)
+print(fit.statement)

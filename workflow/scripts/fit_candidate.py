@@ -1,0 +1,35 @@
+"""Fit a candidate for the force model, or write why it cannot be fitted."""
+
+from pathlib import Path
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.atomic import digest
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.tables import read_forces, read_json, read_ok_forces, write_json
+from squeezefilm.models.force_model import model_named
+from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+files = snakemake.input
+model = model_named(snakemake.wildcards.model, config["models"], place=config.path)
+uncertainty = profile_uncertainty(config, summary=files.scan)
+try:
+    fit, _ = fit_to_forces(
+        model,
+        config,
+        forces=read_ok_forces(files.forces),
+        limits=files.limits,
+        limit_table=read_json(files.limit_table),
+        sample=read_forces(files.sample),
+        sample_limits=files.sample_limits,
+        uncertainty=uncertainty,
+        seeds=1,
+        source={"forces_sha256": digest(Path(files.forces))},
+    )
+    values = fit.to_dict()
+except InputError as error:
+    values = {"model": model.name, "refused": str(error)}
+    print(error)
+write_json(values, snakemake.output[0])

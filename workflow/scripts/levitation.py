@@ -1,0 +1,16 @@
+"""Write the gaps that carry loads as in a plan."""
+
+import pandas as pd
+
+from scripts.job import begin
+from squeezefilm.cli.use.levitate import levitations, like, points_at
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.tables import write_table
+from squeezefilm.studies.solver_settings import device_of, solver_settings
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+loads_n, amplitudes_m = like(snakemake.input.forces)
+how = solver_settings(config).how(device_of(config))
+table, *_ = levitations(loads_n, points_at(pd.DataFrame({"hv_m": amplitudes_m})), config, how)
+write_table(table, snakemake.output[0])

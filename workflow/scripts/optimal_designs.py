@@ -1,0 +1,27 @@
+"""Write certified D-optimal designs of a fit, and the efficiency of other plans beside them."""
+
+from pathlib import Path
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.errors import naming
+from squeezefilm.io.tables import read_json, read_ok_forces, read_scenes, write_json, write_table
+from squeezefilm.models.fit_file import read_fit
+from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+files, output = snakemake.input, snakemake.output
+with naming(files.fit):
+    found = designs_of_fit(
+        read_fit(files.fit),
+        config,
+        forces=read_ok_forces(files.forces),
+        existing=read_scenes(files.existing),
+        plans={Path(path).parent.name: read_scenes(path) for path in files.plans},
+        patterns=read_json(files.patterns),
+    )
+write_table(found.designs, output.designs)
+write_table(found.efficiencies, output.efficiencies)
+write_table(found.sensitivity, output.sensitivity)
+write_json(found.summary, output.summary)

@@ -1,0 +1,15 @@
+"""Write what a smooth profile leaves open of its scan, and of forces simulated with it."""
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.tables import write_json, write_table
+from squeezefilm.studies.tasks.scan_errors import scan_report
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+output = snakemake.output
+report = scan_report(config)
+write_table(report.forces, output.forces)
+write_table(report.profile, output.figure)
+write_json(report.summary, output.summary)
+print(report.text)

@@ -1,0 +1,24 @@
+"""Simulate, fit, judge, design, simulate …, until a model is good enough or cannot be."""
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.tables import read_forces, write_json, write_table
+from squeezefilm.models.force_model import model_named
+from squeezefilm.studies.tasks.fits import profile_uncertainty
+from squeezefilm.studies.tasks.refined_model import refine
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+files, output = snakemake.input, snakemake.output
+found = refine(
+    model_named(snakemake.wildcards.model, config["models"], place=config.path),
+    config,
+    space=snakemake.wildcards.space,
+    sample=read_forces(files.sample),
+    sample_limits=files.sample_limits,
+    uncertainty=profile_uncertainty(config, summary=files.scan),
+)
+for name, table in found.tables.items():
+    write_table(table, getattr(output, name))
+write_json(found.fit, output.fit)
+write_json(found.verdict, output.verdict)

@@ -1,0 +1,14 @@
+"""Make a smooth profile of the study's scan, once for all that read it."""
+
+from pathlib import Path
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.film.measured.smooth import write_smoothed
+from squeezefilm.studies.study import smoothed_anew, smoothing_settings
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+smoothed = smoothed_anew(config)
+write_smoothed(smoothed, Path(snakemake.output[0]), settings=smoothing_settings(config))
+print(*smoothed.warnings, sep="\n")

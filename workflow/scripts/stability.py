@@ -1,0 +1,21 @@
+"""Write a verdict for each stiff or extreme film: solved, refused with a reason, or failed."""
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.errors import RunError
+from squeezefilm.io.tables import write_table
+from squeezefilm.studies.solver_settings import device_of
+from verification.cases import SAMPLE, cases
+from verification.stability import stability
+
+NOTE = "Forces to 1e-4; the checks, columns of the table, are explained in docs/numerics.md."
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+chosen = cases() if config["numerics"]["extent"] == "full" else cases()[SAMPLE]
+table = stability(chosen, device=device_of(config))
+write_table(table.assign(note=NOTE), snakemake.output[0])
+failed = table[table["verdict"] == "failed"]
+if len(failed):
+    named = "; ".join(f"{row.case}: {row.reason}" for row in failed.itertuples())
+    raise RunError(f"{len(failed)} of {len(table)} cases failed: {named}")

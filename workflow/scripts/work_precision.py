@@ -1,0 +1,30 @@
+"""Write error against run time of the solver and of three other methods."""
+
+from scripts.job import begin
+from squeezefilm.config.loading import load_config
+from squeezefilm.io.tables import write_table
+from squeezefilm.models.fit_file import read_fit
+from squeezefilm.studies.solver_settings import device_of
+from verification.work_precision import FILMS, work_precision
+
+BATCH = 100
+
+snakemake = begin()
+config = load_config(snakemake.config["study_file"])
+settings, device = config["numerics"], device_of(config)
+full = settings["extent"] == "full"
+table = work_precision(
+    FILMS if full else (FILMS[1],),
+    repeats=settings["repeats"],
+    batch=BATCH,
+    longest_seconds=settings["longest_seconds"],
+    rungs=10 if full else 3,
+    device=device,
+)
+note = (
+    f"Centred sinc; off centre: by 2.9 mm. Warm, median of {settings['repeats']}; processor "
+    f"time of all threads; {device.name}; a batch has {BATCH} films."
+)
+# Where a solver's error no longer matters.
+model_error = read_fit(snakemake.input.fit).global_error
+write_table(table.assign(model_error=model_error, note=note), snakemake.output[0])

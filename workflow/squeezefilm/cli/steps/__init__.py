@@ -1,1 +1,0 @@
-"""Steps of the workflow: plans, fits and designs."""

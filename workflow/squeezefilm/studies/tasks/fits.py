@@ -1,0 +1,158 @@
+"""Models fitted to the simulations of a study, and the errors of a fit on simulated points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from squeezefilm import __version__
+from squeezefilm.config.loading import Config
+from squeezefilm.io.errors import InputError
+from squeezefilm.io.positions import as_in
+from squeezefilm.io.tables import (
+    FACTOR_COLUMNS,
+    LIMIT_COLUMNS,
+    SCENE_COLUMNS,
+    read_json,
+)
+from squeezefilm.models.cross_validation import relative_errors, summarise
+from squeezefilm.models.data import factors_of
+from squeezefilm.models.fit_file import FittedModel, described_fit, fit_of, number
+from squeezefilm.models.fitting import Fit
+from squeezefilm.models.force_model import ExpressionModel, check_columns
+from squeezefilm.studies.plans import declared_ranges
+from squeezefilm.studies.study import film_of, scenes_in, smoothed_scan_of, symmetry_of
+from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limits
+from squeezefilm.studies.tasks.scan_errors import DRAWS, SEED, errors_in_study
+
+Limits = pd.DataFrame | Path | str | None
+
+
+def profile_uncertainty(config: Config, *, summary: Path | str | None = None) -> float:
+    """The largest share of a force that the scan of a study's profile leaves open, 0 without one.
+
+    Args:
+        summary: what is known of the scan, as its fit wrote it; simulated where it is not given.
+    """
+    if summary:
+        return number(read_json(summary), "largest_force_error_share", summary)
+    scan = smoothed_scan_of(config)
+    if scan is None:
+        return 0.0
+    errors = errors_in_study(config, scan, draws=DRAWS, seed=SEED)
+    return float(errors["scan_error_share"].max())
+
+
+def limits_of(points: pd.DataFrame, config: Config) -> pd.DataFrame:
+    """The physics limits of the scenes of a table."""
+    return with_limits(points, scenes_in(points, config))[as_in(LIMIT_COLUMNS, points)]
+
+
+def limit_table_values(config: Config) -> dict[str, Any]:
+    """A table of the physics limits over the study's space for JSON, or why there is none."""
+    try:
+        return limit_table_of(config).model_dump(mode="json")
+    except InputError as error:
+        return {"refused": str(error)}
+
+
+def fit_to_forces(
+    model: ExpressionModel,
+    config: Config,
+    *,
+    forces: pd.DataFrame,
+    limits: Limits = None,
+    limit_table: Mapping[str, Any] | None = None,
+    sample: pd.DataFrame | None = None,
+    sample_limits: Limits = None,
+    uncertainty: float = 0.0,
+    seeds: int | None = None,
+    processes: int = 1,
+    source: Mapping[str, str],
+) -> tuple[FittedModel, pd.DataFrame]:
+    """Fit a model to forces, every one of which is known.
+
+    Args:
+        limits: the physics limits of the scenes, for a model that uses them.
+        limit_table: a table of them over the space, with which the fit's file can be used alone.
+        sample: forces of a validation sample, NaN where there is none; sample_limits its limits.
+        uncertainty: share of a force that the scan of a measured profile leaves open.
+        seeds: of the search, instead of the study's.
+        source: where the forces come from, for the fit's file.
+
+    Returns: the best run with all that is known of it, and a table of every run.
+
+    Raises InputError where the model cannot be fitted to these points.
+    """
+    settings = config["fit"]
+    if seeds is not None:
+        settings = settings | {"seeds": dict.fromkeys(settings["seeds"], seeds)}
+    about, runs = described_fit(
+        model,
+        factors_of(forces, limits=limits),
+        forces["force_n"].to_numpy(),
+        settings=settings,
+        profile_uncertainty=uncertainty,
+        processes=processes,
+    )
+    about |= {
+        "directions": symmetry_of(config).to_dict(),
+        "film": film_of(config, left_out=forces["left_out"]),
+        "source": {"squeezefilm": __version__, **source},
+    }
+    if model.column_names and limit_table and "refused" not in limit_table:
+        about["limit_table"] = limit_table
+    fit = fit_of(about, place=f"{config['study']}: {model.name}")
+    if sample is not None:
+        fit = validated(fit, config, sample=sample, limits=sample_limits)
+    return fit, pd.DataFrame([_row(run, model) for run in runs])
+
+
+def validated(
+    fit: FittedModel, config: Config, *, sample: pd.DataFrame, limits: Limits
+) -> FittedModel:
+    """A fit with the prediction interval that a validation sample gives."""
+    factors = factors_of(sample, limits=limits)
+    return fit.validated(
+        factors,
+        force_n=sample["force_n"].where(sample["status"] == "ok"),
+        force_error_n=sample["force_error_n"],
+        ranges=declared_ranges(config, centred=not factors.phi_r_m.any()),
+    )
+
+
+def _row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
+    """A run as a table's row, a column for each parameter."""
+    plain = asdict(fit)
+    theta = dict(zip(model.parameter_names, plain.pop("theta"), strict=True))
+    search = {f"search_{k}": v for k, v in zip(theta, plain.pop("search_theta"), strict=True)}
+    return {**plain, **theta, **search}
+
+
+def errors_on(
+    fit: FittedModel, forces: pd.DataFrame, *, limits: Limits = None, band: float
+) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """The errors of a fit on simulated forces: a table of its points, and their summary.
+
+    Args:
+        band: relative error; the summary has the share of points within.
+    """
+    factors = factors_of(forces, limits=limits)
+    check_columns(fit.force_model, factors)
+    predicted = fit.force_model.evaluate(fit.theta, factors)
+    simulated = forces["force_n"].to_numpy()
+    errors = relative_errors(model_n=predicted, simulation_n=simulated)
+    summary = summarise(model_n=predicted, simulation_n=simulated, band=band)
+    worst = forces.iloc[summary.pop("worst_index")]
+    table = forces[as_in(SCENE_COLUMNS, forces)].assign(
+        force_n=simulated, model_n=predicted, relative_error=errors
+    )
+    return table, {
+        **summary,
+        "worst_point_id": worst["point_id"],
+        **{f"worst_{name}": float(worst[name]) for name in as_in(FACTOR_COLUMNS, forces)},
+    }
