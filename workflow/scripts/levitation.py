@@ -11,6 +11,7 @@ from squeezefilm.studies.solver_settings import device_of, solver_settings
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])
 loads_n, amplitudes_m = like(snakemake.input.forces)
-how = solver_settings(config).how(device_of(config))
+settings = solver_settings(config)
+how = settings.how(device_of(config)) | {"model_tolerance": settings.model_tolerance}
 table, *_ = levitations(loads_n, points_at(pd.DataFrame({"hv_m": amplitudes_m})), config, how)
 write_table(table, snakemake.output[0])
