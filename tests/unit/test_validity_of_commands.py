@@ -100,7 +100,7 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
     )
     write_json(values | {"film": {"gas": {}}}, path)
     assert main([*point, "20um"]) == 2
-    assert "'film' does not describe a film" in capsys.readouterr().err
+    assert "fit.json: film.gas: " in capsys.readouterr().err
 
 
 def test_a_fit_has_the_terms_that_its_forces_have(repository):
