@@ -4,7 +4,7 @@ from scripts.job import begin
 from squeezefilm.config.loading import load_config
 from squeezefilm.io.errors import RunError
 from squeezefilm.io.tables import read_scenes, scene_points, write_table
-from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.solver_settings import device_of, solver_settings
 from squeezefilm.studies.study import scene_of
 from verification.ablation import ablation
 
@@ -14,7 +14,8 @@ snakemake = begin()
 config = load_config(snakemake.config["study_file"])
 device, repeats = device_of(config), config["numerics"]["repeats"]
 points = [point for path in snakemake.input.scenes for point in scene_points(read_scenes(path))]
-scenes = [scene_of(point, config) for point in points]
+settings = solver_settings(config, outputs=())
+scenes = settings.resolved([scene_of(point, config) for point in points], device)
 table = ablation(scenes, tolerances=TOLERANCES, repeats=repeats, device=device)
 write_table(table.assign(repeats=repeats, device=device.name), snakemake.output[0])
 print(table.to_string(index=False))

@@ -7,16 +7,16 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.tables import write_table
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.solver_settings import device_of, solver_settings
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])
-tolerance, device = config["solver"]["tolerance"], device_of(config)
+settings, device = solver_settings(config, outputs=()), device_of(config)
 
 
 def force(scene: Scene) -> float:
     """The force of a scene."""
-    [solution] = solve([scene], tolerance=tolerance, device=device)
+    [solution] = solve(settings.resolved([scene], device), **settings.how(device))
     return solution.force_n
 
 

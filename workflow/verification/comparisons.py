@@ -116,7 +116,9 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     settings = solver_settings(study.config, outputs=())
     space = Space.of(study.config, centred=False)
     drawn = space.table(space.independent_sample(points, seed=seed))
-    forces = forces_of(study.scenes(drawn), settings=settings, device=study.device, smoothed=None)
+    forces = forces_of(
+        study.scenes(drawn), settings=settings, device=study.device, smoothed=None, budget=True
+    )
     table = forces_table(drawn, forces)
     stated = table.get("validity", pd.Series("ok", index=table.index))
     for force, validity in zip(forces, stated, strict=True):
@@ -140,7 +142,7 @@ def forces_and_errors(
 ) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
     settings = solver_settings(study.config, tolerance=tolerance, outputs=())
-    found = solve(scenes, **settings.how(study.device))
+    found = solve(settings.resolved(scenes, study.device), **settings.how(study.device))
     return np.array([(each.force_n, each.force_error_n) for each in found]).T
 
 
