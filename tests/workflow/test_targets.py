@@ -86,8 +86,7 @@ def test_a_sweep_is_simulated_in_chunks(fresh):
 
 def test_a_study_without_a_reference_can_be_reported(fresh):
     (fresh.folder / "tests/reference/quick").mkdir(parents=True)
-    words = ("--dry-run", "--printshellcmds", "--configfile", "config/quick.yaml")
-    done = snakemake(fresh.folder, "everything", *words)
+    done = snakemake(fresh.folder, "everything", "--summary", "--configfile", "config/quick.yaml")
     assert done.returncode == 0, done.stdout[-2000:]
     assert "results/quick/report/check.html" in done.stdout
     config = Path("config/quick.yaml")
