@@ -36,12 +36,3 @@ def test_a_changed_file_is_read_again(study, target, message, repository, tmp_pa
     with (folder / f"config/{study}.csv").open("a", encoding="utf-8") as file:
         file.write("\n")
     assert message in snakemake(folder, *words, "--dry-run").stdout
-
-
-def test_a_scan_is_smoothed_by_one_rule_that_all_who_need_it_read(planned):
-    _, edges = planned
-    readers = {target for source, target in edges if source == "smooth"}
-    assert {"compile_kernels", "figure"} <= readers
-    # Whatever simulates has the device.
-    assert {("compile_kernels", "simulate_plan"), ("compile_kernels", "smooth_profile")} <= edges
-    assert not [source for source, target in edges if target == "smooth"]
