@@ -59,7 +59,8 @@ def wait_for_job(running: psutil.Popen, command: str) -> psutil.Process:
 
 
 @pytest.mark.parametrize(
-    ("victim", "command"), [("group", "draw_figures"), ("snakemake", "simulate_plan"), ("job", "fit")]
+    ("victim", "command"),
+    [("group", "draw_figures"), ("snakemake", "simulate_plan"), ("job", "fit")],
 )
 def test_a_killed_run_goes_on(victim, command, undisturbed, tmp_path):
     folder = fresh(tmp_path)
