@@ -21,9 +21,10 @@ PACKAGES = (
 
 
 def _library(*without: str) -> list[str]:
-    """The folders of the library but those that are named."""
+    """The folders of the library but those that are named, and its units."""
     folders = sorted(path.parent.name for path in WORKFLOW.glob("squeezefilm/*/__init__.py"))
-    return [f"squeezefilm/{folder}" for folder in folders if folder not in without]
+    there = [f"squeezefilm/{folder}" for folder in folders if folder not in without]
+    return [*there, "squeezefilm/units.py"]
 
 
 MODELS = _library("cli")
