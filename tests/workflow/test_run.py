@@ -27,7 +27,7 @@ def test_progress_is_shown_and_every_job_has_its_log(finished):
     assert steps
     assert steps[-1][0] == steps[-1][1]
     logs = {path.parent.name for path in (finished.folder / "logs/quick").rglob("*.log")}
-    assert {"fit", "screen"} <= logs
+    assert {"fit", "simulate", "error_map"} <= logs
     plans = (finished.folder / "results/quick/simulations").glob("*/scenes.*")
     timed = (finished.folder / "benchmarks/quick/simulate").glob("*.tsv")
     assert len({path.parent for path in plans}) == len([*timed]) + 1 > 4  # of one, by its parts
