@@ -90,6 +90,7 @@ BY_HAND = {
 PARTS = {
     "snakemake --report",
     "squeezefilm simulate --derivatives",
+    "squeezefilm simulate --dry-run",
 }
 """Named for an option of theirs: no whole commands."""
 
