@@ -125,8 +125,8 @@ class Gas:
 
     The film's own type: in Python its numbers may be any, in a study they are within limits. The
     density follows the pressure as ρ ~ p^(1/n), the mean free path goes like 1/ρ, as for molecules
-    of a fixed size; ``auto`` is decided before a scene is solved (effects/automatic.py). What the
-    equation of a scene leaves out enters its budget alone (reynolds/effects).
+    of a fixed size; ``auto`` is decided before a scene is solved, and what the equation of a scene
+    leaves out enters its budget alone (quantities/model_error.py).
 
     Attributes:
         viscosity_pa_s: dynamic viscosity μ
