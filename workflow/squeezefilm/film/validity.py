@@ -1,8 +1,8 @@
 """Limits of validity of the film equation, as data, and whether there is a film at all.
 
 Within the limits the budget of a force (quantities/model_error.py) states what the equation
-neglects. Beyond them the force is still solved for, and its error as a statement about a real film is unknown, or
-the equation does not apply. The list, with reasons and sources, is ``validity.csv``.
+neglects. Beyond them the force is still solved for, and its error as a statement about a real film
+is unknown, or the equation does not apply. The list, with reasons and sources, is ``validity.csv``.
 """
 
 from __future__ import annotations
