@@ -34,19 +34,6 @@ def read_cells(
     return header, rows
 
 
-def finite_number(
-    text: str, *, path: Path, line: int, name: str, largest: float = math.inf
-) -> float:
-    """The number in a cell.
-
-    Raises InputError naming file, line and column, for anything else or one above the largest.
-    """
-    value = as_number(text)
-    if not math.isfinite(value) or abs(value) > largest:
-        raise InputError(f"{path}: line {line}: {name} is {text!r}, not a finite number")
-    return value
-
-
 def as_number(cell: str | float) -> float:
     """The number in a cell; NaN where there is none, as in 1_000, which Python would read."""
     try:

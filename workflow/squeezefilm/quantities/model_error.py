@@ -414,20 +414,6 @@ LEAST_PERCENT, LEAST_SHOWN = 0.5, 0.01
 ABOVE = " (first order, above its range)"
 
 
-def notes_of_budget(budget: ErrorBudget) -> list[str]:
-    """What is neglected and moves the force by half a per cent or more; or why that is unknown."""
-    if budget.status != "ok":
-        return [f"what the equation leaves out is not known: {budget.status}"]
-    basis = f"; of {budget.basis}" if budget.basis else ""
-    return [
-        f"left out: {_shown(name, effect)} of the force"
-        + f" (higher orders: {effect.missed_percent:.1g} %)" * (not effect.estimate)
-        + basis
-        for name, effect in budget.effects.items()
-        if not effect.included and _reach(name, effect) >= LEAST_PERCENT
-    ]
-
-
 def budget_text(budget: ErrorBudget) -> str:
     """Every effect and their sum on one line."""
     if budget.status != "ok":
