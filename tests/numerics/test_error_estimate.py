@@ -24,7 +24,7 @@ from squeezefilm.reynolds.error_estimate import (
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import refinement, resolution
-from squeezefilm.reynolds.periodic.resolution import first_grids, grid_for, profile_fall
+from squeezefilm.reynolds.periodic.resolution import first_grids, profile_fall
 
 DISC = Disc(0.012)
 JUDGED = pd.read_csv(Path(__file__).parent / "data" / "judged_films.csv", comment="#")
@@ -92,8 +92,6 @@ def test_a_kink_along_an_axis_is_within_the_estimate(at, sigma, tolerance):
 
 def test_the_first_grid_knows_the_layer_that_a_sliding_surface_makes():
     slow, fast = (film(epsilon=0.5, sigma=10.0, bearing=b, profile=PISTON) for b in (0.1, 200.0))
-    grids = grid_for(needs_of([slow, fast]), tolerance=1e-4)
-    assert grids[1].nx > 2 * grids[0].nx
     sequences, which = first_grids(needs_of([slow, fast]), tolerance=1e-3)
     last = [sequences[each][-1] for each in which]
     assert last[1].nx > 2 * last[0].nx

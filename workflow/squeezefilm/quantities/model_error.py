@@ -408,9 +408,8 @@ def _matters(budget: ErrorBudget, name: str, model_tolerance: float) -> bool:
     return not (effect.usable and reach < 100 * NEARLY * model_tolerance)
 
 
-# Per cent of the force, from which on a neglected effect is spoken of, and from which on the error
-# of depth-averaged terms is shown.
-LEAST_PERCENT, LEAST_SHOWN = 0.5, 0.01
+# Per cent of the force, from which on the error of depth-averaged terms is shown.
+LEAST_SHOWN = 0.01
 ABOVE = " (first order, above its range)"
 
 

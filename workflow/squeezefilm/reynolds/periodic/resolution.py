@@ -87,13 +87,6 @@ def first_grids(
     return [_with_finer(*each) for each in chosen], which
 
 
-def grid_for(needs: Needs, *, tolerance: float, room: float = MOST_UNKNOWNS) -> list[Grid]:
-    """Each scene's grid that is to leave a share of the tolerance."""
-    chosen, which = _choose(needs, tolerance=tolerance, room=room)
-    grids = [_with_room(*each) for each in chosen]
-    return [grids[each] for each in which.tolist()]
-
-
 def share_of(tolerance: float) -> float:
     """Share of a profile that a grid may miss at a tolerance."""
     return min(LARGEST_MISSED, sqrt(tolerance))
