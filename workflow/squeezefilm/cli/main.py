@@ -5,7 +5,9 @@ import difflib
 import gc
 import importlib
 import importlib.util
+import os
 import re
+import signal
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -34,6 +36,7 @@ GROUPS: Groups = {
     ),
 }
 """Packages of commands by their titles; ``a-b`` is the module ``a_b``."""
+INTERRUPTED = "squeezefilm: interrupted\n"
 NEGATIVE = re.compile(r"-\.?\d")
 OPTION = re.compile(r"--[a-z][a-z0-9-]*")
 NAME_WIDTH, WIDTH = 18, 100
@@ -71,7 +74,7 @@ def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> 
     try:
         return _run(words, groups=groups)
     except KeyboardInterrupt:
-        print("squeezefilm: interrupted", file=sys.stderr)
+        sys.stderr.write(INTERRUPTED)
         return 130
     except (InputError, RunError) as error:
         print(f"squeezefilm: error: {error}", file=sys.stderr)
@@ -96,7 +99,10 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
         # No module is garbage before the process ends, and a search for it takes a quarter of the
         # time of a small command.
         gc.disable()
+        # While modules load, a C extension makes of KeyboardInterrupt what it likes.
+        on_interrupt = signal.signal(signal.SIGINT, _end_at_once)
         module = importlib.import_module(commands[chosen])
+        signal.signal(signal.SIGINT, on_interrupt)
         gc.freeze()
         gc.enable()
         asked = parser.add_subparsers(dest="command", metavar="COMMAND").add_parser(
@@ -122,6 +128,11 @@ def _run(words: Sequence[str], *, groups: Groups) -> int:
             "takes"
         )
     return int(options.run(options) or 0)
+
+
+def _end_at_once(_signal: int, _frame: object) -> None:
+    os.write(2, INTERRUPTED.encode())
+    os._exit(130)
 
 
 def with_negative_values(words: Sequence[str]) -> list[str]:
