@@ -22,7 +22,7 @@ from squeezefilm.dynamics.averaged_film import (
     refused,
 )
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import LIMITS
+from squeezefilm.film.validity import exceeded
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.solution import Solution
 from squeezefilm.quantities.outputs import AROUND, STEP, quotient
@@ -149,7 +149,7 @@ def slip_changes(scene: Scene) -> dict[str, float]:
     """
     pairs = [(nan, nan)] * len(CHANGED)
     slipping = replace(scene, gas=replace(scene.gas, rarefaction="slip"))
-    if not any(limit.exceeded(slipping) for limit in LIMITS if limit.symbol == "Kn"):
+    if not exceeded(slipping, symbols=("Kn",)):
         both = [_response(each, *film_on(each, POINTS[0])) for each in (scene, slipping)]
         pairs = [(getattr(both[0], name), getattr(both[1], name)) for name in CHANGED.values()]
     return {

@@ -8,7 +8,7 @@ is unknown, or the equation does not apply. The list, with reasons and sources, 
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import inf, isfinite
 from pathlib import Path
@@ -81,20 +81,15 @@ class Limit:
     not_above: float
     source: str
 
-    def exceeded(self, scene: Scene) -> str:
-        """Return by what a scene exceeds the limit, in words; empty where it does not."""
-        return self.exceeded_by(Scenes.of([scene])).get(0, "")
+    @property
+    def bound(self) -> float:
+        """The value up to which nothing is exceeded."""
+        return min(self.not_above, self.unknown_above)
 
-    def exceeded_by(self, scenes: Scenes) -> dict[int, str]:
-        """Return the scenes that exceed the limit, and by what, in words."""
-        films = FILMS[self.films](scenes)
-        if films is False:
-            return {}
-        value = QUANTITIES[self.symbol](scenes)
-        within = value <= min(self.not_above, self.unknown_above)
-        if within.all():
-            return {}
-        beyond = films & ~within  # a value that is no number lies within no bound
+    def exceeded_by(self, scenes: Scenes, value: np.ndarray) -> dict[int, str]:
+        """Return the scenes that exceed the limit with a value of its quantity, and by what."""
+        # A value that is no number lies within no bound.
+        beyond = FILMS[self.films](scenes) & ~(value <= self.bound)
         return {row: self._text(float(value[row])) for row in np.flatnonzero(beyond).tolist()}
 
     def _text(self, value: float) -> str:
@@ -114,11 +109,17 @@ def _read(path: Path) -> tuple[Limit, ...]:
 
 
 LIMITS = _read(Path(__file__).with_name("validity.csv"))
+LEAST_BOUNDS = {
+    symbol: min(limit.bound for limit in LIMITS if limit.symbol == symbol) for symbol in QUANTITIES
+}
 
 
-def exceeded(scene: Scene) -> tuple[str, ...]:
-    """Return each limit that a scene exceeds, in words: quantity, value, bound, consequence."""
-    return tuple(words for limit in LIMITS if (words := limit.exceeded(scene)))
+def exceeded(scene: Scene, symbols: Iterable[str] = QUANTITIES) -> tuple[str, ...]:
+    """Return each limit of some quantities that a scene exceeds, in words.
+
+    Quantity, value, bound, consequence.
+    """
+    return tuple(_exceeded(Scenes.of([scene]), symbols).get(0, ()))
 
 
 def validity(scene: Scene) -> str:
@@ -126,13 +127,26 @@ def validity(scene: Scene) -> str:
     return "; ".join(exceeded(scene)) or OK
 
 
-def validities(scenes: Scenes) -> list[str]:
+def validities(scenes: Scenes) -> np.ndarray:
     """Return the same for each of some scenes."""
-    found: list[list[str]] = [[] for _ in range(len(scenes))]
-    for limit in LIMITS:
-        for row, words in limit.exceeded_by(scenes).items():
-            found[row].append(words)
-    return ["; ".join(words) or OK for words in found]
+    found = np.full(len(scenes), OK, dtype=object)
+    for row, words in _exceeded(scenes).items():
+        found[row] = "; ".join(words)
+    return found
+
+
+def _exceeded(scenes: Scenes, symbols: Iterable[str] = QUANTITIES) -> dict[int, list[str]]:
+    """Return what scenes exceed, in the list's order, by row."""
+    found: dict[int, list[str]] = {}
+    for symbol in symbols:
+        value = QUANTITIES[symbol](scenes)
+        if (value <= LEAST_BOUNDS[symbol]).all():
+            continue
+        for limit in LIMITS:
+            if limit.symbol == symbol:
+                for row, words in limit.exceeded_by(scenes, value).items():
+                    found.setdefault(row, []).append(words)
+    return found
 
 
 GAPS_M = (1e-9, 1e-3)

@@ -94,8 +94,11 @@ class Solutions(Sequence[Solution]):
     @classmethod
     def of_method(cls, method: str, count: int) -> Solutions:
         """Solutions that are not known yet."""
-        values = DEFAULTS | {"method": method}
-        return cls({name: _filled(value, count) for name, value in values.items()})
+        columns = {name: np.empty(count, dtype=kind) for name, kind in KINDS.items()}
+        for name, column in columns.items():
+            column.fill(DEFAULTS[name])
+        columns["method"].fill(method)
+        return cls(columns)
 
     @classmethod
     def of(cls, solutions: Sequence[Solution]) -> Solutions:
@@ -147,13 +150,11 @@ DEFAULTS: dict[str, object] = {
 }
 
 
-def _filled(value: object, count: int) -> np.ndarray:
-    """A column of one value: numbers as such; texts and what has parts as objects."""
-    column = np.empty(count, dtype=type(value) if isinstance(value, (int, float)) else object)
-    column.fill(value)
-    return column
-
-
+# Of the columns: numbers as such; texts and what has parts as objects.
+KINDS = {
+    name: type(value) if isinstance(value, (int, float)) else object
+    for name, value in DEFAULTS.items()
+}
 SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )

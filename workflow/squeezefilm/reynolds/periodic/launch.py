@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import accumulate, pairwise
-from typing import Any, NamedTuple
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -62,7 +62,9 @@ class Batch:
     guess: np.ndarray | None = None
     every: bool = True
 
-    def __len__(self) -> int:
+    @cached_property
+    def count(self) -> int:
+        """Number of scenes."""
         return len(self.scenes)
 
     @cached_property
@@ -76,69 +78,60 @@ class Batch:
         return unknown_fields(self.terms)
 
     @cached_property
-    def largest_state(self) -> int:
-        """Numbers of a scene's largest state."""
-        return self.fields * max(grid.count for grid in self.grids)
-
-    def returns(self, stage: int) -> bool:
-        """Whether the states on a grid come back, or a first guess lies where they do."""
-        guess = stage == 0 and self.guess is not None
-        return self.every or guess or stage == len(self.grids) - 1
-
-    @cached_property
     def workspace_size(self) -> int:
-        """Numbers that a work-group needs beside the states: fields, Krylov basis, Hessenberg."""
+        """Numbers that a work-group needs beside the states."""
         flow_terms = self.numbers["flow"].shape[1]
-        sizes = []
-        for grid in self.grids:
-            most = most_krylov(grid, self.terms)
-            fields = 2 * flow_terms + 3 + own_fields(self.terms)
-            linear = 3 * flow_terms + 10 + (most + 1) * self.fields
-            matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
-            small = (most + 4) * (most + 1) + grid.nx * grid.ny
-            sizes.append(grid.count * (fields + linear) + matrices + small)
-        return max(sizes) + 2 * self.largest_state
+        return max(_workspace_size(grid, self.terms, flow_terms) for grid in self.grids)
 
 
-class _Place(NamedTuple):
-    """Where a launch's results have what is said of a batch on a grid: slices of them.
-
-    Attributes:
-        means: means in time of all scenes, one behind the other.
-        states: the states likewise; none where they do not come back.
-    """
-
-    means: slice
-    states: slice | None
+@lru_cache(maxsize=256)
+def _workspace_size(grid: Grid, terms: Terms, flow_terms: int) -> int:
+    """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
+    most, fields = most_krylov(grid, terms), unknown_fields(terms)
+    own = 2 * flow_terms + 3 + own_fields(terms)
+    linear = 3 * flow_terms + 10 + (most + 1) * fields
+    matrices = 3 * (grid.nx**2 + grid.ny**2 + grid.nt**2)
+    small = (most + 4) * (most + 1) + grid.nx * grid.ny
+    return grid.count * (own + linear + 2 * fields) + matrices + small
 
 
 @dataclass(frozen=True)
 class _Places:
-    """The places of each batch on each grid, and the size of the results.
+    """Where a launch's results have what is said of each batch on each grid.
 
     They begin with what is said in rows; kernels read states in vectors.
+
+    Attributes:
+        begins: of the means in time of a batch's scenes, one behind the other, and of their states,
+            ABSENT where these do not come back; for each batch, (stages, 2).
+        sizes: of each scene's means and state, likewise.
+        rows: number of rows.
+        size: of all results.
     """
 
-    of: Sequence[Sequence[_Place]]
+    begins: Sequence[Sequence[tuple[int, int]]]
+    sizes: Sequence[Sequence[tuple[int, int]]]
     rows: int
     size: int
 
 
 def _places(batches: Sequence[Batch]) -> _Places:
-    rows = sum(len(batch) * len(batch.grids) for batch in batches)
+    rows = sum(batch.count * len(batch.grids) for batch in batches)
     end = -(-rows * SAID.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
-    places: list[list[_Place]] = []
+    begins: list[list[tuple[int, int]]] = []
+    sizes: list[list[tuple[int, int]]] = []
     for batch in batches:
-        places.append([])
+        begins.append([])
+        sizes.append([])
         for stage, grid in enumerate(batch.grids):
-            means = slice(end, end + len(batch) * grid.nx * grid.ny)
-            end = means.stop
-            states = None
-            if batch.returns(stage):
-                states = slice(end, end + len(batch) * batch.fields * grid.count)
-                end = states.stop
-            places[-1].append(_Place(means, states))
-    return _Places(places, rows, end)
+            # A first guess lies where the state comes back.
+            guess = stage == 0 and batch.guess is not None
+            returns = batch.every or guess or grid is batch.grids[-1]
+            means, state = grid.nx * grid.ny, batch.fields * grid.count * returns
+            begins[-1].append((end, end + batch.count * means if returns else ABSENT))
+            sizes[-1].append((means, state))
+            end += batch.count * (means + state)
+    return _Places(begins, sizes, rows, end)
 
 
 def solve_batch(
@@ -174,19 +167,23 @@ class Launch:
         results = self.inputs.results
         self.device.fetch(results, self.buffer, after=self.done)
         numbers = SAID.itemsize // 8
-        said = results[: self.places.rows * numbers].reshape(-1, numbers)
+        said = results[: self.places.rows * numbers].reshape(-1, numbers).view(SAID)[:, 0]
         states: list[list[States]] = []
         first = 0
-        for batch, of_batch in zip(self.batches, self.places.of, strict=True):
-            stages = len(batch.grids)
-            last = first + len(batch) * stages
-            states.append([])
-            for stage, (grid, place) in enumerate(zip(batch.grids, of_batch, strict=True)):
-                shape = len(batch), batch.fields, *grid.shape
-                unknowns = results[place.states].reshape(shape) if place.states else None
-                means = results[place.means].reshape(len(batch), grid.nx, grid.ny)
-                own = said[first + stage : last : stages].view(SAID)[:, 0]
-                states[-1].append(States(unknowns, means, own))
+        places = zip(self.batches, self.places.begins, self.places.sizes, strict=True)
+        for batch, begins, sizes in places:
+            stages, count = len(batch.grids), batch.count
+            last = first + count * stages
+            of_batch = []
+            for stage, grid in enumerate(batch.grids):
+                (mean_at, state_at), (means, state) = begins[stage], sizes[stage]
+                unknowns = None
+                if state:
+                    unknowns = results[state_at : state_at + count * state]
+                    unknowns = unknowns.reshape(count, batch.fields, *grid.shape)
+                mean = results[mean_at : mean_at + count * means].reshape(count, grid.nx, grid.ny)
+                of_batch.append(States(unknowns, mean, said[first + stage : last : stages]))
+            states.append(of_batch)
             first = last
         return states
 
@@ -236,7 +233,7 @@ def launch(batches: Sequence[Batch], *, device: Device) -> Launch:
         sources=sources_of(terms, single=single),
         header=_header(terms, inputs.rows.dtype, single=single),
     )
-    scenes = sum(map(len, batches))
+    scenes = sum(batch.count for batch in batches)
     workspace_size = -(-max(batch.workspace_size for batch in batches) // 8) * 8
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
     buffer, values = device.shared(inputs.results), device.shared(inputs.values)
@@ -275,18 +272,18 @@ class _Inputs:
 
 def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
-    stages = [len(batch.grids) for batch in batches for _ in range(len(batch))]
-    begins = np.array([*accumulate(stages, initial=0)], dtype=np.int32)
+    stages = np.repeat([len(batch.grids) for batch in batches], [batch.count for batch in batches])
+    begins = np.append(0, np.cumsum(stages)).astype(np.int32)
     results_array = device.arrays.acquire(places.size + PADDING)
     results = results_array[: places.size + PADDING]
     buffer = Buffer()
     rows = []
-    for batch, of_batch in zip(batches, places.of, strict=True):
+    for batch, at, sizes in zip(batches, places.begins, places.sizes, strict=True):
         if batch.guess is not None:
-            results[of_batch[0].states] = batch.guess.ravel()
+            results[at[0][1] : at[0][1] + batch.guess.size] = batch.guess.ravel()
         rows.append(
             rows_of(
-                _columns(buffer, batch, of_batch),
+                [*_columns(buffer, batch), _in_results(batch, at, sizes)],
                 stages=len(batch.grids),
                 numbers=batch.numbers,
                 # A mass error w moves the pressure by w/H.
@@ -298,8 +295,8 @@ def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Input
     return _Inputs(begins, joined_rows(rows), values, results, (results_array, values_array))
 
 
-def _columns(buffer: Buffer, batch: Batch, places: Sequence[_Place]) -> list[Columns]:
-    """A batch's sizes, and where its arrays lie in the buffer and the results, on each grid."""
+def _columns(buffer: Buffer, batch: Batch) -> list[Columns]:
+    """A batch's sizes, and where its arrays lie in the buffer, on each grid."""
     grids, terms, numbers = tuple(batch.grids), batch.terms, batch.numbers
     aspect = aspect_of(batch.scenes)
     sizes, matrices = _of_grids(grids, terms, aspect)
@@ -309,14 +306,13 @@ def _columns(buffer: Buffer, batch: Batch, places: Sequence[_Place]) -> list[Col
     columns = [
         sizes,
         buffer.add(matrices),
-        _in_results(batch, places),
         buffer.add(fields, at),
         buffer.add(modes, kinds),
     ]
     for term in terms:
         operators = [term.operators(numbers, grid, aspect=aspect) for grid in grids]
         if operators[0]:
-            columns.append(buffer.add(packed(operators), np.arange(len(batch))))
+            columns.append(buffer.add(packed(operators), np.arange(batch.count)))
     return columns
 
 
@@ -337,22 +333,16 @@ def _of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> tuple[Col
     return (sizes[0][0], np.stack([values for _, values in sizes])), packed(alone, absent=absent)
 
 
-def _in_results(batch: Batch, places: Sequence[_Place]) -> Columns:
+def _in_results(
+    batch: Batch, begins: Sequence[tuple[int, int]], sizes: Sequence[tuple[int, int]]
+) -> Columns:
     """Where each scene has its own, on each grid, and what a kernel is to know beside that."""
-    begins, steps = [], []
-    for stage, (means, states) in enumerate(places):
-        guessed = stage == 0 and batch.guess is not None
-        begins.append([means.start, states.start if states else ABSENT, guessed])
-        steps.append([_step(means, batch), _step(states, batch) if states else 0, 0])
     names = ("means", "state", "guessed", "largest_state")
-    values = np.empty((len(batch), len(places), len(names)), dtype=np.int64)
-    values[..., :-1] = begins + np.multiply.outer(np.arange(len(batch)), steps)
-    values[..., -1] = batch.largest_state
+    values = np.zeros((batch.count, len(sizes), len(names)), dtype=np.int64)
+    values[..., :2] = begins + np.multiply.outer(np.arange(batch.count), sizes)
+    values[:, 0, 2] = batch.guess is not None
+    values[..., 3] = batch.fields * max(grid.count for grid in batch.grids)
     return names, values
-
-
-def _step(some: slice, batch: Batch) -> int:
-    return int((some.stop - some.start) // len(batch))
 
 
 @lru_cache(maxsize=64)

@@ -209,15 +209,15 @@ class Refinement:
         def too_large(k: int) -> str:
             return error_text(error[k], allowed=allowed[k], force=said["mean"][k])
 
-        failed = np.stack([each.status != 0 for each in stages[-2:]])
         again = 0
-        if failed.any():
+        if any(each.said["status"].any() for each in stages[-2:]):
+            failed = np.stack([each.said["status"] != 0 for each in stages[-2:]])
             begun = self._begin_again(group, failed[-1], finer)
             again = int(begun.sum())
             open_ &= ~begun
             hopeless = failed[-1] | (finer is None)
             for stage in range(-1, -1 - len(failed), -1):
-                its, status = group.grids[stage], stages[stage].status
+                its, status = group.grids[stage], stages[stage].said["status"]
                 self._write(rows[failed[stage] & hopeless & open_], its)
                 finish(
                     failed[stage] & hopeless,
@@ -228,20 +228,24 @@ class Refinement:
             error[unknown] = np.inf
             self.change.largest[rows[unknown]] = self.change.size[rows[unknown]] = np.nan
         negative = ~(said["lowest"] > 0)
-        if finer is None:
-            finish(negative, lambda k: f"the pressure is not positive everywhere ({_size(grid)})")
-        error[negative] = np.inf
-        refused = states_refused(batch.scenes, terms, thinnest=said["thinnest"])
-        finish(np.isin(np.arange(len(rows)), list(refused)), lambda k: refused[k])
+        if negative.any():
+            error[negative] = np.inf
+            if finer is None:
+                where = f"the pressure is not positive everywhere ({_size(grid)})"
+                finish(negative, lambda k: where)
+        if refused := states_refused(batch.scenes, terms, thinnest=said["thinnest"]):
+            finish(np.isin(np.arange(len(rows)), list(refused)), lambda k: refused[k])
         good = np.flatnonzero((error <= allowed) & open_)
         open_[good] = False
-        scale_n = batch.scenes.force_scale_n
-        solutions.status[rows[good]] = "ok"
-        solutions.force_n[rows[good]] = (said["mean"] * scale_n)[good]
-        solutions.force_error_n[rows[good]] = (error * scale_n)[good]
+        accepted, scale_n = rows[good], batch.scenes.force_scale_n
+        solutions.status[accepted] = "ok"
+        solutions.force_n[accepted] = (said["mean"] * scale_n)[good]
+        solutions.force_error_n[accepted] = (error * scale_n)[good]
         if self.keep_states:
             for k in good.tolist():
                 solutions.states[rows[k]] = _kept(group.grids, stages, k)
+        if not open_.any():
+            return len(rows) - again
         if finer is None:
             end = f"tolerance not reached on the finest grid ({_size(grid)})"
             finish(open_.copy(), lambda k: f"{end}: {too_large(k)}")
@@ -305,22 +309,18 @@ class Refinement:
 
     def _add_work(self, group: Group, stages: Sequence[States]) -> None:
         """Count the work of a launch."""
+        solutions, rows = self.solutions, group.rows
         for grid, states in zip(group.grids, stages, strict=True):
-            newton, krylov = states.newton_steps, states.krylov_iterations
-            self.solutions.newton_steps[group.rows] += newton
-            self.solutions.krylov_iterations[group.rows] += krylov
-            flops = iteration_flops(grid, group.terms)
-            self.solutions.work[group.rows] += flops * (newton + krylov)
+            newton, krylov = states.said["newton_steps"], states.said["krylov_iterations"]
+            solutions.newton_steps[rows] += newton
+            solutions.krylov_iterations[rows] += krylov
+            solutions.work[rows] += iteration_flops(grid, group.terms) * (newton + krylov)
 
     def _write(self, rows: np.ndarray, grid: Grid, **columns: np.ndarray) -> None:
         """The grid that scenes have come to, and what is observed there."""
-        for name, values in {
-            "nx": grid.across[0],
-            "ny": grid.across[1],
-            "nt": grid.nt,
-            **columns,
-        }.items():
-            getattr(self.solutions, name)[rows] = values
+        nx, ny = grid.across
+        for name, values in {"nx": nx, "ny": ny, "nt": grid.nt, **columns}.items():
+            self.solutions.columns[name][rows] = values
 
 
 def solve_periodic(
