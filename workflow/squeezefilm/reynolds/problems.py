@@ -210,7 +210,7 @@ def mean_motion(numbers: np.ndarray, means: np.ndarray) -> np.ndarray:
     """
     epsilon = numbers["epsilon"]
     if means.shape[1] == 1:
-        return np.stack([means[:, 0] * epsilon, np.zeros_like(epsilon)])
+        return np.array([means[:, 0] * epsilon, 0 * epsilon])
     first, second, rise_m = means.T
     return np.asarray(epsilon / (1 + numbers["per_rise"] * rise_m) * [first, second])
 

@@ -56,10 +56,10 @@ class Samples:
         """Nodes along x and y that miss no more than a share, (n, 2)."""
         return np.argmax(self.tail <= share, axis=2)
 
-    def missed_by(self, nodes: tuple[int, int]) -> np.ndarray:
-        """What interpolants with so many nodes along x, y miss, (n, 2)."""
+    def missed_by(self, nodes: tuple[int, int], rows: np.ndarray | slice) -> np.ndarray:
+        """What interpolants with so many nodes along x, y miss of some profiles, (n, 2)."""
         most = self.tail.shape[2] - 1
-        return np.stack([self.tail[:, k, min(n + 2, most)] for k, n in enumerate(nodes)], axis=1)
+        return np.array([self.tail[rows, k, min(n + 2, most)] for k, n in enumerate(nodes)]).T
 
 
 class SampledProfiles:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -272,8 +272,8 @@ class _Inputs:
 
 def _inputs(batches: Sequence[Batch], places: _Places, device: Device) -> _Inputs:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
-    stages = np.repeat([len(batch.grids) for batch in batches], [batch.count for batch in batches])
-    begins = np.append(0, np.cumsum(stages)).astype(np.int32)
+    stages = [len(batch.grids) for batch in batches for _ in range(batch.count)]
+    begins = np.array([*accumulate(stages, initial=0)], dtype=np.int32)
     results_array = device.arrays.acquire(places.size + PADDING)
     results = results_array[: places.size + PADDING]
     buffer = Buffer()

@@ -165,7 +165,7 @@ def _choose(
             share=share,
             step=step,
         )
-        columns = np.stack([*wanted, *folds, *seen[rows].T]).astype(np.int64)
+        columns = np.array([*wanted, *folds, *seen[rows].T], dtype=np.int64)
         code = np.ravel_multi_index(tuple(columns), (512, 512, 256, 2, 2, 512, 512))
         first, of_code = distinct(code)
         numbers = []
@@ -333,8 +333,8 @@ def profile_fall(
         rows: which of the scenes; all if left out.
     """
     least = NEXT_TO_NOTHING * tolerance
-    samples = needs.samples(least)[rows]
-    missed, before = samples.missed_by(fine), samples.missed_by(coarse)
+    samples = needs.samples(least)
+    missed, before = samples.missed_by(fine, rows), samples.missed_by(coarse, rows)
     fall = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
     return np.asarray(fall.max(axis=1))
 
