@@ -21,10 +21,11 @@ PACKAGES = (
 
 
 def _library(*without: str) -> list[str]:
-    """The folders of the library but those that are named, and its units."""
+    """The folders of the library but those that are named, and the modules beside them."""
     folders = sorted(path.parent.name for path in WORKFLOW.glob("squeezefilm/*/__init__.py"))
     there = [f"squeezefilm/{folder}" for folder in folders if folder not in without]
-    return [*there, "squeezefilm/units.py"]
+    beside = ("columns", "errors", "files", "parallel", "solution", "tables", "units")
+    return [*there, *(f"squeezefilm/{name}.py" for name in beside)]
 
 
 MODELS = _library("cli")

@@ -1,4 +1,4 @@
-"""The same task on several processes: a parallel map."""
+"""Work on several processes, and how far it is."""
 
 import ctypes
 import multiprocessing
@@ -9,7 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
-from squeezefilm.io.errors import RunError
+from squeezefilm.errors import RunError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -60,3 +60,15 @@ def _end_with_parent() -> None:
 def _run(item: Any) -> Any:
     assert _task is not None
     return _task(item)
+
+
+def progress_bar(total: int, *, unit: str, name: str) -> Any:
+    """A bar to be closed by ``with`` and moved on by its ``update(count)``; none in a log."""
+    from tqdm import tqdm  # slow to import, and only needed here
+
+    return tqdm(total=total, unit=unit, desc=name, disable=None)
+
+
+def say(text: str) -> None:
+    """A line about what is done next."""
+    print(text, file=sys.stderr, flush=True)
