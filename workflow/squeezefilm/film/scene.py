@@ -319,8 +319,6 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @overload
     def __getitem__(self, rows: Rows) -> "Scenes": ...
     def __getitem__(self, rows: int | Rows) -> "Scene | Scenes":
-        if np.array_equal(rows, np.arange(len(self))):  # all of them, with what is known of them
-            return self
         index, point_id = self.film_index[rows], self.point_id[rows]
         numbers = [each[rows] for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)]
         if isinstance(rows, (int, np.integer)):

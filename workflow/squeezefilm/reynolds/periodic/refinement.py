@@ -179,8 +179,11 @@ class Refinement:
         shares = [max(left, START_TOLERANCE)] * starts + [left] * min(len(group.grids), 2)
         if group.guess is not None:  # so that the finer grid does not take the state over as it is
             shares = [GOING_ON * left] * len(group.grids)
+        scenes = self.needs.scenes
+        if not np.array_equal(group.rows, np.arange(len(scenes))):
+            scenes = scenes[group.rows]  # all of them know their numbers already
         return Batch(
-            self.needs.scenes[group.rows],
+            scenes,
             group.terms,
             group.grids,
             shares,
