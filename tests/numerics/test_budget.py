@@ -18,45 +18,27 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.tables import write_table
-from squeezefilm.quantities import adjoint as sensitivity_module
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities import model_error as budget_module
 from squeezefilm.quantities.adjoint import Fields, response, sensitivity
 from squeezefilm.quantities.model_error import (
     BASIS,
     NAMES,
-    Effect,
     ErrorBudget,
-    budget_row,
     budget_text,
     error_budgets,
     rim_missed,
 )
-from squeezefilm.reynolds import Solution, solve
+from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.states import State
 from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.spectral import axis
 
 
 def slipping(scene: Scene, rarefaction: str = "slip") -> Scene:
     return replace(scene, gas=replace(scene.gas, rarefaction=rarefaction))
-
-
-def on_grid(scenes: list[Scene], grid: Grid) -> list[ErrorBudget]:
-    """Budgets by a grid that is not theirs."""
-    device = choose_device()
-    found = solve_batch(scenes, grid, tolerance=1e-4, device=device).unknowns
-    states = [
-        Solution(status="ok", method="periodic", states=(State(grid, each),)) for each in found
-    ]
-    shares = budget_module._shares(scenes, states, device)
-    return [
-        budget_module._budget(scene, {name: 100 * share[k] for name, share in shares.items()})
-        for k, scene in enumerate(scenes)
-    ]
 
 
 @pytest.mark.parametrize(
@@ -141,25 +123,6 @@ def test_the_band_holds_the_force_with_the_effect_in_it(name: str, having: str) 
         assert least < change < most
 
 
-def test_a_rim_that_takes_too_much_for_a_first_order_says_so() -> None:
-    (few,) = error_budgets([film(epsilon=0.6, sigma=1000.0)])
-    assert few.effects["rim"].missed_percent < abs(few.effects["rim"].percent) / 2
-    others = dict.fromkeys(NAMES, budget_module.NONE)
-    thick = ErrorBudget(others | {"rim": Effect(-40.0, 24.0)})
-    assert "above its range" in budget_text(thick)
-    assert budget_row(thick)["above_range"] == "rim"
-
-
-def test_the_whole_finger_gives_what_a_quarter_gives() -> None:
-    scene = film(epsilon=0.4, sigma=583.0)
-    by_fold = []
-    for fold, points in ((True, 12), (False, 24)):
-        grid = Grid(nx=points, ny=points, nt=12, fold_x=fold, fold_y=fold)
-        (found,) = on_grid([scene], grid)
-        by_fold.append([found.effects[name].percent for name in NAMES])
-    assert by_fold[0] == pytest.approx(by_fold[1], rel=2e-3)
-
-
 @pytest.mark.parametrize(("rarefaction", "exponent"), [("none", 1.0), ("fukui-kaneko", 1.4)])
 def test_the_adjoint_answers_as_the_equation_itself(rarefaction: str, exponent: float) -> None:
     scene = film(
@@ -212,16 +175,6 @@ def test_what_first_order_slip_lacks_is_the_difference_to_the_flow_factor() -> N
     assert found.effects["kinetic"].percent == pytest.approx(
         0.1466 * found.effects["slip"].percent, rel=0.01
     )
-
-
-def test_sliding_either_way_is_the_same_at_the_middle_and_opposite_beside() -> None:
-    for x, sign in ((0.0, 1.0), (0.2, -1.0)):
-        to_and_fro = [film(epsilon=0.4, sigma=583.0, x=x, bearing=speed) for speed in (1e-2, -1e-2)]
-        first, second = error_budgets(to_and_fro)
-        for name in ("bearing", "passing"):
-            to, fro = (each.effects[name].percent for each in (first, second))
-            assert to == pytest.approx(sign * fro, rel=0.15), name
-            assert abs(to) > 1e-6
 
 
 def test_the_bearing_term_is_what_the_solver_puts_in() -> None:
@@ -332,39 +285,6 @@ def test_what_is_not_known_has_no_number(scene: Scene) -> None:
     assert found["round"].effects["inertia"] != found["flat"].effects["inertia"]
     for budget in found.values():
         assert BASIS in budget_text(budget) or not budget.basis
-
-
-def test_a_scene_that_fails_does_not_touch_the_others(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    hard = film(epsilon=0.9, sigma=3.0)
-    (alone,) = error_budgets([film(epsilon=0.4, sigma=583.0)])
-    monkeypatch.setattr(sensitivity_module, "MOST_ITERATIONS", 12)
-    grid = Grid(nx=8, ny=8, nt=12, fold_x=True, fold_y=True)
-    easy = film(epsilon=0.1, sigma=583.0)
-    first, second = on_grid([hard, easy], grid)
-    assert "did not converge" in first.status
-    assert second.status == "ok"
-    assert second.effects["inertia"].percent == pytest.approx(
-        alone.effects["inertia"].percent, rel=0.05
-    )
-
-
-def test_notes_name_what_is_large_and_what_is_above_its_range(scene: Scene) -> None:
-    thin, thick, slow = error_budgets(
-        [
-            replace(scene, hv_m=2e-6),
-            replace(scene, h0_m=20e-6, hv_m=2e-6),
-            replace(slipping(scene), actuator=replace(scene.actuator, frequency_hz=1e3), hv_m=2e-6),
-        ]
-    )
-    assert "inertia +2.1 %" in budget_text(thin)
-    assert "slip -1.3 %" in budget_text(thin)
-    assert "rim's entrance loss -0.32 to -0.5 %" in budget_text(thin)
-    assert "inertia" in str(budget_row(thick)["above_range"])
-    assert "what first-order slip lacks -" in budget_text(slow)  # as `simulate` shows it
-    assert "slip" in budget_row(slow)["in_force"]  # type: ignore[operator]
-    assert budget_row(thick)["above_range"] == "inertia; heat"
 
 
 def test_the_command_writes_a_row_for_each_scene(

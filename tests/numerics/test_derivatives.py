@@ -15,8 +15,6 @@ from squeezefilm.cli.main import main
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Derivatives
 from squeezefilm.io.tables import DERIVATIVE_COLUMNS, read_forces, write_table
-from squeezefilm.quantities import adjoint
-from squeezefilm.quantities import derivatives as module
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.reynolds import solve
 
@@ -105,15 +103,6 @@ def test_numbers_that_the_equation_does_not_have_change_nothing() -> None:
     assert at_the_centre == [0.0, 0.0]
 
 
-def test_a_film_at_rest_has_no_derivatives_but_zeros() -> None:
-    scene = film(epsilon=0.0, sigma=100.0)
-    found = derivatives(scene, tolerance=1e-4)
-    assert found.status == "ok"
-    round_off = 1e-11 * scene.force_scale_n / scene.h0_m
-    for number, value in found.value.items():
-        assert abs(value) <= min(found.error[number], round_off), number
-
-
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 def test_errors_hold(tolerance: float) -> None:
     """Beside derivatives a hundred times as good, of films of all kinds drawn at random."""
@@ -137,11 +126,6 @@ def test_what_has_no_derivatives_says_why(scene: Scene, reason: str) -> None:
     found = derivatives(scene, tolerance=1e-3)
     assert reason in found.status
     assert np.isnan([*found.value.values(), *found.error.values()]).all()
-
-
-def test_an_adjoint_that_is_not_solved_gives_no_derivatives(monkeypatch) -> None:
-    monkeypatch.setattr(adjoint, "MOST_ITERATIONS", 3)
-    assert derivatives(FILMS["sliding"], tolerance=1e-3).status == module.NOT_FOUND
 
 
 def test_a_table_of_forces_takes_them_and_stages_that_need_none_read_it(

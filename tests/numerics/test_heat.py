@@ -14,9 +14,7 @@ from squeezefilm.film.profiles import Formula
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import (
-    budget_text,
     error_budgets,
-    excluded_terms,
     resolve_auto_terms,
 )
 from squeezefilm.reynolds import solve
@@ -62,19 +60,6 @@ def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, obj
     assert found == pytest.approx(budget.effects["heat"].percent, rel=0.015)
 
 
-def test_heat_goes_with_the_jump_of_temperature() -> None:
-    """As Pr falls at a constant γ/(γ − 1) Pr, only the jump is left that slip brings about."""
-    numbers = {"epsilon": 0.2, "sigma": 583.0, "rarefaction": "slip", "knudsen": 0.03}
-    first, second = (
-        error_budgets([with_gas(film(**numbers), prandtl=prandtl)])[0].effects["heat"].percent
-        / prandtl  # type: ignore[arg-type]
-        for prandtl in (1.0, 2.0)
-    )
-    jump = 2 * 1.4 / 2.4 * 0.03
-    # Warming is 1 + 6 jump/Pr in compression; friction's part is small of higher order.
-    assert first / second == pytest.approx((1 + 6 * jump) / (1 + 3 * jump), rel=0.01)
-
-
 @pytest.mark.parametrize(
     ("epsilon", "sigma", "reynolds", "within_percent"),
     [
@@ -107,17 +92,6 @@ def test_the_middle_of_a_long_finger_is_the_strip(
     assert (8 * long - 4 * short) / 4 == pytest.approx(one_mode, rel=5e-5)
     effect, by_mode = 100 * (resolved / cold - 1), 100 * (one_mode / still - 1)
     assert by_mode == pytest.approx(effect, abs=within_percent)
-
-
-def test_one_mode_of_heat_is_that_of_the_resolved_strip_to_first_order_in_re() -> None:
-    def left(reynolds: float) -> float:
-        ends = "one_mode_of_heat", "one_mode", "resolved_heat", "resolved"
-        warm_mode, mode, warm_film, film = (
-            strip_force(equation, epsilon=0.1, sigma=200.0, reynolds=reynolds) for equation in ends
-        )
-        return (warm_mode - mode) - (warm_film - film)
-
-    assert left(0.4) / left(0.2) == pytest.approx(4, abs=0.2)
 
 
 def mean_warmth(rate: complex, jump: float) -> complex:
@@ -195,14 +169,6 @@ def test_what_does_not_know_heat_refuses_it(
     assert choice.gas.heat == "none"
 
 
-def test_a_budget_says_that_the_force_has_heat(scene: Scene) -> None:
-    (budget,) = error_budgets([with_gas(scene, heat="included", inertia="included")])
-    (without,) = error_budgets([scene])
-    assert budget.effects["heat"].included
-    assert budget.effects["heat"].percent == without.effects["heat"].percent
-    assert "%, in it" in budget_text(budget).split("heat", 1)[1]
-
-
 def test_heat_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene: Scene) -> None:
     scenes = random_scenes(scene, count=30, seed=7, most_reynolds=2.0, inertia="auto", heat="auto")
     moved = moved_by_leaving_out(scenes, term="heat", model_tolerance=5e-3)
@@ -214,16 +180,3 @@ def test_auto_includes_heat_where_a_first_order_says_nothing(scene: Scene) -> No
     thick = replace(with_gas(scene, heat="auto"), h0_m=15e-6, hv_m=1e-6)
     assert thick.modified_reynolds > 2
     assert resolve_auto_terms([thick], model_tolerance=0.5)[0].gas.heat == "included"
-
-
-def test_what_is_auto_and_kept_out_by_the_finger_is_named(scene: Scene) -> None:
-    """Under an ellipse neither term is supported, so nothing decides."""
-    scene = with_gas(scene, heat="auto", inertia="auto")
-    assert excluded_terms(scene) == []
-    said = excluded_terms(replace(scene, finger=replace(scene.finger, shape="ellipse")))
-    assert [each.partition(":")[0] for each in said] == [
-        "gas.inertia is auto and left out",
-        "gas.heat is auto and left out",
-    ]
-    assert all("not known under this finger" in each for each in said)
-    assert excluded_terms(scene, method="composite") != []

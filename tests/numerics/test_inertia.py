@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
 
 import numpy as np
 import pytest
-from films import PISTON, PRESSURE_PA, SINC, film, mean_overpressure
+from films import PISTON, SINC, film, mean_overpressure
 from numpy.linalg import solve as solve_linear
 from random_scenes import moved_by_leaving_out, random_scenes
 from stored_strip import strip_force
@@ -17,9 +16,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.flux_points import flux_points
-from squeezefilm.reynolds.periodic.time_modes import slow_part, steps_of, time_modes
-from squeezefilm.reynolds.spectral import axis, period
 from verification.numpy_periodic import chebyshev_grid
 
 STRIP = Formula("sinc(109.8*x)", surface=Disc(1.0))
@@ -160,18 +156,6 @@ def test_a_little_inertia_moves_the_force_by_the_effect_in_its_budget(
     )
 
 
-def test_a_gas_that_heats_has_inertia_too() -> None:
-    """Faster compression is stiffer, with inertia as without, and inertia adds a few per cent."""
-    heavy = moving(1.0, epsilon=0.3, sigma=200.0, polytropic_exponent=1.4)
-    cool = replace(heavy, gas=replace(heavy.gas, polytropic_exponent=1.0))
-    hot, hot_still, cold, cold_still = forces(
-        [heavy, still(heavy), cool, still(cool)], tolerance=1e-5
-    )
-    assert hot > cold
-    assert hot / hot_still - 1 == pytest.approx(cold / cold_still - 1, rel=0.5)
-    assert 0.02 < hot / hot_still - 1 < 0.15
-
-
 def test_error_falls_fast_with_points_and_with_instants() -> None:
     """In time like a power of ε; in space like layer and profile, until the corners are left.
 
@@ -232,47 +216,6 @@ def test_inertia_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene:
 
 
 @pytest.mark.parametrize(
-    ("variation", "lagging", "lag"),
-    [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (0.4, 0.0, 0.2), (-0.6, 0.0, 1.0), (0.3, -0.5, 0.2)],
-)
-def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(
-    variation: float, lagging: float, lag: float
-) -> None:
-    """A d/dT with A = 1/h + lag L d/dT; numbers on the steps that are told apart."""
-    instants = 16
-    half = instants // 2
-    near = 10 ** (round(20 * np.log10(lag)) / 20) if lag else 0.0
-    one = np.ones(1)
-    motion = np.array([[variation], [lagging]])
-    (steps,) = steps_of(motion, lag=lag * one, slow=0.5 * one)
-    modes = time_modes(instants, steps)
-    rate = period(instants).derivative
-    nodes = period(instants).nodes
-    gap = 1 + variation * np.sin(nodes) + lagging * np.cos(nodes)
-    assert modes.mean_gap == pytest.approx(gap, abs=1e-12)
-    slow = slow_part(instants, 0.5)
-    resistance = np.diag(1 / gap) + near * slow @ rate
-    g, s = np.diag(modes.decays), np.diag(modes.speeds)
-    turning = np.block([[g, s], [-s, g]])
-    vectors = modes.from_modes
-    assert resistance @ rate @ vectors == pytest.approx(vectors @ turning, abs=1e-9)
-    assert vectors @ modes.to_modes == pytest.approx(resistance, abs=1e-9)
-    assert np.linalg.norm(vectors, 2) == pytest.approx(1.0)
-    assert modes.decays[0] == modes.speeds[0] == 0
-    assert (modes.speeds[1:half] > 0).all()
-    follows = (np.eye(instants) + near * slow @ (gap[:, None] * rate)) @ modes.settling
-    assert follows == pytest.approx(np.eye(instants), abs=1e-12)
-    assert modes.settling_of_slow == pytest.approx(modes.settling @ slow, abs=1e-12)
-
-
-def test_the_slow_half_of_the_harmonics_has_inertia() -> None:
-    nodes = period(32).nodes
-    for harmonic, kept in ((0, 1.0), (4, 1.0), (8, np.exp(-1)), (12, 0.0), (16, 0.0)):
-        wave = np.cos(harmonic * nodes)
-        assert slow_part(32, 0.5) @ wave == pytest.approx(kept * wave, abs=5e-3), harmonic
-
-
-@pytest.mark.parametrize(
     ("reynolds", "epsilon", "sigma"), [(6.0, 0.63, 99.0), (9.98, 0.474, 164.0)]
 )
 def test_waves_that_steepen_are_solved_within_their_estimate(
@@ -306,76 +249,12 @@ def test_a_thin_layer_at_the_rim_is_seen_by_the_first_grid() -> None:
     assert abs(coarse.force_n - fine.force_n) < coarse.force_error_n
 
 
-def test_flux_points_are_exact_on_polynomials() -> None:
-    points = flux_points(9, False)
-    nodes, here = points.axis.nodes, points.all_points
-    excess, rise = (lambda x: x**4 * (1 - x)), (lambda x: 4 * x**3 - 5 * x**4)
-    assert points.from_nodes @ excess(nodes) == pytest.approx(excess(here), abs=1e-12)
-    assert points.from_all_nodes @ points.axis.all_nodes**3 == pytest.approx(here**3, abs=1e-12)
-    assert points.slope @ excess(nodes) == pytest.approx(rise(here), abs=1e-11)
-    assert points.to_nodes @ here**5 == pytest.approx(nodes**5, abs=1e-12)
-    assert points.along @ here**5 == pytest.approx(5 * here**4, abs=1e-11)
-    assert points.divergence @ here**5 == pytest.approx(5 * nodes**4, abs=1e-11)
-    finer = flux_points(12, False)
-    assert points.carried_to(finer) @ here**5 == pytest.approx(finer.all_points**5, abs=1e-12)
-    assert points.across @ excess(nodes) == pytest.approx(rise(nodes), abs=1e-11)
-    first, last = points.rim
-    through = points.across @ (nodes**3 + 1) + 1 * first + 2 * last
-    assert through == pytest.approx(3 * nodes**2, abs=1e-11)
-    assert points.to_end @ (nodes[:4] ** 3 + 1) == pytest.approx(1.0, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    "name", ["from_nodes", "to_nodes", "slope", "along", "across", "divergence"]
-)
-def test_halves_of_a_whole_axis_stand_for_all_of_it(name: str) -> None:
-    """On the second half what commutes with mirroring has one sign, a derivative the other."""
-    matrix = getattr(flux_points(8, False), name)
-    even, odd = axis(8, False).parts_of(matrix)
-    values = np.random.default_rng(1).normal(size=8)
-    first, last = values[:4], values[:3:-1]
-    of_even, of_odd = even @ (first + last), odd @ (first - last)
-    sign = 1 if name in ("from_nodes", "to_nodes") else -1
-    exact = matrix @ values
-    assert of_even + of_odd == pytest.approx(exact[:4], abs=1e-11)
-    assert sign * (of_even - of_odd) == pytest.approx(exact[:3:-1], abs=1e-11)
-
-
 def test_whole_axes_bear_as_much_as_folded_ones() -> None:
     scene = moving(2.0, epsilon=0.3, sigma=200.0)
     halved, whole = (
         mean_overpressure(scene, points=16, instants=8, fold=fold) for fold in (True, False)
     )
     assert whole == pytest.approx(halved, rel=1e-9)
-
-
-@pytest.mark.parametrize("odd", [False, True])
-def test_a_folded_axis_has_the_flux_points_of_the_whole_one(odd: bool) -> None:
-    """About the middle the velocity along the axis is odd, all else even."""
-    n = 6
-    half, whole = flux_points(n, True), flux_points(2 * n, False)
-    assert half.axis == axis(n, True)
-    random = np.random.default_rng(1).normal(size=n)
-    both = np.concatenate([random, (-1 if odd else 1) * random[::-1]])
-    names = ("to_nodes", "along", "divergence") if odd else ("from_nodes", "slope")
-    for name in names:
-        unfolded = (getattr(whole, name) @ both)[:n]
-        assert getattr(half, name) @ random == pytest.approx(unfolded, abs=1e-11), name
-    if odd:
-        carried = whole.carried_to(flux_points(16, False)) @ both
-        assert half.carried_to(flux_points(8, True)) @ random == pytest.approx(carried[:8])
-    else:
-        assert half.across @ random == pytest.approx((whole.across @ both)[:n], abs=1e-9)
-        assert half.rim[0] == pytest.approx(whole.rim.sum(axis=0)[:n], abs=1e-9)
-        assert half.to_end == pytest.approx(whole.to_end)
-
-
-def test_the_number_of_a_scene_is_that_of_its_gas() -> None:
-    scene = moving(3.0, epsilon=0.1, sigma=10.0)
-    gas = scene.gas
-    lag = gas.density_kg_per_m3 * 2 * pi * scene.actuator.frequency_hz * scene.h0_m**2
-    assert lag / gas.viscosity_pa_s == pytest.approx(3.0)
-    assert gas.ambient_pressure_pa == PRESSURE_PA
 
 
 def test_grids_that_agree_by_chance_are_not_believed() -> None:

@@ -156,22 +156,6 @@ def test_limits_say_where_they_do_not_hold():
         expansion_axis(12)
 
 
-def test_a_grid_too_coarse_for_the_profile_is_noticed():
-    rough = Sinc(wave_number_per_m=900.0)
-    exact = limit(high_squeeze_limit, epsilon=[0.4], sigma=[1e8], profile=rough, points=63)
-    coarse = limit(high_squeeze_limit, epsilon=[0.4], sigma=[1e8], profile=rough, points=9)
-    error = abs(coarse.mean[0] - exact.mean[0])
-    assert 1e-2 * exact.mean[0] < error < coarse.error[0]
-
-
-@pytest.mark.parametrize("method", [small_amplitude_expansion, composite_expansion])
-def test_layers_too_thin_for_the_grid_are_noticed(method):
-    """Here both grids' means agree by cancellation; their densities do not."""
-    place = {"epsilon": [0.017], "sigma": [2808.0], "profile": PISTON, "aspect": 0.84}
-    exact, coarse = limit(method, points=47, **place), limit(method, points=11, **place)
-    assert abs(coarse.mean - exact.mean) < coarse.error
-
-
 @pytest.mark.parametrize(
     ("method", "largest_median"),
     [

@@ -23,12 +23,6 @@ from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_
 from squeezefilm.reynolds.spectral import period
 
 Method = Callable[[Films], AsymptoticForces]
-EXPANSIONS = (
-    high_squeeze_limit,
-    edge_layer_expansion,
-    small_amplitude_expansion,
-    composite_expansion,
-)
 
 
 def at(a: float, reynolds: float) -> list[float]:
@@ -217,14 +211,6 @@ def test_slip_and_inertia_together(epsilon: float, sigma: float, reynolds: float
     assert abs(found - exact) < 0.5 * abs(product - exact)
 
 
-@pytest.mark.parametrize("method", EXPANSIONS)
-def test_little_inertia_changes_little(method: Method) -> None:
-    film = {"epsilon": 0.4, "sigma": 600.0}
-    still, hardly = (on_square(method, **film, reynolds=each) for each in (0.0, 1e-9))
-    assert hardly.mean == pytest.approx(still.mean, rel=1e-6)
-    assert hardly.error == pytest.approx(still.error, rel=1e-3)
-
-
 @pytest.mark.parametrize(
     ("method", "largest_median"), [(high_squeeze_limit, 4), (edge_layer_expansion, 12)]
 )
@@ -247,18 +233,6 @@ def test_error_estimates_hold_on_random_films_of_small_amplitude(
     assert min(ratios) > 1
     # Honest, but not by despair.
     assert np.median(ratios) < largest_median
-
-
-def test_films_with_and_without_inertia_may_share_a_batch() -> None:
-    s = np.repeat(sinc((21, 21))[None], 3, axis=0)
-    epsilon, sigma = np.array([0.2, 0.3, 0.4]), np.array([600.0, 900.0, 1200.0])
-    films = films_of(epsilon, sigma, s, reynolds=np.array([1.8, 0.0, 0.9]))
-    for method in EXPANSIONS:
-        together = method(films)
-        for k in range(3):
-            alone = method(films.take(np.arange(3) == k))
-            assert together.mean[k] == pytest.approx(alone.mean[0], rel=1e-10)
-            assert together.error[k] == pytest.approx(alone.error[0], rel=1e-6)
 
 
 def test_limits_with_inertia_say_where_they_do_not_hold() -> None:

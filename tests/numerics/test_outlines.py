@@ -5,12 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from films import PISTON, film
-from scipy.special import ive, ivp
+from films import film
 from skfem import MeshTri2
 
 from squeezefilm.film.finger import GapShape
-from squeezefilm.film.outline import ellipse, read_contour
+from squeezefilm.film.outline import read_contour
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.outputs import _from_states
@@ -54,19 +53,6 @@ def force(scene: Scene, tolerance: float = 1e-5) -> float:
     return solution.force_n
 
 
-@pytest.mark.parametrize("aspect", [0.2, 0.96, 1.0, 1.04, 3.0])
-def test_an_ellipse_s_coordinates_end_on_its_rim(aspect):
-    outline = ellipse(aspect)
-    x, y = outline.positions(np.array(1.0), np.linspace(0, 6, 50))
-    assert (2 * x - 1) ** 2 + (2 * y - 1) ** 2 == pytest.approx(1, abs=1e-11)
-    assert outline.area == pytest.approx(np.pi / 4 * aspect, rel=1e-12)
-    u, v = outline.coordinates(*outline.positions(np.linspace(0.5, 1, 50), np.linspace(0, 6, 50)))
-    again = outline.positions(u, v)
-    assert again == pytest.approx(
-        np.array(outline.positions(np.linspace(0.5, 1, 50), np.linspace(0, 6, 50))), abs=1e-6
-    )
-
-
 @pytest.mark.parametrize(
     "numbers",
     [
@@ -101,43 +87,6 @@ def patch(turn: np.ndarray) -> np.ndarray:
     """x + iy of a fingertip's contact that has no symmetry."""
     wide = 5 * np.cos(turn) + 0.3 * np.sin(2 * turn)
     return np.asarray(wide + 1j * (4 * np.sin(turn) + 0.4 * np.cos(2 * turn)))
-
-
-def stiffness(z: np.ndarray, slope: np.ndarray, sigma: float) -> float:
-    """Spring coefficient of a pad that vibrates as a whole, for the length along x, by Trefftz.
-
-    ∇²p − iσp = iσ with p = 0 on the rim: p + 1 = Σ a_n I_n(κr) exp(inφ), κ² = iσ, by least squares
-    on the rim; its mean by the flux over the rim.
-    """
-    kappa, n = np.sqrt(1j * sigma), np.arange(-24, 25)
-    r, angle = np.abs(z)[:, None], np.angle(z)[:, None]
-    largest = ive(np.abs(n), kappa * r.max()) * np.exp(np.abs((kappa * r.max()).real))
-    wave = np.exp(1j * n * angle) / largest
-    values = ive(np.abs(n), kappa * r) * np.exp((kappa * r).real) * wave
-    along_r = kappa * ivp(np.abs(n), kappa * r) * wave
-    around = 1j * n / r * values
-    a, *_ = np.linalg.lstsq(values, np.ones(len(z), dtype=complex), rcond=None)
-    assert np.abs(values @ a - 1).max() < 1e-7
-    outward = -1j * slope * np.exp(-1j * angle[:, 0])  # normal · |dz|, along r and around
-    flux = ((along_r @ a) * outward.real + (around @ a) * outward.imag).mean() * 2 * np.pi
-    area = 0.5 * (z.conj() * slope).imag.mean() * 2 * np.pi
-    return float(1 - (flux / (1j * sigma * area)).real)
-
-
-@pytest.mark.parametrize("sigma", [10.0, 200.0])
-def test_a_patch_of_no_symmetry_has_its_linear_limit(sigma, tmp_path):
-    """Where all of the gap moves alike F = 5/4 ε² S, whatever the outline."""
-    epsilon = 1e-3
-    dense = patch(np.linspace(0, 2 * np.pi, 200_001))
-    sides_m = 1e-3 * np.ptp(dense.real), 1e-3 * np.ptp(dense.imag)
-    scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON)
-    given = curved(scene, tmp_path, patch(TURN), sides_m)
-    turn = 2 * np.pi * np.arange(400) / 400
-    z, ahead, behind = (patch(turn + step) for step in (0.0, 1e-5, -1e-5))
-    unit = 1e3 * sides_m[0]
-    expected = stiffness(z / unit, (ahead - behind) / 2e-5 / unit, given.sigma)
-    mean = force(given) / given.force_scale_n
-    assert mean == pytest.approx(1.25 * epsilon**2 * expected, rel=5e-5)
 
 
 def triangles(rim: np.ndarray, refined: int) -> MeshTri2:

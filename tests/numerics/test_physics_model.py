@@ -45,15 +45,6 @@ def control(paper):
     return factors_of(table), np.array([each.force_n for each in solutions])
 
 
-def test_the_limits_error_is_that_of_the_better_limit(paper, monkeypatch):
-    """Whichever limit is computed last."""
-    table = reference_table("four_factor").head(3)
-    wanted = limits_of(table, paper)
-    monkeypatch.setattr(limits, "EXPANSIONS", dict(reversed(limits.EXPANSIONS.items())))
-    found = limits_of(table, paper)
-    pd.testing.assert_frame_equal(found[list(wanted)], wanted)
-
-
 def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
     factors, force = points
     model_n = get_model(name).evaluate(theta, factors)

@@ -113,13 +113,6 @@ def test_sliding_either_way_gives_the_same_force_and_hardly_any_change_at_stroke
     assert 0 < abs(there / rest - 1) < 1e-5
 
 
-def test_fold_by_symmetry_changes_nothing():
-    scene = film(epsilon=0.44, sigma=583.0)
-    whole = mean_overpressure(scene, points=24, instants=16)
-    folded = mean_overpressure(scene, points=24, instants=16, fold=True)
-    assert folded == pytest.approx(whole, rel=1e-11)
-
-
 def test_space_converges_faster_than_any_power():
     scene = film(epsilon=0.4, sigma=583.0, x=0.2, y=0.1)
     exact = mean_overpressure(scene, points=48, instants=16)

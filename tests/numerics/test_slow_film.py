@@ -8,8 +8,6 @@ import pytest
 from films import film
 from periodic_strip import PeriodicStrip
 from physics_facts import piston_response
-from scipy.integrate import solve_ivp
-from scipy.optimize import least_squares
 
 from squeezefilm.dynamics.averaged_film import AveragedFilm
 from squeezefilm.dynamics.response import (
@@ -150,45 +148,6 @@ def test_a_mass_on_a_film_at_rest_oscillates_as_on_blechs_spring_and_damper():
         excess = (found * sigma / squeeze) ** 2 + slow + stiffness(found * sigma)
         assert abs(excess) < 2e-3 * slow
         assert found.real < 0
-
-
-def test_a_mass_on_the_averaged_film_moves_in_time_as_its_root_says():
-    """Film of any ψ and moving mass, integrated together after a kick; ε 0.4, σ 500, with slip."""
-    nodes = expansion_axis(9).all_nodes - 0.5
-    s = np.sinc(STRIP * np.hypot(*np.meshgrid(nodes, nodes, indexing="ij")))
-    film = slow_film(epsilon=0.4, sigma=500.0, amplitude=s, slip=0.05)
-    at_rest, fast = film.stiffness(np.array([0.0, np.inf])).real
-    scale = (12 / film.sigma) ** 2 / fast
-    root = oscillation(film, slow=scale * at_rest, scale=scale)
-    settled, inner = film.density(film.settled(film.epsilon)), film.inner
-    load = film.mean(settled, film.epsilon)
-
-    def rate(_, state):
-        psi, rise, speed = state[:-2], state[-2], state[-1]
-        there = film.thicker(1 + rise)
-        w = np.empty(inner.size)
-        w[inner] = psi**2 / 2 + film.slip * psi
-        w[~inner] = (1 + rise) ** 2 * there.rim(there.epsilon)
-        thick = film.density(w).reshape(settled.shape) / (1 + rise)
-        force = there.mean(thick, there.epsilon) - load
-        return np.concatenate([film.laplacian @ w / film.sigma, [speed, scale * force]])
-
-    kick = 1e-4
-    time = np.linspace(0, 6 * pi / root.imag, 400)
-    start = np.concatenate([settled.ravel()[inner], [0.0, kick * abs(root)]])
-    moved = solve_ivp(
-        rate, (0, time[-1]), start, method="BDF", t_eval=time, rtol=1e-8, atol=1e-12
-    ).y[-2]
-
-    def left(numbers):  # of an oscillation and two motions of the film that creep
-        decay, frequency, *creep = numbers
-        turning = np.exp(decay * time) * np.exp(1j * frequency * time)
-        parts = np.stack([turning.real, turning.imag, *np.exp(np.outer(creep, time))], axis=1)
-        return parts @ np.linalg.lstsq(parts, moved / kick, rcond=None)[0] - moved / kick
-
-    guess = [0.8 * root.real, 1.2 * root.imag, -5 / film.sigma, -20 / film.sigma]
-    decay, frequency, *_ = least_squares(left, guess, x_scale=np.abs(guess), xtol=1e-14).x
-    assert complex(decay, frequency) == pytest.approx(root, rel=1e-4)
 
 
 def from_rest(film: AveragedFilm, periods: np.ndarray) -> np.ndarray:

@@ -108,13 +108,6 @@ def test_the_composite_expansion_gives_its_force_and_says_when_it_is_not_good_en
     assert 0 < abs(solution.force_n - exact.force_n) <= solution.force_error_n
 
 
-def test_the_composite_expansion_is_not_supported_with_every_term():
-    sliding = film(epsilon=0.4, sigma=583.0, bearing=1.0)
-    (solution,) = solve([sliding], tolerance=1e-2, method="composite")
-    assert solution.status == "the composite expansion is not derived with bearing"
-    assert solve([sliding], tolerance=1e-2)[0].method == "periodic"
-
-
 @dataclass(frozen=True)
 class Spot:
     """A spot 20 mm off the disc's centre, which is exactly nothing under a finger at the centre."""
@@ -297,33 +290,6 @@ def test_single_precision_in_a_step_moves_no_force(monkeypatch):
     double = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
     assert single.mean == pytest.approx(double.mean, rel=2e-10)
     assert (single.mean != double.mean).any()  # it was another kernel
-
-
-@pytest.mark.parametrize(
-    ("epsilon", "sigma"), [(0.98, 10.0), (0.95, 1e5), (0.01, 0.1), (0.5, 1e6), (0.9, 0.1)]
-)
-def test_extreme_films_are_solved(epsilon, sigma):
-    scene = film(epsilon=epsilon, sigma=sigma, profile=SINC)
-    (solution,) = solve([scene], tolerance=1e-4, method="periodic")
-    assert solution.status == "ok"
-    (finer,) = solve([scene], tolerance=1e-5, method="periodic")
-    assert abs(solution.force_n - finer.force_n) <= solution.force_error_n + finer.force_error_n
-
-
-def test_kept_states_are_on_their_grids_where_others_of_a_launch_go_on_to_finer_ones():
-    random = np.random.default_rng(20140503)
-    scenes = [
-        film(
-            epsilon=random.uniform(0.3, 0.9),
-            sigma=10 ** random.uniform(2, 5),
-            x=random.uniform(0, 0.3),
-        )
-        for _ in range(80)
-    ]
-    for solution in solve(scenes, tolerance=1e-6, method="periodic", keep_states=True):
-        coarse, fine = solution.states
-        assert coarse.grid.count < fine.grid.count
-        assert all(each.unknowns.shape[1:] == each.grid.shape for each in solution.states)
 
 
 def test_kept_states_are_those_of_the_force_and_outlast_other_launches(paper_scenes):

@@ -14,7 +14,6 @@ from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.reynolds import solve, terms
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.plan import previews
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.terms import numbers_of
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 from squeezefilm.reynolds.terms.term import LeftOut, Numbers, Term
@@ -108,14 +107,6 @@ def test_rarefaction_goes_by_the_density_wherever_it_enters():
     assert thinnest == pytest.approx(float((pressure ** (1 / 1.4) * gap).min()), rel=1e-12)
 
 
-@pytest.mark.parametrize("bearing", [0.0, 100.0, 1000.0])
-def test_krylov_iterations_stay_few_however_fast_the_finger_slides(bearing):
-    scene = film(epsilon=0.4, sigma=583.0, x=0.1, bearing=bearing)
-    _, states = periodic_state(scene, points=48, instants=16, tolerance=1e-8)
-    assert states.status[0] == 0
-    assert states.krylov_iterations[0] <= 100
-
-
 DRIFT = """
 static void response_drift(const Grid *g, const Film *film, field mass, field work, field out)
 {
@@ -176,12 +167,6 @@ def test_a_new_term_is_one_module_and_a_place_in_the_list(tmp_path, monkeypatch)
     assert previews([drifting], tolerance=1e-7)[0].terms == ("squeeze", "bearing", "drift")
     (found,) = solve([drifting], tolerance=1e-2, method="composite")
     assert found.status == "the composite expansion is not derived with bearing and drift"
-
-
-def test_scenes_of_unlike_terms_are_no_batch():
-    scenes = [film(epsilon=0.3, sigma=20.0), film(epsilon=0.3, sigma=20.0, rarefaction="slip")]
-    with pytest.raises(ValueError, match="like terms"):
-        problems_of(scenes, Grid(8, 8, 8, False, False), tolerance=1e-6)
 
 
 @pytest.mark.parametrize("more", [{}, {"inertia": "included"}, {"bearing": 3.0}])
