@@ -1,9 +1,5 @@
-"""How far derivatives are off beside their errors.
+"""How far derivatives are off beside their errors."""
 
-PYTHONPATH=tests/numerics python tests/numerics/derivative_errors.py [FILMS [SEED]]
-"""
-
-import sys
 from collections.abc import Sequence
 
 import numpy as np
@@ -50,16 +46,3 @@ def shares(scenes: Sequence[Scene], *, tolerance: float, judge: float) -> list[f
             if allowed := a.error[number] + b.error[number]:
                 found.append(abs(value - b.value[number]) / allowed)
     return found
-
-
-def main(count: str = "40", seed: str = "1") -> None:
-    scenes = drawn(int(count), seed=int(seed))
-    for tolerance in (1e-2, 1e-3, 1e-4):
-        each = shares(scenes, tolerance=tolerance, judge=1e-5)
-        print(
-            f"{tolerance:g}: {len(each)} derivatives, off by {max(each):.2f} of the error at most"
-        )
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

@@ -1,15 +1,8 @@
-"""How far answers beside the force are off beside their errors.
+"""How far answers beside the force are off beside their errors."""
 
-PYTHONPATH=tests/numerics python tests/numerics/output_errors.py [FILMS [SEED]]
-"""
-
-import sys
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
-
-import numpy as np
-from derivative_errors import drawn
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import OUTPUTS
@@ -49,12 +42,3 @@ def shares(scenes: Sequence[Scene], *, tolerance: float, judge: float) -> dict[s
             if allowed := a.error[name] + b.error[name]:
                 found[name].append(abs(a.value[name] - b.value[name]) / allowed)
     return found
-
-
-if __name__ == "__main__":
-    films = int(sys.argv[1]) if len(sys.argv) > 1 else 40
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
-    scenes = with_inertia(drawn(films, seed=seed))
-    for tolerance in (1e-2, 1e-3, 1e-4):
-        for name, found in shares(scenes, tolerance=tolerance, judge=1e-6).items():
-            print(f"{tolerance:g} {name}: {len(found)}, {np.max(found):.2g} of the errors at most")

@@ -15,7 +15,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
-from squeezefilm.quantities.derivatives import moved, with_derivatives
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion, high_squeeze_limit
 from squeezefilm.reynolds.solver import solve
@@ -171,33 +170,6 @@ def test_small_motion_in_two_phases_has_its_second_order():
         scene = film(epsilon=0.01, sigma=sigma, profile=TWO_MODES)
         (found,) = solve([scene], tolerance=1e-6, method="composite")
         assert found.force_n / scene.force_scale_n == pytest.approx(mean(scene), rel=3e-4)
-
-
-@pytest.mark.parametrize(
-    ("numbers", "gap", "of_gas"),
-    [
-        ({"profile": TWO_MODES, "x": 0.1, "y": 0.05}, SHAPE, "viscosity_pa_s"),
-        ({"x": 0.1, "bearing": 5.0}, GapShape(bulge_m=1e-6), "polytropic_exponent"),
-        ({"profile": TWO_MODES, "rarefaction": "slip"}, FLAT, "mean_free_path_m"),
-        # By a limit, whose derivatives are those of the full film.
-        ({"x": 0.1, "sigma": 5e4}, SHAPE, "ambient_pressure_pa"),
-    ],
-)
-def test_derivatives_are_those_of_forces_solved_again(numbers, gap, of_gas):
-    scene = shaped(film(**{"epsilon": 0.3, "sigma": 300.0} | numbers), gap)
-    solutions = solve([scene], tolerance=1e-3 if "sigma" in numbers else 1e-5)
-    assert (solutions[0].method == "composite") == ("sigma" in numbers)
-    (found,) = with_derivatives([scene], solutions, tolerance=1e-5)
-    assert found.derivatives.status == "ok"
-    units = {"h0_m": scene.h0_m, "hv_m": scene.h0_m, "x_m": 0.01, "y_m": 0.01}
-    for name, unit in (units | {of_gas: getattr(scene.gas, of_gas)}).items():
-        step = 1e-3 * unit
-        there = [moved(scene, name, step), moved(scene, name, -step)]
-        more, less = solve(there, tolerance=1e-8, method="periodic")
-        quotient = (more.force_n - less.force_n) / (2 * step)
-        error = found.derivatives.error[name] + 1e-5 * abs(quotient) + 1e-10
-        assert abs(found.derivatives.value[name] - quotient) < error
-        assert error <= 0.02 * abs(quotient) + 1e-10
 
 
 def test_the_budget_is_of_the_scene_itself():

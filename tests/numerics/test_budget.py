@@ -84,22 +84,6 @@ def test_the_rim_misses_less_than_is_said(uneven: float, epsilon: float, sigma: 
         assert 0.05 < missed / rim_missed(24 * sigma * loss, epsilon) < 1
 
 
-def test_the_rims_first_order_is_that_of_a_strip() -> None:
-    """Of two long fingers, what the longer one has more: that of a strip without ends."""
-    forces, changes = [], []
-    for aspect in (4.0, 8.0):
-        scene = film(epsilon=0.5, sigma=200.0, profile=PISTON, aspect=aspect)
-        ((force,), (found,)) = solve([scene], tolerance=1e-6), error_budgets([scene])
-        forces.append(force.force_n)
-        changes.append(force.force_n * found.effects["rim"].percent / 100)
-    small = 1e-2
-    loss = small * scene.modified_reynolds / (24 * scene.sigma)
-    strip = PeriodicStrip(0.5, 200.0, np.ones_like)
-    without, having = strip.mean_overpressure(), strip.mean_overpressure(loss)
-    (share,) = np.diff(changes) / np.diff(forces)
-    assert share == pytest.approx((having / without - 1) / small, rel=0.02)
-
-
 @pytest.mark.parametrize(("name", "having"), [("inertia", "included"), ("slip", "fukui-kaneko")])
 def test_the_band_holds_the_force_with_the_effect_in_it(name: str, having: str) -> None:
     """Of films of Re 0.09 to 3, most of them far from the middle of their band."""

@@ -12,6 +12,8 @@ from derivative_errors import drawn, shares
 from films import PISTON, film
 
 from squeezefilm.cli.main import main
+from squeezefilm.film.finger import GapShape
+from squeezefilm.film.profiles import Quadrature, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.io.solution import Derivatives
 from squeezefilm.io.tables import DERIVATIVE_COLUMNS, read_forces, write_table
@@ -53,6 +55,11 @@ def quotient(scene: Scene, number: str) -> float:
     return (a - 8 * b + 8 * c - d) / (12 * step)
 
 
+WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
+OTHER = StandingWave(wavelength_m=0.014, direction_deg=60.0, crest_m=0.004)
+TWO_PHASES = film(
+    epsilon=0.3, sigma=300.0, x=0.1, y=0.05, profile=Quadrature(WAVE, OTHER, shares=(0.7, 0.7))
+)
 FILMS = {
     "off the centre": film(epsilon=0.44, sigma=2331.0, x=0.2, y=0.1),
     "thick": film(epsilon=0.5, sigma=0.5, profile=PISTON),
@@ -61,6 +68,9 @@ FILMS = {
         epsilon=0.4, sigma=583.0, y=0.1, rarefaction="fukui-kaneko", polytropic_exponent=1.4
     ),
     "sliding": film(epsilon=0.4, sigma=300.0, x=0.1, bearing=3.0, aspect=1.5),
+    "tilted, two phases": replace(
+        TWO_PHASES, finger=replace(TWO_PHASES.finger, gap=GapShape(2e-6, -1e-6, 0.5e-6))
+    ),
 }
 
 

@@ -139,14 +139,6 @@ def test_without_heat_s_numbers_the_force_is_the_isothermal_one(gas: dict[str, f
     assert abs(effect_percent(scene, tolerance=1e-7)) < 1e-3
 
 
-def test_the_mirror_halves_are_left_out_with_heat_too() -> None:
-    scene = warm(1.8, epsilon=0.4, sigma=200.0, inertia="included")
-    whole, quarter = (
-        mean_overpressure(scene, points=24, instants=12, fold=fold) for fold in (False, True)
-    )
-    assert quarter == pytest.approx(whole, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("numbers", "finger", "method", "reason"),
     [

@@ -66,12 +66,6 @@ def on_square(
     return method(films_of(np.array([epsilon]), np.array([sigma]), s[None], reynolds=reynolds))
 
 
-@pytest.mark.parametrize("a", [0.2, 0.6])
-def test_layer_without_inertia_is_the_viscous_one(a: float) -> None:
-    d, g, _ = edge_layer.ratios(np.array(a))
-    assert at(a, 0.0) == pytest.approx([1.5, d, g, 0], abs=3e-5)
-
-
 @pytest.mark.parametrize("reynolds", [0.0, 0.45, 1.81, 7.0, 10.0])
 def test_rim_of_small_excursions(reynolds: float) -> None:
     """(ψ² − 1)/a² → 3/2 + (12/7) r/S − r²/S², r = Re/10, S² = 1 + r²: the linear layer's flux."""
@@ -134,25 +128,6 @@ def test_order_of_the_limits_on_a_strip(
 
 
 @pytest.mark.parametrize(
-    ("epsilon", "sigma", "reynolds", "reference", "layer", "matched"),
-    [
-        (0.4, 2331.0, 0.45, 0.109656, 3e-4, 5e-5),
-        (0.2, 583.0, 1.81, 0.027352, 4e-3, 2e-4),
-        (0.2, 146.0, 7.23, 0.028855, 5e-2, 2e-3),
-    ],
-)
-def test_limits_on_the_strip_of_the_reference(
-    epsilon: float, sigma: float, reynolds: float, reference: float, layer: float, matched: float
-) -> None:
-    film = {"epsilon": epsilon, "sigma": sigma, "reynolds": reynolds}
-    exact = strip_mean(**film)
-    assert exact == pytest.approx(reference, abs=1.1e-6)
-    assert on_strip(edge_layer_expansion, **film) == pytest.approx(exact, rel=layer)
-    points = (95, 189) if sigma < 1000 else (151, 301)
-    assert on_strip(composite_expansion, **film, points=points) == pytest.approx(exact, rel=matched)
-
-
-@pytest.mark.parametrize(
     ("sigma", "reynolds", "effect"),
     [
         (2331.0, 0.4522, 0.0215),
@@ -170,28 +145,6 @@ def test_inertia_at_small_amplitude_on_the_square(
         for each in (0.0, reynolds)
     )
     assert moved / still - 1 == pytest.approx(effect, abs=6e-5 if effect < 0.1 else 5e-4)
-
-
-@pytest.mark.parametrize(
-    ("h0_m", "hv_m", "force_n", "fast", "layer", "matched"),
-    [
-        (5e-6, 2.2e-6, 0.981542, 1.7e-3, 5e-4, 1.2e-4),
-        (10e-6, 2e-6, 0.200885, 2.1e-3, 6.5e-3, 3e-4),
-    ],
-)
-def test_limits_of_the_papers_scenes_with_inertia(
-    h0_m: float, hv_m: float, force_n: float, fast: float, layer: float, matched: float
-) -> None:
-    """Nothing fitted, nothing solved in time; inertia is 2.0 % and 8.0 % of these forces."""
-    rate, viscosity, pressure, side = 2 * np.pi * 43.27e3, 1.81e-5, 101325.0, 0.01
-    sigma = 12 * viscosity * rate * side**2 / (pressure * h0_m**2)
-    film = {"epsilon": hv_m / h0_m, "sigma": sigma, "reynolds": 1.204 * rate * h0_m**2 / viscosity}
-    methods = {high_squeeze_limit: fast, edge_layer_expansion: layer, composite_expansion: matched}
-    for method, error in methods.items():
-        forces = on_square(method, **film, points=61)
-        found_n = forces.mean[0] * pressure * side**2
-        assert found_n == pytest.approx(force_n, rel=error)
-        assert abs(found_n - force_n) < forces.error[0] * pressure * side**2
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ import pytest
 from films import film
 from skfem import MeshTri2
 
-from squeezefilm.film.finger import GapShape
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
@@ -51,20 +50,6 @@ def force(scene: Scene, tolerance: float = 1e-5) -> float:
     assert solution.status == "ok"
     assert solution.method == "periodic"
     return solution.force_n
-
-
-@pytest.mark.parametrize(
-    "numbers",
-    [
-        {"epsilon": 0.44, "sigma": 583.0, "aspect": 0.8},
-        {"epsilon": 0.4, "sigma": 30.0, "aspect": 1.3, "x": 0.2, "y": 0.1},
-    ],
-)
-def test_an_ellipse_may_be_given_as_a_curve(numbers, tmp_path):
-    scene = shaped(film(**numbers), shape="ellipse", gap=GapShape(tilt_x_m=1e-6))
-    sides_m = scene.finger.length_x_m, scene.finger.length_y_m
-    given = curved(scene, tmp_path, ellipse_mm(scene), sides_m)
-    assert force(given) == pytest.approx(force(scene), rel=5e-5)
 
 
 def test_a_curve_lies_as_its_file_says(tmp_path):
@@ -163,10 +148,3 @@ def test_the_pressure_under_a_curve_is_that_under_its_ellipse(tmp_path):
     inside = np.isfinite(one) & np.isfinite(other)
     assert np.abs(one - other)[inside].max() <= 5e-4 * np.abs(one[inside]).max()
     assert inside[0].sum() > 30
-
-
-def test_a_curve_does_not_slide(tmp_path):
-    scene = film(epsilon=0.4, sigma=300.0, bearing=5.0)
-    sides_m = scene.finger.length_x_m, scene.finger.length_y_m
-    (solution,) = solve([curved(scene, tmp_path, ellipse_mm(scene), sides_m)], tolerance=1e-3)
-    assert solution.status == "not supported: a sliding pad that is not a rectangle"

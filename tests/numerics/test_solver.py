@@ -14,7 +14,7 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic import launch, refinement
+from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.plan import METHODS, previews
 from squeezefilm.studies.study import scene_of
@@ -166,16 +166,6 @@ def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance):
     assert planned == [each.status for each in solutions]
 
 
-def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch):
-    def out_of_memory(*args: object, **options: object) -> None:
-        raise MemoryError("no room")
-
-    monkeypatch.setattr(refinement, "launch", out_of_memory)
-    scenes = [film(epsilon=0.2, sigma=583.0, x=x) for x in (0.0, 0.1, 0.2)]
-    statuses = [each.status for each in solve(scenes, tolerance=1e-6)]
-    assert statuses == ["unexpected error: MemoryError: no room"] * 3
-
-
 def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order():
     """Where the periodic force would drown in rounding, the expansion is exact enough."""
     (solution,) = solve([film(epsilon=1e-5, sigma=1e-3, profile=PISTON)], tolerance=1e-6)
@@ -195,19 +185,6 @@ def test_result_does_not_depend_on_the_other_scenes(paper_scenes):
     alone = [solve([scene], tolerance=1e-6)[0] for scene in scenes]
     assert together == backwards == alone
     assert len({solution.force_n for solution in together}) == len(scenes)
-
-
-def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved():
-    rough = Sinc(wave_number_per_m=20000.0)
-    scenes = [
-        film(epsilon=0.4, sigma=100.0),
-        film(epsilon=0.4, sigma=1e5, profile=rough, x=0.11, y=0.23),
-        film(epsilon=0.2, sigma=100.0),
-    ]
-    first, second, third = solve(scenes, tolerance=1e-6)
-    assert first.status == third.status == "ok"
-    assert "the finest grid" in second.status
-    assert np.isnan(second.force_n)
 
 
 @pytest.mark.parametrize(
@@ -290,26 +267,3 @@ def test_single_precision_in_a_step_moves_no_force(monkeypatch):
     double = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
     assert single.mean == pytest.approx(double.mean, rel=2e-10)
     assert (single.mean != double.mean).any()  # it was another kernel
-
-
-def test_kept_states_are_those_of_the_force_and_outlast_other_launches(paper_scenes):
-    """The finer one has the force for its mean, and stays when the launch's arrays are reused."""
-    some = paper_scenes[:40]
-    solutions = solve(some, tolerance=1e-3, method="periodic", keep_states=True)
-    first = [[state.unknowns.copy() for state in each.states] for each in solutions]
-    again = solve(some[::-1], tolerance=1e-4, method="periodic", keep_states=True)
-    assert len(again) == 40
-    for scene, solution, before in zip(some, solutions, first, strict=True):
-        coarse, fine = solution.states
-        assert fine.grid.nt > coarse.grid.nt
-        assert fine.grid.nx > coarse.grid.nx
-        assert all(map(np.array_equal, before, (coarse.unknowns, fine.unknowns)))
-        means = [
-            scene.force_scale_n
-            * np.einsum("xyt,x,y->", each.unknowns[0], each.grid.x.weights, each.grid.y.weights)
-            / each.grid.nt
-            for each in (coarse, fine)
-        ]
-        assert means[1] == pytest.approx(solution.force_n, rel=1e-12)
-        assert abs(means[0] - means[1]) <= 1e-2 * solution.force_n
-    assert not any(each.states for each in solve(some, tolerance=1e-3, method="periodic"))
