@@ -8,7 +8,6 @@ import pytest
 from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, periodic_state
 from physics_facts import fast_piston
 
-from squeezefilm.dynamics.averaged_film import refused
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
@@ -181,21 +180,6 @@ def test_the_budget_is_of_the_scene_itself():
     inert = replace(scene, gas=replace(scene.gas, inertia="included"))
     change = mean(inert, tolerance=1e-5) / mean(scene) - 1
     assert budget.effects["inertia"].percent == pytest.approx(100 * change, rel=0.03)
-
-
-def test_what_is_not_derived_for_such_gaps_is_refused():
-    two = film(epsilon=0.3, sigma=300.0, profile=TWO_MODES)
-    tilted = shaped(film(epsilon=0.3, sigma=300.0))
-    assert refused(tilted).startswith("the response was derived for")
-    assert refused(two) == ""
-    slipping = replace(tilted, gas=replace(tilted.gas, rarefaction="slip"))
-    inert = replace(two, gas=replace(two.gas, inertia="included"))
-    for scene, reason in (
-        (slipping, "a gap that is even at rest with slip"),
-        (inert, "a vibration in one phase with inertia"),
-    ):
-        (found,) = solve([scene], tolerance=1e-3, method="composite")
-        assert found.status == f"the composite expansion is derived for {reason}"
 
 
 def test_contact_is_found_with_both_parts():

@@ -157,22 +157,3 @@ def test_a_table_of_forces_takes_them_and_stages_that_need_none_read_it(
     message = refused(*command, "--derivatives", "--config", heavy, status=1)
     assert "no force or no derivatives for point 1: derivatives are not known with" in message
     assert (read_forces(output)["status"] == "ok").all()
-
-
-def test_of_one_scene_they_are_shown_to_the_digits_of_their_errors(capsys, repository) -> None:
-    """As docs/solver.md has them."""
-    page = (repository / "docs" / "solver.md").read_text(encoding="utf-8")
-    command = next(line for line in page.splitlines() if line.endswith(" --derivatives"))
-    assert main(command.split()[2:]) == 0
-    shown, printed = (
-        {line.split(":")[0].strip(): line.split(": ")[1] for line in text if "dF/d " in line}
-        for text in (capsys.readouterr().out.splitlines(), page.splitlines())
-    )
-    assert list(shown) == list(printed)
-    for name, line in shown.items():
-        value, _, error, unit = line.split(maxsplit=3)
-        documented, *_, documented_unit = printed[name].split(maxsplit=3)
-        assert abs(float(value) - float(documented)) <= float(error), name
-        assert unit == documented_unit
-        if "e" not in value:
-            assert 10.0 ** -len(value.partition(".")[2]) <= float(error)

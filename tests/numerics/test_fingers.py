@@ -15,7 +15,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.io.positions import cartesian
 from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.plan import previews
 from squeezefilm.reynolds.solver import solve
 
 TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, bulge_m=-0.2e-6)
@@ -149,14 +148,3 @@ def test_a_tilted_pad_carries_as_a_slider_bearing():
     k = tilt / h0 / low
     expected = 1e-4 / low**2 * (log(1 + k) - 2 * k / (2 + k)) / k**2
     assert (wide - narrow) / 4 == pytest.approx(expected, rel=1e-3)
-
-
-@pytest.mark.parametrize("bearing", [0.1, 31.0])
-@pytest.mark.parametrize("method", ["auto", "periodic"])
-def test_an_ellipse_that_slides_is_not_supported(bearing, method):
-    scene = ellipse(epsilon=0.4, sigma=583.0, bearing=bearing)
-    (solution,) = solve([scene], tolerance=1e-3, method=method)
-    (preview,) = previews([scene], tolerance=1e-3, method=method)
-    assert solution.status == "not supported: a sliding pad that is not a rectangle"
-    assert preview.status == solution.status
-    assert np.isnan(solution.force_n)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from films import film, mean_overpressure
 from random_scenes import moved_by_leaving_out, random_scenes
-from stored_strip import strip_force
 
 from squeezefilm.film.profiles import Formula
 from squeezefilm.film.scene import Scene
@@ -60,40 +59,6 @@ def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, obj
     assert found == pytest.approx(budget.effects["heat"].percent, rel=0.015)
 
 
-@pytest.mark.parametrize(
-    ("epsilon", "sigma", "reynolds", "within_percent"),
-    [
-        (0.2, 1311.75, 0.2, 5e-4),
-        (0.2, 583.0, 0.45, 0.003),
-        (0.2, 583.0, 1.81, 0.03),
-        (0.4, 2331.0, 0.45, 0.003),
-        (0.2, 146.0, 7.23, 0.35),
-    ],
-)
-def test_the_middle_of_a_long_finger_is_the_strip(
-    epsilon: float, sigma: float, reynolds: float, within_percent: float
-) -> None:
-    """Heat's effect: by another solver, and with velocity and temperature resolved.
-
-    Of the first order's −0.07, −0.18, −0.71, −0.16 and −3.8 % the last has the wrong sign.
-    """
-    numbers = {"epsilon": epsilon, "sigma": sigma}
-    one_mode, still, resolved, cold = (
-        strip_force(equation, **numbers, reynolds=reynolds)
-        for equation in ("one_mode_of_heat", "one_mode", "resolved_heat", "resolved")
-    )
-    ends = [
-        warm(reynolds, profile=STRIP, aspect=aspect, inertia="included", **numbers)
-        for aspect in (4.0, 8.0)
-    ]
-    solved = solve(ends, tolerance=1e-5, method="periodic")
-    assert [each.status for each in solved] == ["ok", "ok"]
-    short, long = (a.force_n / b.force_scale_n for a, b in zip(solved, ends, strict=True))
-    assert (8 * long - 4 * short) / 4 == pytest.approx(one_mode, rel=5e-5)
-    effect, by_mode = 100 * (resolved / cold - 1), 100 * (one_mode / still - 1)
-    assert by_mode == pytest.approx(effect, abs=within_percent)
-
-
 def mean_warmth(rate: complex, jump: float) -> complex:
     """Mean over the gap of θ″ − rate θ = −1, whose ends are jump times its slope inwards."""
     line = axis(24, False)
@@ -137,28 +102,6 @@ def test_without_heat_s_numbers_the_force_is_the_isothermal_one(gas: dict[str, f
     scene = with_gas(warm(1.0, epsilon=0.4, sigma=583.0, inertia="included"), **gas)
     # Friction and compression warm in proportion to Pr (γ − 1)/γ.
     assert abs(effect_percent(scene, tolerance=1e-7)) < 1e-3
-
-
-@pytest.mark.parametrize(
-    ("numbers", "finger", "method", "reason"),
-    [
-        ({"polytropic_exponent": 1.4}, {}, "auto", "polytropic_exponent 1"),
-        ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
-        ({"bearing": 0.1}, {}, "auto", "heat is not derived for a sliding finger"),
-        ({}, {"shape": "ellipse"}, "auto", "heat is not known under this finger"),
-        ({}, {}, "composite", "the composite expansion is not derived with heat"),
-    ],
-)
-def test_what_does_not_know_heat_refuses_it(
-    numbers: dict[str, object], finger: dict[str, object], method: str, reason: str
-) -> None:
-    scene = warm(1.0, epsilon=0.3, sigma=200.0, **numbers)
-    scene = replace(scene, finger=replace(scene.finger, **finger))  # type: ignore[arg-type]
-    (solution,) = solve([scene], tolerance=1e-3, method=method)
-    assert reason in solution.status
-    assert np.isnan(solution.force_n)
-    (choice,) = resolve_auto_terms([with_gas(scene, heat="auto")], method=method)
-    assert choice.gas.heat == "none"
 
 
 def test_heat_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene: Scene) -> None:

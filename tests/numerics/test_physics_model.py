@@ -96,48 +96,34 @@ def test_with_inertia_too_it_needs_no_fitted_parameter(paper) -> None:
             assert global_error(name, theta, (factors, force_n)) < 1.5e-4
 
 
-def test_table_of_limits_with_inertia_states_its_error(paper, monkeypatch) -> None:
-    """It has more gaps: inertia grows like the square of the gap. Here for a centred finger."""
-    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
-    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
-    gas = paper["gas"] | {"inertia": "auto"}
-    study = Config(path=paper.path, sections=paper.sections | {"gas": gas})
-    assert limits.limit_table_of(study).largest_relative_error < 2e-5
+BESSEL = {
+    "kind": "bessel",
+    "nodal_diameters": 0,
+    "wave_number_rad_per_m": 700.0,
+    "edge_share": 0.0,
+    "direction_deg": 0.0,
+}
+SMALL_DISC = {"frequency_hz": 40e3, "surface_radius_m": 0.02, "profile": BESSEL}
+TILTED = {"tilt_x_m": 1e-6, "tilt_y_m": 0.0, "bulge_m": 0.5e-6}
+CENTRED = {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
 
 
-def test_table_of_limits_has_points_enough_for_a_wavy_profile(paper, monkeypatch) -> None:
-    """A disc of 20 mm radius, 700 rad/m: 7 × 6 positions left an error of 0.5 of the force."""
-    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0129)}
-    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
-    profile = {"kind": "bessel", "nodal_diameters": 0, "wave_number_rad_per_m": 700.0}
-    profile |= {"edge_share": 0.0, "direction_deg": 0.0}
-    disc = {"frequency_hz": 40e3, "surface_radius_m": 0.02, "profile": profile}
-    study = Config(path=paper.path, sections=paper.sections | {"actuator": disc})
-    table = limits.limit_table_of(study)
-    assert table.largest_relative_error < 1e-5
+@pytest.mark.parametrize(
+    ("sections", "ranges", "error"),
+    [
+        ({"gas": {"inertia": "auto"}}, CENTRED, 2e-5),
+        ({"finger": {"gap": TILTED}, "gas": {"inertia": "none"}}, CENTRED, 1e-4),
+        ({"actuator": SMALL_DISC}, {"phi_r_m": (0.0, 0.0129)}, 1e-5),
+    ],
+    ids=["inertia", "tilted and bulging", "wavy profile"],
+)
+def test_a_table_of_limits_has_gaps_and_positions_enough(
+    paper, monkeypatch, sections, ranges, error
+) -> None:
+    """Inertia grows like the square of the gap; 7 × 6 positions left half of a wavy force."""
+    box = box_of(paper).ranges | ranges
+    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(box)))
+    changed = {name: paper[name] | values for name, values in sections.items()}
+    table = limits.limit_table_of(Config(path=paper.path, sections=paper.sections | changed))
+    assert table.largest_relative_error < error
     assert len(table.coefficients["limit_n"]) <= MOST_NODES
-
-
-def test_models_of_the_limits_know_a_tilted_and_bulging_finger(paper, monkeypatch) -> None:
-    """The force by the limit within its error, and the table's polynomials; not with inertia."""
-    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
-    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
-    gap = {"tilt_x_m": 1e-6, "tilt_y_m": 0.0, "bulge_m": 0.5e-6}
-    sections = paper.sections | {"finger": paper["finger"] | {"gap": gap}}
-    study = Config(path=paper.path, sections=sections)
-    table = reference_table("screen").iloc[::7]
-    scenes = [scene_of(point, study) for point in scene_points(table)]
-    still = [replace(each, gas=replace(each.gas, inertia="none")) for each in scenes]
-    known = with_limits(table, still)
-    forces = np.array([each.force_n for each in solve(still, tolerance=1e-5, method="periodic")])
-    assert set(known["status"]) == {"ok"}
-    assert np.all(np.abs(known["limit_n"] - forces) < known["limit_error_n"])
-    assert np.abs(known["limit_n"] / forces - 1).max() < 0.01
-    sections = sections | {"gas": paper["gas"] | {"inertia": "none"}}
-    assert (
-        limits.limit_table_of(Config(path=paper.path, sections=sections)).largest_relative_error
-        < 1e-4
-    )
-    moving = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
-    (reason,) = set(with_limits(table, moving)["status"])
-    assert "gap that is even at rest" in reason
