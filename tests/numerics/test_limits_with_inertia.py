@@ -1,14 +1,13 @@
 """The limits with the gas' inertia: layer, core and second order, against independent solutions.
 
-The strip's reference values were found by marching a resolved velocity profile reduced to one mode;
-those of the square by an independent program of the second-order theory.
+Strips are by dense collocation (strip_with_inertia.py at commit a1a68f24), which agrees with a
+marched, resolved velocity profile; the square is by a program of the second-order theory.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
-from strip_with_inertia import SINC_ALONG, strip_mean
 
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.asymptotics.composite import (
@@ -22,6 +21,7 @@ from squeezefilm.reynolds.asymptotics.core import core_coefficient
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm.reynolds.spectral import period
 
+SINC_ALONG = 1.098
 Method = Callable[[Films], AsymptoticForces]
 
 
@@ -115,15 +115,26 @@ def test_mean_mobility_of_the_core(a: float, rate: float) -> None:
     ("method", "order", "slack"),
     [(high_squeeze_limit, 0.5, 0.04), (edge_layer_expansion, 1.0, 0.08)],
 )
-@pytest.mark.parametrize(("epsilon", "reynolds"), [(0.4, 0.45), (0.2, 1.81)])
+@pytest.mark.parametrize(
+    ("epsilon", "reynolds", "exact"),
+    [
+        (0.4, 0.45, {6400.0: 0.10919474616632582, 102400.0: 0.10867976467036697}),
+        (0.2, 1.81, {6400.0: 0.026887240823732773, 102400.0: 0.026758159093579575}),
+    ],
+)
 def test_order_of_the_limits_on_a_strip(
-    method: Method, order: float, slack: float, epsilon: float, reynolds: float
+    method: Method,
+    order: float,
+    slack: float,
+    epsilon: float,
+    reynolds: float,
+    exact: dict[float, float],
 ) -> None:
     """The fast limit is left by 1/√σ; its layer's correction by 1/σ, where inertia first shows."""
-    errors = []
-    for sigma in (6400.0, 102400.0):
-        film = {"epsilon": epsilon, "sigma": sigma, "reynolds": reynolds}
-        errors.append(abs(on_strip(method, **film) - strip_mean(**film, points=64)))
+    errors = [
+        abs(on_strip(method, epsilon=epsilon, sigma=sigma, reynolds=reynolds) - known)
+        for sigma, known in exact.items()
+    ]
     assert np.log(errors[0] / errors[1]) / np.log(16) == pytest.approx(order, abs=slack)
 
 
@@ -148,18 +159,23 @@ def test_inertia_at_small_amplitude_on_the_square(
 
 
 @pytest.mark.parametrize(
-    ("epsilon", "sigma", "reynolds"), [(0.4, 2331.0, 0.45), (0.2, 583.0, 1.81)]
+    ("epsilon", "sigma", "reynolds", "points", "exact", "product"),
+    [
+        (0.4, 2331.0, 0.45, (151, 301), 0.10879138236585172, 0.108693826868966),
+        (0.2, 583.0, 1.81, (95, 189), 0.02716034693363173, 0.027090759422282683),
+    ],
 )
-def test_slip_and_inertia_together(epsilon: float, sigma: float, reynolds: float) -> None:
+def test_slip_and_inertia_together(
+    epsilon: float,
+    sigma: float,
+    reynolds: float,
+    points: tuple[int, int],
+    exact: float,
+    product: float,
+) -> None:
     """Better than the product of their effects, which is wrong by a fraction of slip times them."""
-    film = {"epsilon": epsilon, "sigma": sigma}
-    still, moved = {"reynolds": 0.0}, {"reynolds": reynolds}
-    slip = {"slip": 0.08}
-    exact = strip_mean(**film, **moved, **slip)
-    product = strip_mean(**film, **moved) * strip_mean(**film, **still, **slip)
-    product /= strip_mean(**film, **still)
-    points = (95, 189) if sigma < 1000 else (151, 301)
-    found = on_strip(composite_expansion, **film, **moved, **slip, points=points)
+    film = {"epsilon": epsilon, "sigma": sigma, "reynolds": reynolds}
+    found = on_strip(composite_expansion, **film, slip=0.08, points=points)
     assert found == pytest.approx(exact, rel=1e-3)
     assert abs(found - exact) < 0.5 * abs(product - exact)
 
