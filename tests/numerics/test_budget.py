@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import isnan
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from films import PISTON, film
 from periodic_strip import PeriodicStrip
 
-from squeezefilm.cli.main import main
 from squeezefilm.film.profiles import Formula
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.tables import write_table
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities import model_error as budget_module
 from squeezefilm.quantities.adjoint import Fields, response, sensitivity
@@ -193,40 +189,14 @@ def test_a_profile_that_passes_against_a_march_along_it(
 
 
 def test_what_is_not_known_has_no_number(scene: Scene) -> None:
-    still = replace(scene, hv_m=0.0)
+    at_rest = replace(scene, hv_m=0.0)
     adiabatic = replace(scene, gas=replace(scene.gas, polytropic_exponent=1.4))
-    round_pad = replace(scene, finger=replace(scene.finger, shape="ellipse"))
-    found = dict(
-        zip(
-            ("still", "adiabatic", "round", "flat"),
-            error_budgets([still, adiabatic, round_pad, scene]),
-            strict=True,
-        )
-    )
-    assert found["still"].status != "ok"
-    assert all(isnan(each.percent) for each in found["still"].effects.values())
-    assert isnan(found["adiabatic"].effects["heat"].percent)
-    assert isnan(found["adiabatic"].sums(neglected_only=True)[0])
-    assert found["round"].basis == BASIS
-    assert np.isnan(found["round"].sums(neglected_only=True)).all()
-    assert found["round"].effects["inertia"] != found["flat"].effects["inertia"]
-    for budget in found.values():
-        assert BASIS in budget_text(budget) or not budget.basis
-
-
-def test_the_command_writes_a_row_for_each_scene(
-    tmp_path: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    columns = ("point_id", "h0_m", "hv_m", "phi_r_m", "phi_deg")
-    rows = [("a", 5e-6, 2e-6, 0.0, 0.0), ("b", 5e-6, 0.0, 0.0, 0.0)]
-    write_table(pd.DataFrame(rows, columns=columns), "scenes.csv")
-    config = str(repository / "config" / "paper.yaml")
-    assert main(["budget", "scenes.csv", "--config", config, "--output", "budget.csv"]) == 0
-    table = pd.read_csv("budget.csv")
-    assert list(table["point_id"]) == ["a", "b"]
-    assert table["status"][0] == "ok"
-    assert table["status"][1] != "ok"
-    effects_of = table[[f"{name}_percent" for name in NAMES]]
-    assert np.isfinite(effects_of.iloc[0]).all()
-    assert effects_of.iloc[1].isna().all()
+    disc = replace(scene, finger=replace(scene.finger, shape="ellipse"))
+    still, heated, round_pad, flat = error_budgets([at_rest, adiabatic, disc, scene])
+    assert still.status != "ok"
+    assert all(isnan(each.percent) for each in still.effects.values())
+    assert isnan(heated.effects["heat"].percent)
+    assert round_pad.basis == BASIS
+    assert BASIS in budget_text(round_pad)
+    assert np.isnan([heated.sums(neglected_only=True), round_pad.sums(neglected_only=True)]).all()
+    assert round_pad.effects["inertia"] != flat.effects["inertia"]
