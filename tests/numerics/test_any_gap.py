@@ -12,8 +12,6 @@ from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.film.validity import check_scene
-from squeezefilm.io.errors import InputError
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion, high_squeeze_limit
 from squeezefilm.reynolds.solver import solve
@@ -180,14 +178,3 @@ def test_the_budget_is_of_the_scene_itself():
     inert = replace(scene, gas=replace(scene.gas, inertia="included"))
     change = mean(inert, tolerance=1e-5) / mean(scene) - 1
     assert budget.effects["inertia"].percent == pytest.approx(100 * change, rel=0.03)
-
-
-def test_contact_is_found_with_both_parts():
-    """A wave that stands has its nodes where the tilted pad comes near; one that travels not."""
-    standing = film(epsilon=0.85, sigma=300.0, profile=replace(WAVE, crest_m=0.0))
-    standing = shaped(standing, GapShape(tilt_x_m=2e-6))
-    standing = replace(standing, actuator=replace(standing.actuator, surface=Disc(1.0)))
-    check_scene(standing)
-    moving = replace(standing, actuator=replace(standing.actuator, profile=travelling()))
-    with pytest.raises(InputError, match="touches the surface"):
-        check_scene(moving)

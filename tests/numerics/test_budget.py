@@ -15,7 +15,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities import first_order
 from squeezefilm.quantities import model_error as budget_module
-from squeezefilm.quantities.adjoint import Fields, response, sensitivity
+from squeezefilm.quantities.adjoint import Fields
 from squeezefilm.quantities.model_error import (
     BASIS,
     NAMES,
@@ -95,28 +95,6 @@ def test_the_band_holds_the_force_with_the_effect_in_it(name: str, having: str) 
         least, most = alone.sums(neglected_only=True)
         change = 100 * (changed.force_n / force.force_n - 1)
         assert least < change < most
-
-
-@pytest.mark.parametrize(("rarefaction", "exponent"), [("none", 1.0), ("fukui-kaneko", 1.4)])
-def test_the_adjoint_answers_as_the_equation_itself(rarefaction: str, exponent: float) -> None:
-    scene = film(
-        epsilon=0.5,
-        sigma=300.0,
-        x=0.2,
-        bearing=3.0,
-        aspect=1.5,
-        rarefaction=rarefaction,
-        polytropic_exponent=exponent,
-    )
-    grid = Grid(nx=16, ny=16, nt=12, fold_x=False, fold_y=True)
-    states = solve_batch([scene], grid, tolerance=1e-8, device=choose_device())
-    films = Fields(problems_of([scene], grid, tolerance=1e-8), grid, states.overpressure)
-    source = np.random.default_rng(1).normal(size=(1, *grid.shape))
-    change = response(films, source, tolerance=1e-12)
-    rise = films.on_all_nodes(change) / (films.gap * films.density_slope)
-    sensitive = sensitivity(films, tolerance=1e-12)
-    by_adjoint = films.mean(films.on_all_nodes(sensitive * source))
-    assert by_adjoint == pytest.approx(films.mean(rise), rel=1e-8)
 
 
 def test_slip_is_the_difference_of_two_forces_for_a_dense_gas() -> None:

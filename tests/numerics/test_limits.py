@@ -97,15 +97,6 @@ def test_order_of_the_limits_in_the_squeeze_number():
     assert orders[1] == pytest.approx(1.0, abs=0.1)
 
 
-def test_composite_is_second_order_at_small_amplitude_and_boundary_layer_at_large_sigma():
-    second = limit(small_amplitude_expansion, epsilon=[1e-3], sigma=[200.0])
-    matched = limit(composite_expansion, epsilon=[1e-3], sigma=[200.0])
-    assert matched.mean == pytest.approx(second.mean, rel=1e-6)
-    layer = limit(edge_layer_expansion, epsilon=[0.6], sigma=[1e5], points=95)
-    matched = limit(composite_expansion, epsilon=[0.6], sigma=[1e5], points=95)
-    assert matched.mean == pytest.approx(layer.mean, rel=1e-6)
-
-
 @pytest.mark.parametrize(
     ("method", "relative_error"),
     [

@@ -17,9 +17,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
     high_squeeze_limit,
     small_amplitude_expansion,
 )
-from squeezefilm.reynolds.asymptotics.core import core_coefficient
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
-from squeezefilm.reynolds.spectral import period
 
 SINC_ALONG = 1.098
 Method = Callable[[Films], AsymptoticForces]
@@ -97,18 +95,6 @@ def test_table_says_where_it_ends() -> None:
     values = edge_layer.rim_values(np.array([[0.41, 0.39], [0.8, 0.91]]), np.array([10.0, 0.0]))
     assert np.isnan(values.rise).tolist() == [[True, False], [False, True]]
     assert np.isnan(edge_layer.rim_values(np.array([[0.1]]), np.array([10.1])).g).all()
-
-
-@pytest.mark.parametrize(("a", "rate"), [(0.3, 0.5), (0.8, 0.2), (0.8, 2.0)])
-def test_mean_mobility_of_the_core(a: float, rate: float) -> None:
-    """1 − a² β is the mean of A, A/H + c ∂A/∂T = 1, and ∂β/∂c² its derivative."""
-    time = period(96)
-    gap = 1 + a * np.sin(time.nodes)
-    mobility = np.linalg.solve(np.diag(1 / gap) + rate * time.derivative, np.ones(96))
-    step = 1e-5 * np.array([-1, 0, 1])
-    beta, change = core_coefficient(np.full(3, a**2), rate**2 + step)
-    assert 1 - a**2 * beta[1] == pytest.approx(mobility.mean(), rel=1e-9)
-    assert change[1] == pytest.approx((beta[2] - beta[0]) / 2e-5, rel=1e-6)
 
 
 @pytest.mark.parametrize(

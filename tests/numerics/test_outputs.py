@@ -243,24 +243,10 @@ def largest_shares(scenes: list[Scene], *, tolerance: float) -> dict[str, float]
     return {name: max(each) for name, each in shares(some, closer).items()}
 
 
-def with_inertia(scenes: list[Scene]) -> list[Scene]:
-    """Every third, of those that may have it."""
-    return [
-        replace(scene, gas=replace(scene.gas, inertia="included"))
-        if k % 3 == 0
-        and scene.gas.rarefaction != "fukui-kaneko"
-        and scene.bearing_number == 0
-        and scene.modified_reynolds * scene.epsilon < 1
-        else scene
-        for k, scene in enumerate(scenes)
-    ]
-
-
 def test_errors_hold() -> None:
     """Beside answers a hundred times as good, of films of all kinds drawn at random."""
-    for name, share in largest_shares(
-        with_inertia(random_films(6, seed=11)), tolerance=1e-3
-    ).items():
+    scenes = [*random_films(5, seed=11), film(epsilon=0.2, sigma=900.0, inertia="included", x=0.1)]
+    for name, share in largest_shares(scenes, tolerance=1e-3).items():
         assert share < 1, name
 
 
@@ -276,22 +262,15 @@ def test_errors_hold_over_kinks_of_the_profile(shape: str, epsilon: float, sigma
 
 
 @pytest.mark.parametrize(
-    ("scene", "output", "reason"),
+    ("numbers", "output", "reason"),
     [
-        (
-            film(epsilon=0.3, sigma=300.0, bearing=1.0, rarefaction="fukui-kaneko"),
-            "thrust",
-            "not derived with fukui-kaneko",
-        ),
-        (film(epsilon=0.0, sigma=300.0), "harmonics", "at rest"),
-        (
-            film(epsilon=0.3, sigma=300.0, bearing=1.0, inertia="included"),
-            "power",
-            "no force",
-        ),
+        ({"bearing": 1.0, "rarefaction": "fukui-kaneko"}, "thrust", "not derived with fukui"),
+        ({"epsilon": 0.0}, "harmonics", "at rest"),
+        ({"bearing": 1.0, "inertia": "included"}, "power", "no force"),
     ],
 )
-def test_what_is_not_known_says_why(scene: Scene, output: str, reason: str) -> None:
+def test_what_is_not_known_says_why(numbers: dict[str, object], output: str, reason: str) -> None:
+    scene = film(**{"epsilon": 0.3, "sigma": 300.0} | numbers)
     found = outputs(scene, tolerance=1e-3)
     assert reason in found.refused[output]
     missing = [name for name in OUTPUTS[output] if name not in found.value]

@@ -104,7 +104,3 @@ def test_a_dry_run_of_one_point_shows_what_is_not_needed_and_why(capsys):
     shown = capsys.readouterr().out
     assert "method             periodic" in shown
     assert "inertia: gas.inertia is none" in shown
-
-
-def test_a_dry_run_of_nothing_is_refused(refused):
-    assert "give a table of scenes, or points" in refused("simulate", "--dry-run")

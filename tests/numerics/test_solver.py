@@ -13,7 +13,6 @@ from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
 from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.plan import METHODS, previews
@@ -100,14 +99,6 @@ def test_the_composite_that_auto_takes_holds_the_tolerance(tolerance, sigma, mos
         assert each.force_error_n <= tolerance * abs(each.force_n)
 
 
-def test_the_composite_expansion_gives_its_force_and_says_when_it_is_not_good_enough():
-    scene = film(epsilon=0.4, sigma=583.0)
-    (solution,) = solve([scene], tolerance=1e-5, method="composite")
-    assert "the composite expansion is good to" in solution.status
-    (exact,) = solve([scene], tolerance=1e-8)
-    assert 0 < abs(solution.force_n - exact.force_n) <= solution.force_error_n
-
-
 @dataclass(frozen=True)
 class Spot:
     """A spot 20 mm off the disc's centre, which is exactly nothing under a finger at the centre."""
@@ -185,22 +176,6 @@ def test_result_does_not_depend_on_the_other_scenes(paper_scenes):
     alone = [solve([scene], tolerance=1e-6)[0] for scene in scenes]
     assert together == backwards == alone
     assert len({solution.force_n for solution in together}) == len(scenes)
-
-
-@pytest.mark.parametrize(
-    ("scene", "expected"),
-    [
-        (film(epsilon=0.3, sigma=10.0), (True, True)),
-        (film(epsilon=0.3, sigma=10.0, x=0.1), (False, True)),
-        (film(epsilon=0.3, sigma=10.0, y=0.1), (True, False)),
-        (film(epsilon=0.3, sigma=10.0, x=0.1, y=0.1), (False, False)),
-        (film(epsilon=0.3, sigma=10.0, x=0.1, y=0.1, profile=PISTON), (True, True)),
-        (film(epsilon=0.3, sigma=10.0, bearing=1.0), (False, True)),
-    ],
-)
-def test_symmetry_is_found_from_the_scene(scene, expected):
-    needs = needs_of(scene)
-    assert (needs.fold_x[0], needs.fold_y[0]) == expected
 
 
 def test_work_groups_of_many_items_give_the_same_forces(paper_scenes, monkeypatch):

@@ -82,17 +82,6 @@ def test_fast_adiabatic_compression_is_stiffer_by_the_exponent():
     assert spring(1.4) / spring(1.0) == pytest.approx(1.4, rel=2e-3)
 
 
-def test_rarefaction_goes_by_the_density_wherever_it_enters():
-    """λ ~ 1/ρ in the flow, so that D = √π ρ H/(2 Kn), not P H, decides whether it may be used."""
-    scene = film(
-        epsilon=0.5, sigma=150.0, rarefaction="fukui-kaneko", knudsen=0.02, polytropic_exponent=1.4
-    )
-    grid, states = periodic_state(scene, points=24, instants=24)
-    pressure, thinnest = 1 + states.overpressure[0], states.thinnest[0]
-    gap = scene.gap(*np.meshgrid(grid.x.nodes, grid.y.nodes, indexing="ij"), grid.t.nodes)
-    assert thinnest == pytest.approx(float((pressure ** (1 / 1.4) * gap).min()), rel=1e-12)
-
-
 @pytest.mark.parametrize("more", [{}, {"inertia": "included"}, {"bearing": 3.0}])
 def test_slip_is_by_a_length_whatever_makes_it(more):
     """A coefficient c at a path λ is the coefficient 1 at c λ: the force and its budget."""

@@ -10,9 +10,6 @@ from physics_facts import SINC_CONVERGED, SPRING_AT_20
 
 from squeezefilm.reynolds import problems, solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import launch as periodic
-from squeezefilm.reynolds.terms import Terms
 from verification.cases import SAMPLE, beyond, cases
 from verification.films import PISTON, Film
 from verification.numpy_periodic import periodic_state
@@ -138,18 +135,6 @@ def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, mo
     monkeypatch.setattr(problems, "profile_fields", spoil_fields(change))
     monkeypatch.setattr(problems, "_kept_profiles", problems._profiles)  # kept no longer
     assert red() == expected
-
-
-def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch):
-    sound = periodic.grid_matrices
-
-    def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.ndarray]:
-        matrices = sound(grid, aspect=aspect, terms=terms)
-        return matrices | {"sine": -matrices["sine"]}
-
-    monkeypatch.setattr(periodic, "grid_matrices", spoilt)
-    monkeypatch.setattr(periodic, "_of_grids", periodic._of_grids.__wrapped__)  # kept no longer
-    assert red() == set(CASES)
 
 
 def test_what_is_refused_must_be_documented():
