@@ -11,11 +11,11 @@ from physics_facts import fast_piston
 from scipy.special import ellipe, iv
 from skfem import MeshTri2
 
+from squeezefilm.columns import cartesian
 from squeezefilm.film.finger import GapShape
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.positions import cartesian
 from squeezefilm.quantities.outputs import _from_states
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds import Solution

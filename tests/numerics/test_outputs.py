@@ -20,8 +20,6 @@ from squeezefilm.film.finger import GapShape
 from squeezefilm.film.profiles import StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.solution import OUTPUTS, Outputs
-from squeezefilm.io.tables import OUTPUT_COLUMNS, read_forces, write_table
 from squeezefilm.quantities.adjoint import Fields, dot
 from squeezefilm.quantities.outputs import FROM_STATE, at_ends, refusals, with_outputs
 from squeezefilm.quantities.pressure import pressure
@@ -30,6 +28,8 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.problems import problems_of
+from squeezefilm.solution import OUTPUTS, Outputs
+from squeezefilm.tables import OUTPUT_COLUMNS, read_forces, write_table
 
 ASKED = tuple(name for name in OUTPUTS if name in FROM_STATE)
 AREA_M2 = LENGTH_M**2

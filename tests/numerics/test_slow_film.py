@@ -21,7 +21,7 @@ from squeezefilm.dynamics.response import (
     slow_gains,
     steps_of,
 )
-from squeezefilm.io.errors import InputError, RunError
+from squeezefilm.errors import InputError, RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 from squeezefilm.reynolds.device import choose_device
