@@ -36,11 +36,8 @@ def film(
     y: float = 0.0,
     bearing: float = 0.0,
     aspect: float = 1.0,
-    rarefaction: str = "none",
     knudsen: float = 0.0134,
-    polytropic_exponent: float = 1.0,
-    inertia: str = "none",
-    heat: str = "none",
+    **gas: Any,
 ) -> Scene:
     """A scene with the given ε, σ, Λ; the finger's centre at x, y in units of its side."""
     angular_frequency = 2 * pi * 4e4
@@ -57,10 +54,7 @@ def film(
             ambient_pressure_pa=PRESSURE_PA,
             density_kg_per_m3=1.2,
             mean_free_path_m=knudsen * H0_M,
-            rarefaction=rarefaction,
-            polytropic_exponent=polytropic_exponent,
-            inertia=inertia,
-            heat=heat,
+            **{"inertia": "none", "heat": "none"} | gas,
         ),
         actuator=Actuator(angular_frequency / (2 * pi), Disc(1.0), profile),
         finger=Finger(LENGTH_M, aspect * LENGTH_M, speed),

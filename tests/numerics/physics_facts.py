@@ -38,12 +38,6 @@ def piston_response(sigma: float, aspect: float = 1.0) -> tuple[float, float]:
     return float(np.sum(share * sigma)), float(np.sum(share * wave))
 
 
-def strip_spring(sigma: float) -> float:
-    """S of an infinitely long strip, X = √(σ/2) (Langlois 1962)."""
-    x = math.sqrt(sigma / 2)
-    return 1 - (math.sinh(x) + math.sin(x)) / (x * (math.cosh(x) + math.cos(x)))
-
-
 def slow_piston(epsilon: float, sigma: float) -> float:
     """σ → 0 at any ε: (5/2) σ² ⟨Ḣ²/H⁶⟩ times SLOW_SPRING."""
     phase = 2 * np.pi * np.arange(256) / 256

@@ -1,16 +1,19 @@
-"""Random scenes over gap, frequency, excursion and position, and what ``auto`` leaves out."""
+"""Random films and scenes, what ``auto`` leaves out of them, and how far answers are off."""
 
 import math
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from films import PISTON, SINC, film
 
 from squeezefilm.columns import cartesian
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
+from squeezefilm.solution import Derivatives, Outputs
 
 H0_M = (1e-6, 30e-6)
 FREQUENCY_HZ = (5e3, 1e5)
@@ -60,3 +63,35 @@ def moved_by_leaving_out(
         for some in (without, beside)
     )
     return np.abs(included / left_out - 1)
+
+
+def random_films(count: int, *, seed: int) -> list[Scene]:
+    """Films of all kinds."""
+    random = np.random.default_rng(seed)
+    return [
+        film(
+            epsilon=random.uniform(0.01, 0.8),
+            sigma=10 ** random.uniform(-0.5, 4.5),
+            profile=PISTON if random.random() < 0.2 else SINC,
+            x=random.choice([0.0, random.uniform(0, 0.3)]),
+            y=random.choice([0.0, random.uniform(0, 0.3)]),
+            bearing=random.choice([0.0, 0.0, 10 ** random.uniform(-2, 1.3)]),
+            aspect=random.choice([1.0, 10 ** random.uniform(-0.4, 0.4)]),
+            rarefaction=str(random.choice(["none", "slip", "fukui-kaneko"])),
+            knudsen=10 ** random.uniform(-3, -1.7),
+            polytropic_exponent=float(random.choice([1.0, 1.2, 1.4])),
+        )
+        for _ in range(count)
+    ]
+
+
+def shares(
+    some: Sequence[Derivatives | Outputs], closer: Sequence[Derivatives | Outputs]
+) -> dict[str, list[float]]:
+    """By number, the differences from answers of a tighter tolerance over the errors of both."""
+    found = defaultdict(list)
+    for a, b in zip(some, closer, strict=True):
+        for name in a.value.keys() & b.value.keys():
+            if (allowed := a.error[name] + b.error[name]) > 0:
+                found[name].append(abs(a.value[name] - b.value[name]) / allowed)
+    return found

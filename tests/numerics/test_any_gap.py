@@ -8,22 +8,12 @@ import pytest
 from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, periodic_state
 from physics_facts import fast_piston
 
-from squeezefilm.dynamics import levitation
-from squeezefilm.dynamics.averaged_film import refused
-from squeezefilm.errors import InputError
 from squeezefilm.film.finger import GapShape
-from squeezefilm.film.profiles import Formula, Profile, Quadrature, StandingWave, make_profile
+from squeezefilm.film.profiles import Profile, Quadrature, StandingWave, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.film.validity import check_scene
-from squeezefilm.quantities.derivatives import moved, with_derivatives
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds.asymptotics.composite import edge_layer_expansion, high_squeeze_limit
-from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.problems import problems_of
 from squeezefilm.reynolds.solver import solve
 
 DISC = Disc(0.01)
@@ -98,49 +88,6 @@ def test_a_standing_wave_may_begin_at_any_instant(terms):
         assert found == pytest.approx(expected, rel=1e-5 if angle == 0.7 else 1e-8)
 
 
-def test_two_phases_that_begin_elsewhere_give_the_same_force():
-    scene = film(epsilon=0.4, sigma=300.0, profile=TWO_MODES)
-    turned = [
-        Formula("cos(0.5)*cos(300*x) - sin(0.5)*cos(450*y)", DISC),
-        Formula("sin(0.5)*cos(300*x) + cos(0.5)*cos(450*y)", DISC),
-    ]
-    settings = {"kind": "formula", "surface": DISC}
-    first = make_profile(**settings, expression="cos(300*x)", quadrature="cos(450*y)")
-    second = make_profile(
-        **settings, expression=turned[0].expression, quadrature=turned[1].expression
-    )
-    forces = [
-        mean(replace(scene, actuator=replace(scene.actuator, profile=each)))
-        for each in (first, second)
-    ]
-    assert forces[0] == pytest.approx(forces[1], rel=2e-6)
-
-
-def test_a_travelling_wave_may_travel_along_either_axis_and_either_way():
-    forces = [
-        mean(film(epsilon=0.4, sigma=583.0, profile=travelling(angle)))
-        for angle in (0.0, 90.0, 180.0)
-    ]
-    assert forces == pytest.approx([forces[0]] * 3, rel=1e-6)
-    standing = film(epsilon=0.4, sigma=583.0, profile=replace(WAVE, crest_m=0.0))
-    assert forces[0] > 1.5 * mean(standing)  # it moves as much everywhere
-
-
-def test_halves_are_left_out_only_where_both_parts_and_the_gap_are_even():
-    def halves(profile: Profile, gap: GapShape = FLAT) -> tuple[bool, bool]:
-        needs = needs_of(shaped(film(epsilon=0.4, sigma=583.0, profile=profile), gap))
-        return bool(needs.fold_x[0]), bool(needs.fold_y[0])
-
-    even = replace(WAVE, crest_m=0.0)
-    assert halves(even) == (True, True)
-    assert halves(travelling()) == (False, True)
-    assert halves(Quadrature(even, OTHER)) == (False, False)
-    assert halves(Quadrature(even, replace(even, direction_deg=90.0), (0.7, 0.7))) == (True, True)
-    assert halves(even, GapShape(tilt_x_m=1e-6)) == (False, True)
-    assert halves(even, GapShape(tilt_y_m=1e-6)) == (True, False)
-    assert halves(even, GapShape(bulge_m=1e-6)) == (True, True)
-
-
 @pytest.mark.parametrize(
     ("numbers", "gap", "expected"),
     [
@@ -171,36 +118,6 @@ def test_a_gap_that_breathes_keeps_its_mean_square():
     mean_square = ((1 + epsilon * np.sin(grid.t.nodes)) ** 3 * pressure**2).mean(axis=-1)
     assert mean_square == pytest.approx(1 + 1.5 * epsilon**2, rel=1e-6)
     assert np.ptp(pressure.mean(axis=-1)) > 0.01
-
-
-def test_shaped_gaps_cost_at_most_three_times_a_flat_one():
-    """At 1e-4 and at the same place, by the products that iterations take."""
-    flat = film(epsilon=0.3, sigma=583.0, x=0.1, y=0.05)
-    shapes = GapShape(), GapShape(tilt_x_m=2e-6), GapShape(bulge_m=1.5e-6), SHAPE
-    plain, *others = solve([shaped(flat, each) for each in shapes], tolerance=1e-4)
-    assert all(each.status == "ok" and each.method == "periodic" for each in others)
-    assert max(each.work for each in others) < 3 * plain.work
-
-
-def test_preconditioners_share_rows_where_the_gap_differs():
-    """1.7 times a flat film's iterations; 2.3 with one of them, 3.4 if that has whole rows."""
-    flat = film(epsilon=0.3, sigma=583.0, x=0.1, y=0.05)
-    both_ways = shaped(flat, GapShape(tilt_x_m=3e-6, tilt_y_m=1e-6))
-    plain, tilted = solve([flat, both_ways], tolerance=1e-4)
-    assert tilted.status == "ok"
-    assert tilted.krylov_iterations < 2 * plain.krylov_iterations
-
-
-def test_films_of_many_gaps_share_what_is_known_of_their_place():
-    """And each is still the film that is so much thicker."""
-    even = [replace(film(epsilon=0.3, sigma=300.0), h0_m=h0_m) for h0_m in (5e-6, 6e-6, 9e-6)]
-    grid = Grid(16, 16, 12, fold_x=False, fold_y=False)
-    raised = [shaped(each, Raised(rise=1e-6)) for each in even]
-    assert len(problems_of(raised, grid, tolerance=1e-9).parts) == 1
-    forces = solve_batch(raised, grid, tolerance=1e-9, device=choose_device()).mean
-    thicker = [replace(each, h0_m=each.h0_m + 1e-6) for each in even]
-    expected = [mean_overpressure(each, points=16, instants=12) for each in thicker]
-    assert forces == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -245,63 +162,11 @@ def test_the_fast_limit_of_a_gap_that_breathes_is_the_piston_s():
     assert abs(layer_n / mean(scene) / scene.force_scale_n - 1) < 1e-4
 
 
-def test_auto_takes_a_limit_for_a_shaped_gap_where_it_holds():
-    scene = shaped(film(epsilon=0.3, sigma=5e4, profile=TWO_MODES))
-    (found,) = solve([scene], tolerance=1e-2)
-    assert found.method == "composite"
-    assert found.force_n / scene.force_scale_n == pytest.approx(mean(scene), rel=1e-2)
-
-
 def test_small_motion_in_two_phases_has_its_second_order():
     for sigma in (5.0, 583.0):
         scene = film(epsilon=0.01, sigma=sigma, profile=TWO_MODES)
         (found,) = solve([scene], tolerance=1e-6, method="composite")
         assert found.force_n / scene.force_scale_n == pytest.approx(mean(scene), rel=3e-4)
-
-
-@pytest.mark.parametrize(
-    ("numbers", "gap", "of_gas"),
-    [
-        ({"profile": TWO_MODES, "x": 0.1, "y": 0.05}, SHAPE, "viscosity_pa_s"),
-        ({"x": 0.1, "bearing": 5.0}, GapShape(bulge_m=1e-6), "polytropic_exponent"),
-        ({"profile": TWO_MODES, "rarefaction": "slip"}, FLAT, "mean_free_path_m"),
-        # By a limit, whose derivatives are those of the full film.
-        ({"x": 0.1, "sigma": 5e4}, SHAPE, "ambient_pressure_pa"),
-    ],
-)
-def test_derivatives_are_those_of_forces_solved_again(numbers, gap, of_gas):
-    scene = shaped(film(**{"epsilon": 0.3, "sigma": 300.0} | numbers), gap)
-    solutions = solve([scene], tolerance=1e-3 if "sigma" in numbers else 1e-5)
-    assert (solutions[0].method == "composite") == ("sigma" in numbers)
-    (found,) = with_derivatives([scene], solutions, tolerance=1e-5)
-    assert found.derivatives.status == "ok"
-    units = {"h0_m": scene.h0_m, "hv_m": scene.h0_m, "x_m": 0.01, "y_m": 0.01}
-    for name, unit in (units | {of_gas: getattr(scene.gas, of_gas)}).items():
-        step = 1e-3 * unit
-        there = [moved(scene, name, step), moved(scene, name, -step)]
-        more, less = solve(there, tolerance=1e-8, method="periodic")
-        quotient = (more.force_n - less.force_n) / (2 * step)
-        error = found.derivatives.error[name] + 1e-5 * abs(quotient) + 1e-10
-        assert abs(found.derivatives.value[name] - quotient) < error
-        assert error <= 0.02 * abs(quotient) + 1e-10
-
-
-def test_a_part_levitates_on_a_tilted_film_from_where_it_does_not_touch(monkeypatch):
-    """The forces looked at first are of gaps that leave room for the surface everywhere."""
-    looked_at = []
-    monkeypatch.setattr(
-        levitation, "solve", lambda some, **rest: looked_at.extend(some) or solve(some, **rest)
-    )
-    tilted = shaped(film(epsilon=0.3, sigma=2331.0), GapShape(tilt_x_m=6e-6))
-    load_n = 0.1
-    found = levitation.levitate(
-        tilted, load_n=load_n, tolerance=1e-5, model_tolerance=1e-2, device=choose_device()
-    )
-    assert max(each.closure() for each in looked_at) == pytest.approx(levitation.CLOSEST)
-    assert found.force_n == pytest.approx(load_n, rel=2e-5)
-    around = [replace(found.scene, h0_m=found.scene.h0_m + step) for step in (1e-9, -1e-9)]
-    more, less = (mean(each, tolerance=1e-8) * each.force_scale_n for each in around)
-    assert found.stiffness_n_per_m == pytest.approx(-(more - less) / 2e-9, rel=1e-3)
 
 
 def test_the_budget_is_of_the_scene_itself():
@@ -313,29 +178,3 @@ def test_the_budget_is_of_the_scene_itself():
     inert = replace(scene, gas=replace(scene.gas, inertia="included"))
     change = mean(inert, tolerance=1e-5) / mean(scene) - 1
     assert budget.effects["inertia"].percent == pytest.approx(100 * change, rel=0.03)
-
-
-def test_what_is_not_derived_for_such_gaps_is_refused():
-    two = film(epsilon=0.3, sigma=300.0, profile=TWO_MODES)
-    tilted = shaped(film(epsilon=0.3, sigma=300.0))
-    assert refused(tilted).startswith("the response was derived for")
-    assert refused(two) == ""
-    slipping = replace(tilted, gas=replace(tilted.gas, rarefaction="slip"))
-    inert = replace(two, gas=replace(two.gas, inertia="included"))
-    for scene, reason in (
-        (slipping, "a gap that is even at rest with slip"),
-        (inert, "a vibration in one phase with inertia"),
-    ):
-        (found,) = solve([scene], tolerance=1e-3, method="composite")
-        assert found.status == f"the composite expansion is derived for {reason}"
-
-
-def test_contact_is_found_with_both_parts():
-    """A wave that stands has its nodes where the tilted pad comes near; one that travels not."""
-    standing = film(epsilon=0.85, sigma=300.0, profile=replace(WAVE, crest_m=0.0))
-    standing = shaped(standing, GapShape(tilt_x_m=2e-6))
-    standing = replace(standing, actuator=replace(standing.actuator, surface=Disc(1.0)))
-    check_scene(standing)
-    moving = replace(standing, actuator=replace(standing.actuator, profile=travelling()))
-    with pytest.raises(InputError, match="touches the surface"):
-        check_scene(moving)

@@ -12,14 +12,8 @@ from stored_strip import strip_force
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import (
-    NAMES,
     TABLE,
-    Effect,
-    ErrorBudget,
-    budget_row,
-    budget_text,
     depth_averaging_percent,
-    error_budgets,
 )
 from squeezefilm.reynolds import solve
 
@@ -103,28 +97,3 @@ def test_strips_that_resolve_the_profiles_lie_within_the_estimate(
     gas = HEATED if heat else {}
     change, off = depth_averaging_percent(film(scene, reynolds, sigma, epsilon, **gas))
     assert abs(100 * (resolved / averaged - 1) - change) < off
-
-
-def test_the_budget_has_it_in_words_rows_and_sums(scene):
-    bare, moving, fast = (
-        film(scene, 10.0, 100.0, inertia="none"),
-        film(scene, 10.0, 100.0),
-        film(scene, 21.0, 100.0),
-    )
-    without, found, unknown = error_budgets([bare, moving, fast])
-    assert without.effects["depth_averaged"] == (0, 0, False, True)
-    assert "depth-averaged" not in budget_text(without)
-    assert found.effects["depth_averaged"].percent == pytest.approx(-0.914, abs=1e-3)
-    assert "error of depth-averaged terms about -0.91 % ± 1 %" in budget_text(found)
-    assert "depth_averaged" not in budget_row(found)["above_range"]
-    least, most = found.sums(neglected_only=True)
-    nothing = replace(found, effects={**found.effects, "depth_averaged": Effect(0.0, 0.0)})
-    fewer, more = nothing.sums(neglected_only=True)
-    effect = found.effects["depth_averaged"]
-    assert least - fewer == pytest.approx(effect.percent - effect.off_percent)
-    assert most - more == pytest.approx(effect.percent + effect.off_percent)
-    assert "error of depth-averaged terms not known" in budget_text(unknown)
-    assert np.isnan(unknown.sums(neglected_only=True)).all()
-    effects = dict.fromkeys(NAMES, Effect(0.0, 0.0, estimate=True))
-    small = ErrorBudget(effects | {"depth_averaged": Effect(-0.004, 0.004, estimate=True)})
-    assert "depth-averaged" not in budget_text(small)

@@ -1,6 +1,5 @@
 """The error estimate of the periodic state has no blind spots."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,61 +14,10 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.error_estimate import (
-    Change,
-    estimate,
-    fall_of,
-    step_between,
-)
-from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic import refinement, resolution
-from squeezefilm.reynolds.periodic.resolution import first_grids, profile_fall
+from squeezefilm.reynolds.periodic import refinement
 
 DISC = Disc(0.012)
 JUDGED = pd.read_csv(Path(__file__).parent / "data" / "judged_films.csv", comment="#")
-
-
-def quarter(points: int) -> Grid:
-    return Grid(points, points, 8, fold_x=True, fold_y=True)
-
-
-@pytest.mark.parametrize("order", [1, 2, 4])
-def test_what_converges_slowly_is_within_its_estimate(order):
-    """Errors n^-order on the solver's own grids, from small to large ones."""
-    for points in (12, 24, 60, 120):
-        sizes = [points]
-        for _ in range(2):
-            sizes.append(sizes[-1] + 4 * max(1, round(sizes[-1] / 20)))
-        errors = np.array(sizes, dtype=float) ** -order
-        before, after = (Change(each, each) for each in -np.diff(errors))
-        fall = fall_of(before, after, step=step_between(quarter(sizes[1]), quarter(sizes[2])))
-        found = estimate(
-            change=after.largest,
-            left=0.0,
-            largest=0.0,
-            narrowest=1.0,
-            mean=1.0,
-            tolerance=1.0,
-            fall=fall,
-        )
-        assert errors[-1] <= found.error <= 12 * errors[-1]
-
-
-def test_moments_that_change_little_by_chance_are_no_fast_convergence():
-    before, after = Change(np.array(1e-3), np.array(1e-2)), Change(np.array(1e-9), np.array(4e-3))
-    fall = fall_of(before, after, step=step_between(quarter(12), quarter(16)))
-    assert fall == pytest.approx(0.4)
-
-
-def test_a_kink_in_the_profile_is_known_to_converge_slowly():
-    scene = film(epsilon=0.4, sigma=100.0, x=0.013, y=0.007)
-    kink = Formula("1-0.5*abs(0.9*x+0.4*y-0.001)/0.015", surface=Disc(0.015))
-    kinked = replace(scene, actuator=replace(scene.actuator, profile=kink))
-    across = (40, 40), (48, 48)
-    falls = profile_fall(needs_of([scene, kinked]), *across, tolerance=1e-3)
-    assert falls[0] == 0
-    assert 0.6 < falls[1] < 1
 
 
 @pytest.mark.parametrize(
@@ -88,33 +36,6 @@ def test_a_kink_along_an_axis_is_within_the_estimate(at, sigma, tolerance):
     (found,) = solve([scene], tolerance=tolerance, method="periodic")
     assert found.status == "ok"
     assert abs(found.force_n - exact.force_n) <= found.force_error_n + exact.force_error_n
-
-
-def test_the_first_grid_knows_the_layer_that_a_sliding_surface_makes():
-    slow, fast = (film(epsilon=0.5, sigma=10.0, bearing=b, profile=PISTON) for b in (0.1, 200.0))
-    sequences, which = first_grids(needs_of([slow, fast]), tolerance=1e-3)
-    last = [sequences[each][-1] for each in which]
-    assert last[1].nx > 2 * last[0].nx
-
-
-@pytest.mark.parametrize("epsilon", [0.222, 0.24])
-def test_the_first_grids_have_instants_enough(epsilon):
-    """With 8 the error in time led such films on to another grid."""
-    scene = film(epsilon=epsilon, sigma=900.0)
-    (solution,) = solve([scene], tolerance=1e-6, method="periodic")
-    ((*_, last),), _ = first_grids(needs_of(scene), tolerance=1e-6)
-    assert (solution.nx, solution.ny, solution.nt) == (*last.across, last.nt)
-
-
-def test_a_grid_on_which_newton_fails_is_refined(monkeypatch):
-    """So coarse a grid has no state for this film, whose layers are thin."""
-    coarse = Grid(12, 8, 8, fold_x=False, fold_y=True)
-    monkeypatch.setattr(resolution, "_with_room", lambda *wanted: coarse)
-    monkeypatch.setattr(resolution, "_with_finer", resolution._with_finer.__wrapped__)
-    scene = film(epsilon=0.9, sigma=2400.0, bearing=76.0, profile=PISTON)
-    (solution,) = solve([scene], tolerance=1e-1, method="periodic")
-    assert solution.status == "ok"
-    assert solution.nx > 20
 
 
 def test_a_state_with_negative_pressure_is_no_solution(monkeypatch):

@@ -1,13 +1,12 @@
-"""Inertia of the gas in the periodic state: limits, known forces, order, refusals, ``auto``."""
+"""Inertia and heat in the periodic state: limits, known forces, strips, order, ``auto``."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
 
 import numpy as np
 import pytest
-from films import PISTON, PRESSURE_PA, SINC, film, mean_overpressure
+from films import PISTON, SINC, film, mean_overpressure
 from numpy.linalg import solve as solve_linear
 from random_scenes import moved_by_leaving_out, random_scenes
 from stored_strip import strip_force
@@ -15,25 +14,33 @@ from stored_strip import strip_force
 from squeezefilm.film.profiles import Formula, Profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.quantities.model_error import error_budgets
+from squeezefilm.quantities.model_error import error_budgets, resolve_auto_terms
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.flux_points import flux_points
-from squeezefilm.reynolds.periodic.time_modes import slow_part, steps_of, time_modes
-from squeezefilm.reynolds.spectral import axis, period
+from squeezefilm.reynolds.spectral import axis
+from squeezefilm.reynolds.terms.heat import Heat
+from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from verification.numpy_periodic import chebyshev_grid
-
-STRIP = Formula("sinc(109.8*x)", surface=Disc(1.0))
 
 
 def moving(reynolds: float, **numbers: object) -> Scene:
-    """A scene of tests with inertia, by its modified Reynolds number."""
-    scene = film(inertia="included", **numbers)  # type: ignore[arg-type]
+    """A scene with inertia, if nothing else is given, by its modified Reynolds number."""
+    scene = film(**{"inertia": "included"} | numbers)  # type: ignore[arg-type]
     density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
-    return replace(scene, gas=replace(scene.gas, density_kg_per_m3=density))
+    return with_gas(scene, density_kg_per_m3=density)
+
+
+def with_gas(scene: Scene, **gas: object) -> Scene:
+    return replace(scene, gas=replace(scene.gas, **gas))  # type: ignore[arg-type]
 
 
 def still(scene: Scene) -> Scene:
-    return replace(scene, gas=replace(scene.gas, inertia="none"))
+    return with_gas(scene, inertia="none")
+
+
+def heat_percent(scene: Scene, *, tolerance: float) -> float:
+    """Change of the force by heat."""
+    with_it, without = forces([scene, with_gas(scene, heat="none")], tolerance=tolerance)
+    return 100 * float(with_it / without - 1)
 
 
 def forces(scenes: list[Scene], *, tolerance: float, **options: object) -> np.ndarray:
@@ -105,28 +112,27 @@ def test_small_motion_has_the_second_order_force(
     assert (4 * at_small - at_twice) / 3 == pytest.approx(expected, rel=4e-5)
 
 
+@pytest.mark.parametrize("heat", ["none", "included"])
 @pytest.mark.parametrize(
-    ("epsilon", "sigma", "reynolds", "force"),
-    [
-        (0.2, 583.0, 0.45, 0.026096),
-        (0.2, 583.0, 1.81, 0.027352),
-        (0.4, 2331.0, 0.45, 0.1096565),
-        (0.2, 146.0, 7.23, 0.028855),
-    ],
+    ("epsilon", "sigma", "reynolds"),
+    [(0.2, 583.0, 0.45), (0.2, 583.0, 1.81), (0.4, 2331.0, 0.45), (0.2, 146.0, 7.23)],
 )
 def test_the_middle_of_a_long_finger_is_the_strip(
-    epsilon: float, sigma: float, reynolds: float, force: float
+    heat: str, epsilon: float, sigma: float, reynolds: float
 ) -> None:
-    """By two other programs, the second of which made the stored table of strips."""
+    """By the program that made the stored table of strips."""
+    profile = Formula("sinc(109.8*x)", surface=Disc(1.0))
+    numbers = {"epsilon": epsilon, "sigma": sigma}
     ends = [
-        moving(reynolds, epsilon=epsilon, sigma=sigma, profile=STRIP, aspect=aspect)
+        moving(reynolds, profile=profile, heat=heat, aspect=aspect, **numbers)
         for aspect in (4.0, 8.0)
     ]
     short, long = forces(ends, tolerance=1e-5)
-    middle = (8 * long - 4 * short) / 4
-    assert middle == pytest.approx(force, abs=1.5e-6)
-    other = strip_force("one_mode", epsilon=epsilon, sigma=sigma, reynolds=reynolds)
-    assert middle == pytest.approx(other, rel=3e-5)
+    equation = "one_mode" if heat == "none" else "one_mode_of_heat"
+    expected = strip_force(equation, **numbers, reynolds=reynolds)
+    assert (8 * long - 4 * short) / 4 == pytest.approx(
+        expected, rel=3e-5 if heat == "none" else 5e-5
+    )
 
 
 def test_forces_of_the_paper_s_finger(scene: Scene) -> None:
@@ -158,18 +164,6 @@ def test_a_little_inertia_moves_the_force_by_the_effect_in_its_budget(
     assert 100 * (with_it / without - 1) == pytest.approx(
         budget.effects["inertia"].percent, rel=8e-3
     )
-
-
-def test_a_gas_that_heats_has_inertia_too() -> None:
-    """Faster compression is stiffer, with inertia as without, and inertia adds a few per cent."""
-    heavy = moving(1.0, epsilon=0.3, sigma=200.0, polytropic_exponent=1.4)
-    cool = replace(heavy, gas=replace(heavy.gas, polytropic_exponent=1.0))
-    hot, hot_still, cold, cold_still = forces(
-        [heavy, still(heavy), cool, still(cool)], tolerance=1e-5
-    )
-    assert hot > cold
-    assert hot / hot_still - 1 == pytest.approx(cold / cold_still - 1, rel=0.5)
-    assert 0.02 < hot / hot_still - 1 < 0.15
 
 
 def test_error_falls_fast_with_points_and_with_instants() -> None:
@@ -206,139 +200,26 @@ def test_a_finger_turned_or_mirrored_bears_as_much(turned: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("numbers", "finger", "method", "reason"),
+    ("reynolds", "epsilon", "sigma", "x", "y", "tolerances"),
     [
-        ({"rarefaction": "fukui-kaneko"}, {}, "auto", "not for fukui-kaneko"),
-        ({"bearing": 0.1}, {}, "auto", "not derived for a sliding finger"),
-        ({}, {"shape": "ellipse"}, "auto", "inertia is not known under this finger"),
-        ({}, {"shape": "ellipse"}, "composite", "derived for rectangular pads"),
+        # Waves that steepen: without damping of their fast half there was no state.
+        (6.0, 0.63, 99.0, 0.27, 0.03, (1e-3, 1e-4)),
+        (9.98, 0.474, 164.0, 0.27, 0.03, (1e-3, 1e-4)),
+        # Gas that goes out carries its velocity: taken as zero there, forces creep by 2e-3.
+        (4.31, 0.654, 17.4, 0.21, 0.07, (1e-3, 1e-4)),
+        # A thin layer, and steep waves over one: coarser grids agreed by chance.
+        (0.5, 0.5, 1e5, 0.0, 0.0, (1e-4, 1e-5)),
+        (2.183283, 0.764803, 2173.302, 0.159629, 0.048217, (1e-4, 5e-5)),
     ],
 )
-def test_what_does_not_know_inertia_refuses_it(
-    numbers: dict[str, object], finger: dict[str, object], method: str, reason: str
+def test_hard_films_are_solved_within_their_estimate(
+    reynolds: float, epsilon: float, sigma: float, x: float, y: float, tolerances: tuple[float, ...]
 ) -> None:
-    scene = moving(1.0, epsilon=0.3, sigma=200.0, **numbers)
-    scene = replace(scene, finger=replace(scene.finger, **finger))  # type: ignore[arg-type]
-    (solution,) = solve([scene], tolerance=1e-3, method=method)
-    assert reason in solution.status
-    assert np.isnan(solution.force_n)
-
-
-def test_inertia_that_auto_leaves_out_moves_no_force_by_more_than_allowed(scene: Scene) -> None:
-    scenes = random_scenes(scene, count=30, seed=7, most_reynolds=2.0, inertia="auto")
-    moved = moved_by_leaving_out(scenes, term="inertia", model_tolerance=1e-2)
-    assert 3 < len(moved) < 27
-    assert 1e-3 < moved.max() < 1e-2
-
-
-@pytest.mark.parametrize(
-    ("variation", "lagging", "lag"),
-    [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (0.4, 0.0, 0.2), (-0.6, 0.0, 1.0), (0.3, -0.5, 0.2)],
-)
-def test_time_modes_make_the_film_s_rate_a_turning_of_pairs(
-    variation: float, lagging: float, lag: float
-) -> None:
-    """A d/dT with A = 1/h + lag L d/dT; numbers on the steps that are told apart."""
-    instants = 16
-    half = instants // 2
-    near = 10 ** (round(20 * np.log10(lag)) / 20) if lag else 0.0
-    one = np.ones(1)
-    motion = np.array([[variation], [lagging]])
-    (steps,) = steps_of(motion, lag=lag * one, slow=0.5 * one)
-    modes = time_modes(instants, steps)
-    rate = period(instants).derivative
-    nodes = period(instants).nodes
-    gap = 1 + variation * np.sin(nodes) + lagging * np.cos(nodes)
-    assert modes.mean_gap == pytest.approx(gap, abs=1e-12)
-    slow = slow_part(instants, 0.5)
-    resistance = np.diag(1 / gap) + near * slow @ rate
-    g, s = np.diag(modes.decays), np.diag(modes.speeds)
-    turning = np.block([[g, s], [-s, g]])
-    vectors = modes.from_modes
-    assert resistance @ rate @ vectors == pytest.approx(vectors @ turning, abs=1e-9)
-    assert vectors @ modes.to_modes == pytest.approx(resistance, abs=1e-9)
-    assert np.linalg.norm(vectors, 2) == pytest.approx(1.0)
-    assert modes.decays[0] == modes.speeds[0] == 0
-    assert (modes.speeds[1:half] > 0).all()
-    follows = (np.eye(instants) + near * slow @ (gap[:, None] * rate)) @ modes.settling
-    assert follows == pytest.approx(np.eye(instants), abs=1e-12)
-    assert modes.settling_of_slow == pytest.approx(modes.settling @ slow, abs=1e-12)
-
-
-def test_the_slow_half_of_the_harmonics_has_inertia() -> None:
-    nodes = period(32).nodes
-    for harmonic, kept in ((0, 1.0), (4, 1.0), (8, np.exp(-1)), (12, 0.0), (16, 0.0)):
-        wave = np.cos(harmonic * nodes)
-        assert slow_part(32, 0.5) @ wave == pytest.approx(kept * wave, abs=5e-3), harmonic
-
-
-@pytest.mark.parametrize(
-    ("reynolds", "epsilon", "sigma"), [(6.0, 0.63, 99.0), (9.98, 0.474, 164.0)]
-)
-def test_waves_that_steepen_are_solved_within_their_estimate(
-    reynolds: float, epsilon: float, sigma: float
-) -> None:
-    """With inertia in all harmonics of a grid, or in half of them, there is no state here."""
-    scene = moving(reynolds, epsilon=epsilon, sigma=sigma, x=0.27, y=0.03)
-    coarse, fine = (
-        solve([scene], tolerance=tolerance, method="periodic")[0] for tolerance in (1e-3, 1e-4)
-    )
-    assert (coarse.status, fine.status) == ("ok", "ok")
+    scene = moving(reynolds, epsilon=epsilon, sigma=sigma, x=x, y=y)
+    coarse, fine = (solve([scene], tolerance=each, method="periodic")[0] for each in tolerances)
+    assert coarse.status == fine.status == "ok"
     assert abs(coarse.force_n - fine.force_n) < coarse.force_error_n
-
-
-def test_gas_carries_its_velocity_out_of_a_thick_film() -> None:
-    """Taken as zero at the rim also where gas goes out, the force creeps by 2e-3 with the grid."""
-    scene = moving(4.31, epsilon=0.654, sigma=17.4, x=0.21, y=0.07)
-    coarse, fine = (
-        solve([scene], tolerance=tolerance, method="periodic")[0] for tolerance in (1e-3, 1e-4)
-    )
-    assert (coarse.status, fine.status) == ("ok", "ok")
-    assert abs(coarse.force_n - fine.force_n) < coarse.force_error_n
-
-
-def test_a_thin_layer_at_the_rim_is_seen_by_the_first_grid() -> None:
-    """Two coarser grids agreed by chance on a force that was off by four times its estimate."""
-    scene = moving(0.5, epsilon=0.5, sigma=1e5)
-    coarse, fine = (
-        solve([scene], tolerance=tolerance, method="periodic")[0] for tolerance in (1e-4, 1e-5)
-    )
-    assert abs(coarse.force_n - fine.force_n) < coarse.force_error_n
-
-
-def test_flux_points_are_exact_on_polynomials() -> None:
-    points = flux_points(9, False)
-    nodes, here = points.axis.nodes, points.all_points
-    excess, rise = (lambda x: x**4 * (1 - x)), (lambda x: 4 * x**3 - 5 * x**4)
-    assert points.from_nodes @ excess(nodes) == pytest.approx(excess(here), abs=1e-12)
-    assert points.from_all_nodes @ points.axis.all_nodes**3 == pytest.approx(here**3, abs=1e-12)
-    assert points.slope @ excess(nodes) == pytest.approx(rise(here), abs=1e-11)
-    assert points.to_nodes @ here**5 == pytest.approx(nodes**5, abs=1e-12)
-    assert points.along @ here**5 == pytest.approx(5 * here**4, abs=1e-11)
-    assert points.divergence @ here**5 == pytest.approx(5 * nodes**4, abs=1e-11)
-    finer = flux_points(12, False)
-    assert points.carried_to(finer) @ here**5 == pytest.approx(finer.all_points**5, abs=1e-12)
-    assert points.across @ excess(nodes) == pytest.approx(rise(nodes), abs=1e-11)
-    first, last = points.rim
-    through = points.across @ (nodes**3 + 1) + 1 * first + 2 * last
-    assert through == pytest.approx(3 * nodes**2, abs=1e-11)
-    assert points.to_end @ (nodes[:4] ** 3 + 1) == pytest.approx(1.0, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    "name", ["from_nodes", "to_nodes", "slope", "along", "across", "divergence"]
-)
-def test_halves_of_a_whole_axis_stand_for_all_of_it(name: str) -> None:
-    """On the second half what commutes with mirroring has one sign, a derivative the other."""
-    matrix = getattr(flux_points(8, False), name)
-    even, odd = axis(8, False).parts_of(matrix)
-    values = np.random.default_rng(1).normal(size=8)
-    first, last = values[:4], values[:3:-1]
-    of_even, of_odd = even @ (first + last), odd @ (first - last)
-    sign = 1 if name in ("from_nodes", "to_nodes") else -1
-    exact = matrix @ values
-    assert of_even + of_odd == pytest.approx(exact[:4], abs=1e-11)
-    assert sign * (of_even - of_odd) == pytest.approx(exact[:3:-1], abs=1e-11)
+    assert coarse.force_error_n <= tolerances[0] * coarse.force_n
 
 
 def test_whole_axes_bear_as_much_as_folded_ones() -> None:
@@ -349,39 +230,82 @@ def test_whole_axes_bear_as_much_as_folded_ones() -> None:
     assert whole == pytest.approx(halved, rel=1e-9)
 
 
-@pytest.mark.parametrize("odd", [False, True])
-def test_a_folded_axis_has_the_flux_points_of_the_whole_one(odd: bool) -> None:
-    """About the middle the velocity along the axis is odd, all else even."""
-    n = 6
-    half, whole = flux_points(n, True), flux_points(2 * n, False)
-    assert half.axis == axis(n, True)
-    random = np.random.default_rng(1).normal(size=n)
-    both = np.concatenate([random, (-1 if odd else 1) * random[::-1]])
-    names = ("to_nodes", "along", "divergence") if odd else ("from_nodes", "slope")
-    for name in names:
-        unfolded = (getattr(whole, name) @ both)[:n]
-        assert getattr(half, name) @ random == pytest.approx(unfolded, abs=1e-11), name
-    if odd:
-        carried = whole.carried_to(flux_points(16, False)) @ both
-        assert half.carried_to(flux_points(8, True)) @ random == pytest.approx(carried[:8])
-    else:
-        assert half.across @ random == pytest.approx((whole.across @ both)[:n], abs=1e-9)
-        assert half.rim[0] == pytest.approx(whole.rim.sum(axis=0)[:n], abs=1e-9)
-        assert half.to_end == pytest.approx(whole.to_end)
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        {"sigma": 583.0, "inertia": "included"},
+        {"sigma": 40.0, "inertia": "none", "x": 0.2, "y": 0.1},
+        {"sigma": 583.0, "inertia": "included", "rarefaction": "slip", "knudsen": 0.03},
+    ],
+)
+def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, object]) -> None:
+    """Beside slip too: its jump of temperature makes 30 % of the effect here."""
+    scene = moving(0.01, heat="included", epsilon=0.4, **numbers)
+    (budget,) = error_budgets([with_gas(scene, heat="none", inertia="none")])
+    found = heat_percent(scene, tolerance=1e-8)
+    assert found == pytest.approx(budget.effects["heat"].percent, rel=0.015)
 
 
-def test_the_number_of_a_scene_is_that_of_its_gas() -> None:
-    scene = moving(3.0, epsilon=0.1, sigma=10.0)
-    gas = scene.gas
-    lag = gas.density_kg_per_m3 * 2 * pi * scene.actuator.frequency_hz * scene.h0_m**2
-    assert lag / gas.viscosity_pa_s == pytest.approx(3.0)
-    assert gas.ambient_pressure_pa == PRESSURE_PA
+def mean_warmth(rate: complex, jump: float) -> complex:
+    """Mean over the gap of θ″ − rate θ = −1, whose ends are jump times its slope inwards."""
+    line = axis(24, False)
+    square = (line.derivative @ line.derivative - rate * np.eye(26)).astype(complex)
+    right = np.full(26, -1.0, dtype=complex)
+    for end, inwards in ((0, 1), (-1, -1)):
+        square[end] = np.eye(26)[end] - inwards * jump * line.derivative[end]
+        right[end] = 0
+    rim = (1 - line.weights.sum()) / 2
+    return complex([rim, *line.weights, rim] @ np.linalg.solve(square, right))
 
 
-def test_grids_that_agree_by_chance_are_not_believed() -> None:
-    """Steep waves over a thin layer: 24 and 28 points gave a force 1.8e-4 off, 9e-5 estimated."""
-    scene = moving(2.183283, epsilon=0.764803, sigma=2173.302, x=0.159629, y=0.048217)
-    (rough,), (fine,) = (solve([scene], tolerance=each) for each in (1e-4, 5e-5))
-    assert rough.status == fine.status == "ok"
-    assert abs(rough.force_n - fine.force_n) < rough.force_error_n
-    assert rough.force_error_n < 1e-4 * rough.force_n
+@pytest.mark.parametrize("knudsen", [0.0, 0.0134, 0.05])
+def test_the_jump_of_temperature_is_that_of_a_gas_that_conducts_across_the_gap(
+    knudsen: float,
+) -> None:
+    """Warming to round-off, its lag to first order in the jump, what is missed no more than 6j²."""
+    scene = film(epsilon=0.2, sigma=200.0, heat="included", knudsen=knudsen or 1e-12)
+    scene = with_gas(scene, rarefaction="slip")
+    numbers = {name: float(value) for name, value in Heat().numbers(scene).items()}  # type: ignore[arg-type]
+    jump = 2 * 1.4 / (2.4 * 0.71) * knudsen
+    at_rest, slow = (mean_warmth(rate, jump) for rate in (0.0, 1e-4j))
+    assert at_rest.real == pytest.approx((1 + numbers["jump_warms"]) / 12, rel=1e-9)
+    lag = -slow.imag / (1e-4 * at_rest.real)
+    missed = lag / (LAG_PER_REYNOLDS * (1 + numbers["jump_lags"])) - 1
+    assert 3 * jump**2 - 1e-6 < missed < 6 * jump**2 + 1e-6
+
+
+def test_grids_converge_to_the_force_with_heat() -> None:
+    scene = moving(1.8, heat="included", epsilon=0.4, sigma=583.0, inertia="included", x=0.1)
+    coarse, fine, finest = (
+        mean_overpressure(scene, points=points, instants=instants)
+        for points, instants in ((20, 12), (28, 16), (36, 20))
+    )
+    assert abs(fine / finest - 1) < 2e-5
+    assert abs(coarse - finest) > 5 * abs(fine - finest)
+
+
+@pytest.mark.parametrize("gas", [{"prandtl": 1e-3}, {"heat_capacity_ratio": 1.0}])
+def test_without_heat_s_numbers_the_force_is_the_isothermal_one(gas: dict[str, float]) -> None:
+    scene = with_gas(
+        moving(1.0, heat="included", epsilon=0.4, sigma=583.0, inertia="included"), **gas
+    )
+    # Friction and compression warm in proportion to Pr (γ − 1)/γ.
+    assert abs(heat_percent(scene, tolerance=1e-7)) < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("term", "others", "most"), [("inertia", "none", 1e-2), ("heat", "auto", 5e-3)]
+)
+def test_what_auto_leaves_out_moves_no_force_by_more_than_allowed(
+    term: str, others: str, most: float, scene: Scene
+) -> None:
+    scenes = random_scenes(scene, count=30, seed=7, most_reynolds=2.0, inertia="auto", heat=others)
+    moved = moved_by_leaving_out(scenes, term=term, model_tolerance=most)
+    assert 3 < len(moved) < 27
+    assert 1e-3 < moved.max() < most
+
+
+def test_auto_includes_heat_where_a_first_order_says_nothing(scene: Scene) -> None:
+    thick = replace(with_gas(scene, heat="auto"), h0_m=15e-6, hv_m=1e-6)
+    assert thick.modified_reynolds > 2
+    assert resolve_auto_terms([thick], model_tolerance=0.5)[0].gas.heat == "included"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from films import PISTON, SINC, film, limit, mean_overpressure
-from physics_facts import SINC_CONVERGED, SINC_FAST, SINC_SECOND_ORDER, fast_piston
+from physics_facts import SINC_FAST, SINC_SECOND_ORDER, fast_piston
 
 from squeezefilm.film.profiles import Sinc
 from squeezefilm.reynolds.asymptotics import edge_layer
@@ -76,20 +76,6 @@ def test_force_of_the_sinc_at_infinite_squeeze_number(epsilon, known):
     assert solved == pytest.approx(known, rel=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("sigma", "relative_error"), [(583.0, 1.7e-3), (2331.0, 1.4e-4), (1e4, 9.7e-6)]
-)
-def test_what_the_boundary_layer_limit_of_the_sinc_leaves_out(sigma, relative_error):
-    """Errors fall like 1/σ² here; the piston's, from its corners alone, like 1/σ."""
-    converged = SINC_CONVERGED.get(sigma) or mean_overpressure(
-        film(epsilon=0.44, sigma=sigma), points=56, instants=20, fold=True
-    )
-    forces = limit(edge_layer_expansion, epsilon=[0.44], sigma=[sigma])
-    error = abs(forces.mean[0] / converged - 1)
-    assert error == pytest.approx(relative_error, rel=0.1)
-    assert error * converged <= forces.error[0]
-
-
 def test_order_of_the_limits_in_the_squeeze_number():
     """The fast limit is left by 1/√σ, the boundary layer's by 1/σ where only corners are left."""
     sigma = np.array([500.0, 2000.0, 8000.0])
@@ -109,15 +95,6 @@ def test_order_of_the_limits_in_the_squeeze_number():
         orders.append(np.log(errors[:-1] / errors[1:]) / np.log(4))
     assert orders[0] == pytest.approx(0.5, abs=0.05)
     assert orders[1] == pytest.approx(1.0, abs=0.1)
-
-
-def test_composite_is_second_order_at_small_amplitude_and_boundary_layer_at_large_sigma():
-    second = limit(small_amplitude_expansion, epsilon=[1e-3], sigma=[200.0])
-    matched = limit(composite_expansion, epsilon=[1e-3], sigma=[200.0])
-    assert matched.mean == pytest.approx(second.mean, rel=1e-6)
-    layer = limit(edge_layer_expansion, epsilon=[0.6], sigma=[1e5], points=95)
-    matched = limit(composite_expansion, epsilon=[0.6], sigma=[1e5], points=95)
-    assert matched.mean == pytest.approx(layer.mean, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -154,22 +131,6 @@ def test_limits_say_where_they_do_not_hold():
     assert np.isinf(beyond.error).all()
     with pytest.raises(ValueError, match="odd number"):
         expansion_axis(12)
-
-
-def test_a_grid_too_coarse_for_the_profile_is_noticed():
-    rough = Sinc(wave_number_per_m=900.0)
-    exact = limit(high_squeeze_limit, epsilon=[0.4], sigma=[1e8], profile=rough, points=63)
-    coarse = limit(high_squeeze_limit, epsilon=[0.4], sigma=[1e8], profile=rough, points=9)
-    error = abs(coarse.mean[0] - exact.mean[0])
-    assert 1e-2 * exact.mean[0] < error < coarse.error[0]
-
-
-@pytest.mark.parametrize("method", [small_amplitude_expansion, composite_expansion])
-def test_layers_too_thin_for_the_grid_are_noticed(method):
-    """Here both grids' means agree by cancellation; their densities do not."""
-    place = {"epsilon": [0.017], "sigma": [2808.0], "profile": PISTON, "aspect": 0.84}
-    exact, coarse = limit(method, points=47, **place), limit(method, points=11, **place)
-    assert abs(coarse.mean - exact.mean) < coarse.error
 
 
 @pytest.mark.parametrize(

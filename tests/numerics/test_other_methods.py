@@ -4,7 +4,6 @@ Reference values are those of the film on the unit square: s = 1 (a piston) or t
 """
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 from films import film
 from physics_facts import ASIDE_N, CENTRED_N
 
-from squeezefilm.errors import RunError
 from squeezefilm.reynolds import solve
 from verification import chebyshev_march, finite_elements, numpy_periodic
 from verification.marching import Amplitude, FloatArray, periods_to_settle
@@ -52,14 +50,6 @@ def orders(values: list[float], exact: float) -> FloatArray:
 # The periodic state in NumPy
 
 
-@pytest.mark.parametrize("sigma", [5.0, 200.0])
-def test_piston_keeps_the_mean_of_h3_p2_everywhere(sigma):
-    epsilon = 0.4
-    state = numpy_periodic.periodic_state(epsilon=epsilon, sigma=sigma, amplitude=piston)
-    mean = (state.gap**3 * state.pressure**2).mean(axis=0)
-    assert mean == pytest.approx(1 + 1.5 * epsilon**2, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     ("epsilon", "profile", "newtons"),
     [(0.44, sinc, CENTRED_N), (0.4, sinc_off_centre, ASIDE_N)],
@@ -71,11 +61,6 @@ def test_periodic_force_converges_spectrally_to_the_known_force(epsilon, profile
     ]
     assert errors[1] < errors[0] / 20
     assert errors[2] < 1e-7
-
-
-def test_impossible_tolerance_is_reported():
-    with pytest.raises(RunError, match="no convergence"):
-        periodic(0.4, 20, nx=4, ny=4, nt=4, tolerance=1e-30)
 
 
 # Time marching, at sigma = 20 where a few periods settle the film
@@ -114,16 +99,6 @@ def test_chebyshev_march_converges_spectrally(converged):
     errors = [abs(chebyshev(points=points, rtol=1e-8) - converged) for points in (3, 6, 9)]
     assert errors[1] < errors[0] / 50
     assert errors[2] < 1e-7 * converged
-
-
-def test_folding_changes_nothing():
-    coarse: dict[Callable[..., float], dict[str, float]] = {
-        elements: {"cells": 2, "steps": 8, "periods": 3},
-        chebyshev: {"points": 4, "rtol": 1e-8},
-    }
-    for method, settings in coarse.items():
-        folded, whole = (method(**settings, fold=each) for each in (CENTRED, (False, False)))
-        assert whole == pytest.approx(folded, rel=1e-6), method.__name__
 
 
 def test_finite_elements_agree_on_the_bearing_term():

@@ -11,7 +11,7 @@ from reference_forces import FOUR_FACTOR_THETA, reference_table
 from squeezefilm.config.loading import Config
 from squeezefilm.models.cross_validation import error_sizes
 from squeezefilm.models.data import COLUMNS, Factors
-from squeezefilm.models.fitting import fit_model, local_fit
+from squeezefilm.models.fitting import fit_model
 from squeezefilm.models.force_model import get_model
 from squeezefilm.models.limit_table import MOST_NODES
 from squeezefilm.reynolds import solve
@@ -45,26 +45,10 @@ def control(paper):
     return factors_of(table), np.array([each.force_n for each in solutions])
 
 
-def test_the_limits_error_is_that_of_the_better_limit(paper, monkeypatch):
-    """Whichever limit is computed last."""
-    table = reference_table("four_factor").head(3)
-    wanted = limits_of(table, paper)
-    monkeypatch.setattr(limits, "EXPANSIONS", dict(reversed(limits.EXPANSIONS.items())))
-    found = limits_of(table, paper)
-    pd.testing.assert_frame_equal(found[list(wanted)], wanted)
-
-
 def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
     factors, force = points
     model_n = get_model(name).evaluate(theta, factors)
     return error_sizes(model_n=model_n, simulation_n=force)["global_error"]
-
-
-def test_on_the_screen_it_is_ten_times_better_than_the_fitted_formula(paper):
-    screen = reference("screen", paper)
-    assert global_error("limit", (), screen) < 0.0006
-    paper = local_fit(get_model("two_factor"), *screen, (7.6, 1.9, -1.0))
-    assert global_error("two_factor", paper, screen) == pytest.approx(0.0053, abs=1e-4)
 
 
 def test_on_a_thousand_points_it_is_ten_times_better_than_the_fitted_formula(control):
@@ -112,59 +96,34 @@ def test_with_inertia_too_it_needs_no_fitted_parameter(paper) -> None:
             assert global_error(name, theta, (factors, force_n)) < 1.5e-4
 
 
-def test_inertia_to_be_decided_is_in_the_limits(paper) -> None:
-    table = reference_table("screen").head(4)
-    scenes = [scene_of(point, paper) for point in scene_points(table)]
-    known = {}
-    for choice in ("none", "auto", "included"):
-        theirs = [replace(each, gas=replace(each.gas, inertia=choice)) for each in scenes]
-        known[choice] = with_limits(table, theirs)
-    pd.testing.assert_frame_equal(known["auto"], known["included"])
-    assert np.all(known["included"]["limit_n"] > 1.01 * known["none"]["limit_n"])
+BESSEL = {
+    "kind": "bessel",
+    "nodal_diameters": 0,
+    "wave_number_rad_per_m": 700.0,
+    "edge_share": 0.0,
+    "direction_deg": 0.0,
+}
+SMALL_DISC = {"frequency_hz": 40e3, "surface_radius_m": 0.02, "profile": BESSEL}
+TILTED = {"tilt_x_m": 1e-6, "tilt_y_m": 0.0, "bulge_m": 0.5e-6}
+CENTRED = {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
 
 
-def test_table_of_limits_with_inertia_states_its_error(paper, monkeypatch) -> None:
-    """It has more gaps: inertia grows like the square of the gap. Here for a centred finger."""
-    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
-    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
-    gas = paper["gas"] | {"inertia": "auto"}
-    study = Config(path=paper.path, sections=paper.sections | {"gas": gas})
-    assert limits.limit_table_of(study).largest_relative_error < 2e-5
-
-
-def test_table_of_limits_has_points_enough_for_a_wavy_profile(paper, monkeypatch) -> None:
-    """A disc of 20 mm radius, 700 rad/m: 7 × 6 positions left an error of 0.5 of the force."""
-    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0129)}
-    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
-    profile = {"kind": "bessel", "nodal_diameters": 0, "wave_number_rad_per_m": 700.0}
-    profile |= {"edge_share": 0.0, "direction_deg": 0.0}
-    disc = {"frequency_hz": 40e3, "surface_radius_m": 0.02, "profile": profile}
-    study = Config(path=paper.path, sections=paper.sections | {"actuator": disc})
-    table = limits.limit_table_of(study)
-    assert table.largest_relative_error < 1e-5
+@pytest.mark.parametrize(
+    ("sections", "ranges", "error"),
+    [
+        ({"gas": {"inertia": "auto"}}, CENTRED, 2e-5),
+        ({"finger": {"gap": TILTED}, "gas": {"inertia": "none"}}, CENTRED, 1e-4),
+        ({"actuator": SMALL_DISC}, {"phi_r_m": (0.0, 0.0129)}, 1e-5),
+    ],
+    ids=["inertia", "tilted and bulging", "wavy profile"],
+)
+def test_a_table_of_limits_has_gaps_and_positions_enough(
+    paper, monkeypatch, sections, ranges, error
+) -> None:
+    """Inertia grows like the square of the gap; 7 × 6 positions left half of a wavy force."""
+    box = box_of(paper).ranges | ranges
+    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(box)))
+    changed = {name: paper[name] | values for name, values in sections.items()}
+    table = limits.limit_table_of(Config(path=paper.path, sections=paper.sections | changed))
+    assert table.largest_relative_error < error
     assert len(table.coefficients["limit_n"]) <= MOST_NODES
-
-
-def test_models_of_the_limits_know_a_tilted_and_bulging_finger(paper, monkeypatch) -> None:
-    """The force by the limit within its error, and the table's polynomials; not with inertia."""
-    ranges = box_of(paper).ranges | {"phi_r_m": (0.0, 0.0), "phi_deg": (0.0, 0.0)}
-    monkeypatch.setattr(limits, "box_of", lambda config: SimpleNamespace(ranges=dict(ranges)))
-    gap = {"tilt_x_m": 1e-6, "tilt_y_m": 0.0, "bulge_m": 0.5e-6}
-    sections = paper.sections | {"finger": paper["finger"] | {"gap": gap}}
-    study = Config(path=paper.path, sections=sections)
-    table = reference_table("screen").iloc[::7]
-    scenes = [scene_of(point, study) for point in scene_points(table)]
-    still = [replace(each, gas=replace(each.gas, inertia="none")) for each in scenes]
-    known = with_limits(table, still)
-    forces = np.array([each.force_n for each in solve(still, tolerance=1e-5, method="periodic")])
-    assert set(known["status"]) == {"ok"}
-    assert np.all(np.abs(known["limit_n"] - forces) < known["limit_error_n"])
-    assert np.abs(known["limit_n"] / forces - 1).max() < 0.01
-    sections = sections | {"gas": paper["gas"] | {"inertia": "none"}}
-    assert (
-        limits.limit_table_of(Config(path=paper.path, sections=sections)).largest_relative_error
-        < 1e-4
-    )
-    moving = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
-    (reason,) = set(with_limits(table, moving)["status"])
-    assert "gap that is even at rest" in reason

@@ -73,23 +73,6 @@ def test_every_method_does_what_is_planned_on_random_scenes(method, tolerance):
     assert method in ("auto", "periodic") or {each.status for each in planned} != {"ok"}
 
 
-def test_expected_cost_is_right_to_a_factor_of_three():
-    scenes = [film(epsilon=epsilon, sigma=1500.0) for epsilon in (0.05, 0.2, 0.44, 0.8)]
-    expected = [each.expected_mflop for each in previews(scenes, tolerance=1e-6)]
-    spent = [each.work / 1e6 for each in solve(scenes, tolerance=1e-6)]
-    for guess, truth in zip(expected, spent, strict=True):
-        assert truth / 3 < guess < 3 * truth
-
-
-def test_terms_are_named_only_where_a_scene_has_them():
-    more = ({}, {"bearing": 0.5}, {"rarefaction": "slip"}, {"polytropic_exponent": 1.4})
-    scenes = [film(epsilon=0.3, sigma=1000.0, **each) for each in more]
-    terms = [preview.terms for preview in previews(scenes, tolerance=1e-6)]
-    assert terms == [
-        ("squeeze", *each) for each in ((), ("bearing",), ("slip",), ("polytropic gas",))
-    ]
-
-
 @pytest.fixture
 def dry_run(tmp_path):
     """A function that plans two of the paper's scenes by the command and gives its table."""
@@ -121,7 +104,3 @@ def test_a_dry_run_of_one_point_shows_what_is_not_needed_and_why(capsys):
     shown = capsys.readouterr().out
     assert "method             periodic" in shown
     assert "inertia: gas.inertia is none" in shown
-
-
-def test_a_dry_run_of_nothing_is_refused(refused):
-    assert "give a table of scenes, or points" in refused("simulate", "--dry-run")

@@ -10,8 +10,6 @@ from films import LENGTH_M, PISTON, film
 from squeezefilm.film.profiles import Formula, StandingWave
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.needs import needs_of
 
 SPOT = "exp(-(r/2e-5)**2)"
 ASIDE = "exp(-((x-0.0011)**2+(y+0.0017)**2)/2e-5**2)"
@@ -59,15 +57,6 @@ def test_a_spot_is_looked_for_under_the_finger_alone():
     assert spotted.force_n == pytest.approx(flat.force_n, rel=2e-4)
 
 
-def test_what_stands_between_the_nodes_is_not_uniform_nor_even():
-    assert not needs_of(film(epsilon=0.3, sigma=9.0, profile=formula(f"1-0.5*{SPOT}"))).uniform
-    aside = needs_of(film(epsilon=0.3, sigma=9.0, profile=formula(f"1-0.5*{ASIDE}")))
-    assert not aside.uniform
-    # Zero to rounding on any net that does not meet the spot: no reason to call it even.
-    tail = needs_of(film(epsilon=0.3, sigma=9.0, profile=formula("exp(-((x-0.012)/1e-3)**2)")))
-    assert (tail.fold_x[0], tail.fold_y[0]) == (False, True)
-
-
 def off_centre(width_m: float) -> Formula:
     """A spot away from the middle, where Chebyshev's nodes are far apart."""
     return formula(f"0.3+exp(-((x-0.0011)**2+(y+0.0007)**2)/{width_m}**2)")
@@ -96,15 +85,6 @@ def test_a_refusal_gives_its_error_in_the_tolerance_s_terms():
     assert "tolerance not reached on the finest grid" in solution.status
     assert "of the force, 1e-06 allowed" in solution.status
     assert "inf" not in solution.status
-
-
-def test_the_finest_grid_follows_the_device_s_memory():
-    scene = film(epsilon=0.4, sigma=2331.0, profile=wave(1 / 8))
-    small = replace(choose_device(), memory_bytes=20 * 2**20, rooms=[])
-    (solution,) = solve([scene], tolerance=1e-6, method="periodic", device=small)
-    assert "tolerance not reached on the finest grid" in solution.status
-    assert "of the force" in solution.status  # two grids that fit have told the error
-    assert solution.nx * solution.ny * solution.nt / 4 * 36 * 8 <= small.memory_bytes / 4
 
 
 @pytest.mark.parametrize(

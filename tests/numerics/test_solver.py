@@ -12,8 +12,7 @@ from squeezefilm.film.profiles import Sinc
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.needs import needs_of
-from squeezefilm.reynolds.periodic import launch, refinement
+from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.plan import METHODS, previews
 from squeezefilm.studies.study import scene_of
@@ -100,21 +99,6 @@ def test_the_composite_that_auto_takes_holds_the_tolerance(tolerance, sigma, mos
         assert each.force_error_n <= tolerance * abs(each.force_n)
 
 
-def test_the_composite_expansion_gives_its_force_and_says_when_it_is_not_good_enough():
-    scene = film(epsilon=0.4, sigma=583.0)
-    (solution,) = solve([scene], tolerance=1e-5, method="composite")
-    assert "the composite expansion is good to" in solution.status
-    (exact,) = solve([scene], tolerance=1e-8)
-    assert 0 < abs(solution.force_n - exact.force_n) <= solution.force_error_n
-
-
-def test_the_composite_expansion_is_not_supported_with_every_term():
-    sliding = film(epsilon=0.4, sigma=583.0, bearing=1.0)
-    (solution,) = solve([sliding], tolerance=1e-2, method="composite")
-    assert solution.status == "the composite expansion is not derived with bearing"
-    assert solve([sliding], tolerance=1e-2)[0].method == "periodic"
-
-
 @dataclass(frozen=True)
 class Spot:
     """A spot 20 mm off the disc's centre, which is exactly nothing under a finger at the centre."""
@@ -173,16 +157,6 @@ def test_an_unexpected_error_is_that_of_its_scene_alone(tolerance):
     assert planned == [each.status for each in solutions]
 
 
-def test_a_device_that_fails_gives_every_scene_its_row(monkeypatch):
-    def out_of_memory(*args: object, **options: object) -> None:
-        raise MemoryError("no room")
-
-    monkeypatch.setattr(refinement, "launch", out_of_memory)
-    scenes = [film(epsilon=0.2, sigma=583.0, x=x) for x in (0.0, 0.1, 0.2)]
-    statuses = [each.status for each in solve(scenes, tolerance=1e-6)]
-    assert statuses == ["unexpected error: MemoryError: no room"] * 3
-
-
 def test_tiny_motion_of_a_thin_film_is_left_to_the_second_order():
     """Where the periodic force would drown in rounding, the expansion is exact enough."""
     (solution,) = solve([film(epsilon=1e-5, sigma=1e-3, profile=PISTON)], tolerance=1e-6)
@@ -202,35 +176,6 @@ def test_result_does_not_depend_on_the_other_scenes(paper_scenes):
     alone = [solve([scene], tolerance=1e-6)[0] for scene in scenes]
     assert together == backwards == alone
     assert len({solution.force_n for solution in together}) == len(scenes)
-
-
-def test_a_scene_beyond_the_finest_grid_is_refused_and_the_others_are_solved():
-    rough = Sinc(wave_number_per_m=20000.0)
-    scenes = [
-        film(epsilon=0.4, sigma=100.0),
-        film(epsilon=0.4, sigma=1e5, profile=rough, x=0.11, y=0.23),
-        film(epsilon=0.2, sigma=100.0),
-    ]
-    first, second, third = solve(scenes, tolerance=1e-6)
-    assert first.status == third.status == "ok"
-    assert "the finest grid" in second.status
-    assert np.isnan(second.force_n)
-
-
-@pytest.mark.parametrize(
-    ("scene", "expected"),
-    [
-        (film(epsilon=0.3, sigma=10.0), (True, True)),
-        (film(epsilon=0.3, sigma=10.0, x=0.1), (False, True)),
-        (film(epsilon=0.3, sigma=10.0, y=0.1), (True, False)),
-        (film(epsilon=0.3, sigma=10.0, x=0.1, y=0.1), (False, False)),
-        (film(epsilon=0.3, sigma=10.0, x=0.1, y=0.1, profile=PISTON), (True, True)),
-        (film(epsilon=0.3, sigma=10.0, bearing=1.0), (False, True)),
-    ],
-)
-def test_symmetry_is_found_from_the_scene(scene, expected):
-    needs = needs_of(scene)
-    assert (needs.fold_x[0], needs.fold_y[0]) == expected
 
 
 def test_work_groups_of_many_items_give_the_same_forces(paper_scenes, monkeypatch):
@@ -297,53 +242,3 @@ def test_single_precision_in_a_step_moves_no_force(monkeypatch):
     double = solve_batch(FEW_FILMS, grid, tolerance=1e-10, device=choose_device())
     assert single.mean == pytest.approx(double.mean, rel=2e-10)
     assert (single.mean != double.mean).any()  # it was another kernel
-
-
-@pytest.mark.parametrize(
-    ("epsilon", "sigma"), [(0.98, 10.0), (0.95, 1e5), (0.01, 0.1), (0.5, 1e6), (0.9, 0.1)]
-)
-def test_extreme_films_are_solved(epsilon, sigma):
-    scene = film(epsilon=epsilon, sigma=sigma, profile=SINC)
-    (solution,) = solve([scene], tolerance=1e-4, method="periodic")
-    assert solution.status == "ok"
-    (finer,) = solve([scene], tolerance=1e-5, method="periodic")
-    assert abs(solution.force_n - finer.force_n) <= solution.force_error_n + finer.force_error_n
-
-
-def test_kept_states_are_on_their_grids_where_others_of_a_launch_go_on_to_finer_ones():
-    random = np.random.default_rng(20140503)
-    scenes = [
-        film(
-            epsilon=random.uniform(0.3, 0.9),
-            sigma=10 ** random.uniform(2, 5),
-            x=random.uniform(0, 0.3),
-        )
-        for _ in range(80)
-    ]
-    for solution in solve(scenes, tolerance=1e-6, method="periodic", keep_states=True):
-        coarse, fine = solution.states
-        assert coarse.grid.count < fine.grid.count
-        assert all(each.unknowns.shape[1:] == each.grid.shape for each in solution.states)
-
-
-def test_kept_states_are_those_of_the_force_and_outlast_other_launches(paper_scenes):
-    """The finer one has the force for its mean, and stays when the launch's arrays are reused."""
-    some = paper_scenes[:40]
-    solutions = solve(some, tolerance=1e-3, method="periodic", keep_states=True)
-    first = [[state.unknowns.copy() for state in each.states] for each in solutions]
-    again = solve(some[::-1], tolerance=1e-4, method="periodic", keep_states=True)
-    assert len(again) == 40
-    for scene, solution, before in zip(some, solutions, first, strict=True):
-        coarse, fine = solution.states
-        assert fine.grid.nt > coarse.grid.nt
-        assert fine.grid.nx > coarse.grid.nx
-        assert all(map(np.array_equal, before, (coarse.unknowns, fine.unknowns)))
-        means = [
-            scene.force_scale_n
-            * np.einsum("xyt,x,y->", each.unknowns[0], each.grid.x.weights, each.grid.y.weights)
-            / each.grid.nt
-            for each in (coarse, fine)
-        ]
-        assert means[1] == pytest.approx(solution.force_n, rel=1e-12)
-        assert abs(means[0] - means[1]) <= 1e-2 * solution.force_n
-    assert not any(each.states for each in solve(some, tolerance=1e-3, method="periodic"))

@@ -1,21 +1,15 @@
 """The reference and the checks of verification/ are right, and the checks catch faults."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from films import saying
 from physics_facts import SINC_CONVERGED, SPRING_AT_20
 
 from squeezefilm.reynolds import problems, solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic import launch as periodic
-from squeezefilm.reynolds.periodic.states import States
-from squeezefilm.reynolds.terms import Terms
 from verification.cases import SAMPLE, beyond, cases
 from verification.films import PISTON, Film
 from verification.numpy_periodic import periodic_state
@@ -141,42 +135,6 @@ def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, mo
     monkeypatch.setattr(problems, "profile_fields", spoil_fields(change))
     monkeypatch.setattr(problems, "_kept_profiles", problems._profiles)  # kept no longer
     assert red() == expected
-
-
-def test_a_wrong_sign_of_the_squeeze_turns_every_film_red(monkeypatch):
-    sound = periodic.grid_matrices
-
-    def spoilt(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.ndarray]:
-        matrices = sound(grid, aspect=aspect, terms=terms)
-        return matrices | {"sine": -matrices["sine"]}
-
-    monkeypatch.setattr(periodic, "grid_matrices", spoilt)
-    monkeypatch.setattr(periodic, "_of_grids", periodic._of_grids.__wrapped__)  # kept no longer
-    assert red() == set(CASES)
-
-
-def test_single_precision_turns_the_small_film_red(monkeypatch):
-    """The state kept in float32, as a kernel with `float` for `double` would."""
-
-    sound = periodic.Launch.states
-
-    def rounded(states: States, grid: Grid) -> States:
-        pressure = (1 + states.overpressure).astype(np.float32).astype(float) - 1
-        weights = np.outer(grid.x.weights, grid.y.weights)
-        mean = np.einsum("bxyt,xy->b", pressure, weights) / grid.nt
-        means = pressure.mean(axis=-1)
-        rough = replace(states, kept=pressure[:, None], mean_in_time=means)
-        return saying(rough, mean=mean)
-
-    def spoilt(landing: periodic.Launch) -> list[list[States]]:
-        return [
-            [rounded(states, grid) for states, grid in zip(stages, batch.grids, strict=True)]
-            for stages, batch in zip(sound(landing), landing.batches, strict=True)
-        ]
-
-    monkeypatch.setattr(periodic.Batch, "returns", lambda batch, stage: True)
-    monkeypatch.setattr(periodic.Launch, "states", spoilt)
-    assert red() == {"small"}
 
 
 def test_what_is_refused_must_be_documented():

@@ -1,0 +1,53 @@
+"""A film whose equation was not derived, or has no solution, gets its reason and no force."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from films import film
+
+from squeezefilm.film.finger import GapShape
+from squeezefilm.film.profiles import Quadrature, StandingWave
+from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.plan import previews
+
+INERTIA, HEAT, SLIDING = {"inertia": "included"}, {"heat": "included"}, {"bearing": 0.1}
+FACTOR, SLIP = {"rarefaction": "fukui-kaneko"}, {"rarefaction": "slip"}
+ELLIPSE, TILTED = {"shape": "ellipse"}, {"gap": GapShape(tilt_x_m=1e-6)}
+WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
+TWO_PHASES = {"profile": Quadrature(WAVE, replace(WAVE, direction_deg=60.0), shares=(0.7, 0.7))}
+COMPOSITE = "the composite expansion is "
+
+
+@pytest.mark.parametrize(
+    ("numbers", "finger", "method", "reason"),
+    [
+        (INERTIA | FACTOR, {}, "auto", "not for fukui-kaneko"),
+        (INERTIA | SLIDING, {}, "auto", "not derived for a sliding finger"),
+        (INERTIA, ELLIPSE, "auto", "inertia is not known under this finger"),
+        (INERTIA, ELLIPSE, "composite", "derived for rectangular pads"),
+        (INERTIA | TWO_PHASES, {}, "composite", COMPOSITE + "derived for a vibration in one phase"),
+        (HEAT | {"polytropic_exponent": 1.4}, {}, "auto", "polytropic_exponent 1"),
+        (HEAT | FACTOR, {}, "auto", "not for fukui-kaneko"),
+        (HEAT | SLIDING, {}, "auto", "heat is not derived for a sliding finger"),
+        (HEAT, ELLIPSE, "auto", "heat is not known under this finger"),
+        (HEAT, {}, "composite", COMPOSITE + "not derived with heat"),
+        (SLIDING, ELLIPSE, "auto", "not supported: a sliding pad that is not a rectangle"),
+        (SLIDING, {}, "composite", COMPOSITE + "not derived with bearing"),
+        (SLIP, TILTED, "composite", COMPOSITE + "derived for a gap that is even at rest with slip"),
+    ],
+)
+def test_what_was_not_derived_is_refused_and_planned_so(numbers, finger, method, reason):
+    scene = film(**{"epsilon": 0.3, "sigma": 200.0} | numbers)
+    scene = replace(scene, finger=replace(scene.finger, **finger))
+    (solution,) = solve([scene], tolerance=1e-3, method=method)
+    assert reason in solution.status
+    assert np.isnan(solution.force_n)
+    assert previews([scene], tolerance=1e-3, method=method)[0].status == solution.status
+
+
+def test_a_gas_too_rarefied_for_the_flow_factor_is_refused():
+    scene = film(epsilon=0.9, sigma=500.0, rarefaction="fukui-kaneko", knudsen=0.17)
+    (solution,) = solve([scene], tolerance=1e-3)
+    assert "rarefied" in solution.status
+    assert np.isnan(solution.force_n)
