@@ -86,15 +86,3 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repositor
     assert len(list(path.parent.iterdir())) == 2
     atomic.remove_parts(tmp_path)
     assert list(path.parent.iterdir()) == [path]
-
-
-@pytest.mark.parametrize("kind", ["a folder in its place", "a file for a folder"])
-def test_a_place_that_cannot_be_written_is_named(tmp_path, kind):
-    path = tmp_path / "plan" / "forces.csv"
-    if kind == "a folder in its place":
-        path.mkdir(parents=True)
-    else:
-        path.parent.write_text("")
-    with pytest.raises(InputError, match=f"{path}: cannot be written: "):
-        write_table(TABLE, path)
-    assert not list(tmp_path.rglob(".*.part"))

@@ -73,9 +73,7 @@ def test_our_values(claims, claim_id, ours, word):
         # The other convention of sinc gives 2.30 N where the paper's FE gives 0.99 N.
         ("simulation_at_2.2", "simulations/extrapolation/forces.csv", {"force_n": 2.30}, "differs"),
         ("bounds", "fits/screen_runs.csv", {"sum_of_squares": [1.9, 1, 1, 1]}, "differs"),
-        ("bounds", "fits/screen_runs.csv", {"bound": 100}, "differs"),
         ("seconds", "simulations/screen/timings.csv", {"solve_seconds": 3 * 86400.0}, "agrees"),
-        ("seconds", "simulations/screen/timings.csv", {"solve_seconds": 0.3}, "differs"),
     ],
 )
 def test_a_wrong_force_a_missed_minimum_and_days_are_seen(
@@ -92,8 +90,6 @@ def test_a_wrong_force_a_missed_minimum_and_days_are_seen(
     ("file", "text", "message"),
     [
         ("designs/two_factor.json", "{}", "'scaling' is missing"),
-        ("validation/screen_on_screen.json", '{"points": 60}', "'global_error' must be a number"),
-        ("fits/screen_runs.csv", "bound\n1\n", "column 'sum_of_squares' is missing"),
         ("simulations/extrapolation/forces.csv", None, "there is no point 'operating_point'"),
     ],
 )

@@ -38,10 +38,3 @@ def test_the_surface_swings_by_the_profiles_amplitude(scene):
     np.testing.assert_allclose(swing["max"], expected, rtol=1e-9)
     np.testing.assert_allclose(swing["min"], -expected, rtol=1e-9)
     assert (film["finger_um"] == 5).all()
-
-
-def test_of_a_film_without_a_state_only_the_gap_is_known(scene):
-    sliding = replace(scene.finger, shape="ellipse", speed_x_m_per_s=1.0)
-    film = cross_section(replace(scene, finger=sliding), device=DEVICE)
-    assert film["overpressure_kpa"].isna().all()
-    assert film["surface_um"].notna().all()

@@ -3,7 +3,6 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from squeezefilm.api.simulation import compile_kernels
@@ -92,17 +91,3 @@ def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="apt install gcc"):
         device.kernel(chosen, "none", sources=(), header="// not built")
-
-
-def test_host_arrays_are_taken_up_again_and_none_is_too_small():
-    pool = device.ArrayPool()
-    first = pool.acquire(100)
-    pool.release(first)
-    assert pool.acquire(first.size) is first
-    pool.release(first)
-    larger = pool.acquire(2 * first.size)
-    assert larger.size >= 2 * first.size
-    assert not pool.free
-    for _ in range(10):
-        pool.release(np.empty(100))
-    assert len(pool.free) == 4

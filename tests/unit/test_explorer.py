@@ -9,7 +9,6 @@ from reference_forces import FOUR_FACTOR_THETA
 
 from reporting.explorer import Models, explorer_page, models_of, modulation_of
 from squeezefilm.io.errors import InputError
-from squeezefilm.models.fit_file import read_fit
 
 LIBRARY = "/* the drawing library */"
 
@@ -46,15 +45,6 @@ def test_models_and_forces_are_on_the_page_to_the_last_digit(page, study):
     assert [row[1:3] for row in plan] == screen[["h0_m", "hv_m"]].to_numpy().tolist()
 
 
-def test_a_models_error_on_the_page_is_that_of_its_file(page, study):
-    two, four = _data(page)["fits"]
-    for fit, name in ((two, "two_factor_design"), (four, "four_factor")):
-        interval = read_fit(study.root / f"fits/{name}.json").interval
-        assert fit["interval"] == interval.model_dump(mode="json")
-        assert fit["statement"] == interval.statement
-    assert two["interval"]["ranges"]["phi_r_m"] == [0.0, 0.0]
-
-
 def test_nothing_is_left_to_fill_in_and_nothing_comes_from_elsewhere(page):
     assert LIBRARY in page
     assert not re.search(r"\{\{\w+\}\}", page)
@@ -69,19 +59,6 @@ def test_a_text_cannot_end_the_data(study):
     forces = {"</script>": results.forces("screen")}
     page = explorer_page(results.config, models, forces, drawing_library="")
     assert _data(page)["plans"] == ["</script>"]
-
-
-def test_a_fit_that_the_page_cannot_compute_with_is_refused(study):
-    fit = read_fit(study.root / "fits/four_factor.json")
-    plans = {"mine": "four_factor"}
-    short = type(fit)(**(vars(fit) | {"theta": (1.0, 2.0)}))
-    with pytest.raises(InputError, match="theta"):
-        made(study, Models({"mine": short}, plans))
-    strange = type(fit)(**(vars(fit) | {"model": 'x"]; evil()'}))
-    with pytest.raises(InputError, match="is unknown; known are"):
-        made(study, Models({"mine": strange}, plans))
-    with pytest.raises(InputError, match="at least one fit"):
-        made(study, Models())
 
 
 def test_a_candidate_that_was_refused_is_named_with_the_reason(study, tmp_path):

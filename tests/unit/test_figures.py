@@ -10,11 +10,8 @@ from matplotlib.text import Text
 from paper.figures import FIGURES as OF_THE_PAPER
 from reporting.figures import FIGURES as OF_ANY_STUDY
 from reporting.figures import save, style
-from reporting.notes import rounded_up
 from reporting.results import Results
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
-from verification import work_precision as measured
 
 FIGURES = OF_ANY_STUDY | OF_THE_PAPER
 STUDYS = ("overview", "error_map", "force_map", "budget", "response", "levitation")
@@ -108,68 +105,6 @@ def test_all_positions_of_a_study_lie_on_the_axes(name, factor, ticks, study, tm
     left, right = axes.get_xlim()
     assert left <= 0 < 45 * factor <= right
     assert set(ticks) <= {tick for tick in axes.get_xticks() if left <= tick <= right}
-
-
-@pytest.mark.parametrize("shown", [True, False])
-def test_without_a_pressure_the_overview_has_no_place_for_one(shown, study, tmp_path):
-    file = "simulations/extrapolation/film.csv"
-    results = study.results
-    if not shown:
-        results = study.changed(tmp_path, file, lambda film: film.assign(overpressure_kpa=np.nan))
-    labels = [axes.get_ylabel() for axes in drawn("overview", results).axes]
-    assert ("p − p₀ (kPa)" in labels) == shown
-
-
-@pytest.mark.parametrize("known", [0, 1, 3])
-def test_a_response_that_few_films_have_is_numbers_and_never_an_empty_scale(known, study, tmp_path):
-    def unknown(table: pd.DataFrame) -> pd.DataFrame:
-        gaps = sorted(table["h0_m"].unique())
-        few = table["h0_m"].isin(gaps[known:])
-        return table.assign(
-            **{name: table[name].mask(few) for name in ("corner_hz", "prompt_share")}
-        )
-
-    file = "simulations/screen/response.csv"
-    results = study.changed(tmp_path, file, unknown)
-    axes = drawn("response", results).axes[0]
-    shown = [text.get_text().strip() for text in axes.texts]
-    films = pd.read_csv(tmp_path / file).dropna(subset="corner_hz").sort_values("hv_m")
-    if known == 1:
-        assert shown == [f"{value:.3g}" for value in films["corner_hz"]]
-    elif known == 0:
-        assert shown == ["not known"]
-    else:
-        assert axes.collections
-
-
-@pytest.mark.parametrize(
-    ("place", "file", "row"),
-    [
-        ("numerics/stability", "numerics/stability.csv", {"verdict": "magic"}),
-        ("numerics/work_precision", "numerics/work_precision.csv", {"method": "magic"}),
-        ("figures/fig09", "designs/two_factor_searches.csv", {"scaling": "magic"}),
-    ],
-)
-def test_what_has_no_style_is_refused_and_not_left_out(place, file, row, study, tmp_path):
-    columns = ("film", "relative_error", "worst_over_allowed")
-    source = study.root / file
-    results = study.changed(tmp_path, "designs/two_factor.csv", lambda table: table)
-    table = pd.read_csv(source) if source.exists() else pd.DataFrame([dict.fromkeys(columns, 1)])
-    (tmp_path / file).parent.mkdir(exist_ok=True)
-    table.assign(**row).to_csv(tmp_path / file, index=False)
-    with pytest.raises(InputError, match=r"no style is known for .*magic"):
-        FIGURES[place](results)
-
-
-def test_every_method_that_is_measured_has_a_style():
-    from reporting.figures.verification import STYLES
-
-    assert {measured.SOLVER, measured.BATCH, *measured.METHODS} == set(STYLES)
-
-
-def test_error_estimates_are_never_rounded_down():
-    shown = {2.4e-7: "3e-7", 9.1e-7: "1e-6", 3e-7: "3e-7", 0.0: "0"}
-    assert {value: rounded_up(value) for value in shown} == shown
 
 
 def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path, refused):

@@ -3,10 +3,7 @@
 import subprocess
 from pathlib import Path
 
-import pytest
-
 PROFILE = "--workflow-profile profiles/slurm"
-RECIPE = f'make resume OPTIONS="{PROFILE}"'
 
 
 def commands(repository: Path, *words: str) -> list[str]:
@@ -20,12 +17,6 @@ def commands(repository: Path, *words: str) -> list[str]:
     )
     lines = done.stdout.replace("\\\n", " ").splitlines()
     return [" ".join(line.split()) for line in lines if " snakemake" in line]
-
-
-@pytest.mark.parametrize("target", ["resume", "paper", "quick", "report"])
-def test_options_reach_snakemake(repository, target):
-    first, *_ = commands(repository, target, f"OPTIONS={PROFILE}")
-    assert PROFILE in first
 
 
 def test_the_paper_s_study_is_made_before_the_one_beside_it(repository):
@@ -43,8 +34,3 @@ def test_a_run_is_resumed_with_its_options_study_and_target(repository):
     # The target stands before --configfile, which would take it for another file.
     expected = f"snakemake sweep {PROFILE} --rerun-incomplete --configfile config/sweep.yaml"
     assert expected in line
-
-
-def test_there_is_one_recipe_to_resume_on_a_cluster(repository):
-    for page in ("docs/cluster.md", "docs/faults.md"):
-        assert RECIPE in (repository / page).read_text(encoding="utf-8"), page

@@ -14,9 +14,9 @@ from reporting.pages import render
 from reporting.results import Results
 from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import SCENE_COLUMNS, read_ok_forces
+from squeezefilm.io.tables import SCENE_COLUMNS
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
-from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit
 from squeezefilm.models.force_model import TWO_FACTOR, check_models, get_model, make_model
@@ -32,7 +32,6 @@ def own(expression: str):
     ("expression", "message"),
     [
         ("t0*t1*(hv/h0)**2", "t0, t1 cannot be told apart"),
-        ("sqrt(1 + t0*(hv/h0)**2)/sqrt(1 - t1*(hv/h0)**2) + t2 + t3", "t2, t3 cannot be told"),
         ("t0*log(-1 - t1**2)", "undefined at 400 random"),
     ],
 )
@@ -102,7 +101,6 @@ def test_a_point_left_out_does_not_know_its_own_force():
     ("models", "candidates", "message"),
     [
         ({"mine": {"expression": "h0 + phi"}}, [], "models.mine.expression: 'h0 . phi' adds"),
-        ({"limit": {"expression": "limit"}}, [], "models.limit: the library has a model"),
         ({}, ["none_such"], "comparison.two_factor: model 'none_such' is unknown"),
     ],
 )
@@ -137,16 +135,6 @@ def fitted(script, study, tables, tmp_path, name: str) -> dict:
     return json.loads(path.read_text())
 
 
-def test_a_fits_file_says_all_that_its_users_need(script, study, tables, tmp_path):
-    fit = fitted(script, study, tables, tmp_path, "limit_1")
-    assert fit["expression"] == "limit + t0*(hv/h0)**2/sigma**1.5"
-    assert (fit["parameters"], fit["parameter_units"]) == (["t0"], ["N"])
-    assert fit["ranges"]["h0_m"] == [5e-6, 10e-6]
-    assert fit["cross_validation"]["folds"] == 5
-    assert fit["cross_validation"]["global_error"] >= fit["residual"]["global_error"]
-    assert len(fit["source"]["forces_sha256"]) == 64
-
-
 def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(script, study, tmp_path, capsys):
     forces, summary = str(study.root / "simulations/screen/forces.csv"), tmp_path / "summary.json"
     summary.write_text(json.dumps({"largest_force_error_share": 0.016}))
@@ -157,24 +145,6 @@ def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(script, study
     assert fit.profile_uncertainty == 0.016
     assert cli.main(["predict", fit.place, "--h0=6um", "--hv=1.5um"]) == 0
     assert "1.6" in capsys.readouterr().out
-
-
-def test_the_seeds_of_a_fit_are_those_of_its_factors(study, edited, tmp_path):
-    """However many parameters it has: both have two."""
-    own_models = {"gap": "t0*(hv/h0)**(2 + t1)", "place": "t0*sinc(t1*r)*(hv/h0)**2"}
-    config = edited(
-        "paper",
-        fit={"bounds": [100], "seeds": {"two_factor": 1, "four_factor": 2}},
-        models={name: {"expression": each} for name, each in own_models.items()},
-    )
-    counts = {}
-    for name in own_models:
-        runs = tmp_path / f"{name}.csv"
-        forces = study.root / "simulations" / "four_factor" / "forces.csv"
-        arguments = ["fit", str(forces), f"--model={name}", f"--config={config}"]
-        assert cli.main([*arguments, f"--output={tmp_path}/fit.json", f"--runs={runs}"]) == 0
-        counts[name] = int(pd.read_csv(runs)["method"].str.startswith("genetic").sum())
-    assert counts == {"gap": 1, "place": 2}
 
 
 def test_models_are_ranked_on_half_of_the_validation_sample(
@@ -209,17 +179,3 @@ def test_models_are_ranked_on_half_of_the_validation_sample(
     (tmp_path / "models/two_factor/limit.json").unlink()
     with pytest.raises(InputError, match=r"limit\.json"):
         compare(results, "two_factor")
-
-
-@pytest.mark.parametrize(
-    ("damage", "message"),
-    [
-        (lambda text: text.replace("5e-06", "5.1e-06", 1), "not the scenes"),
-        (lambda text: text.replace("sigma", "stigma"), "'sigma' is missing"),
-    ],
-)
-def test_limits_of_other_scenes_are_refused(tables, damage, message):
-    forces, limits = tables
-    limits.write_text(damage(limits.read_text()))
-    with pytest.raises(InputError, match=message):
-        factors_of(read_ok_forces(forces), limits=limits)

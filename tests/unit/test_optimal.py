@@ -8,13 +8,9 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.designs.paper_design import d_efficiency
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import read_ok_forces, read_scenes
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 from squeezefilm.models.parameter_intervals import RANGES_NOTE
-from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 
 
 @pytest.fixture(scope="module", params=["two_factor", "four_factor"])
@@ -88,14 +84,3 @@ def test_designs_for_a_table_of_ones_own(study, repository, tmp_path, capsys):
     assert main([*words, f"--config={repository}/config/quick.yaml"]) == 0
     assert {"local", "bayesian", "maximin"} < set(pd.read_csv(tmp_path / "d.csv")["design"])
     assert "d_efficiency" in capsys.readouterr().out
-
-
-def test_a_plan_off_the_centre_is_refused_for_a_centred_model(study, quick):
-    folder = study.root / "simulations"
-    with pytest.raises(InputError, match="the finger is moved"):
-        designs_of_fit(
-            read_fit(study.root / "fits/screen.json"),
-            quick,
-            forces=read_ok_forces(folder / "screen/forces.csv"),
-            plans={"plan": read_scenes(folder / "four_factor/scenes.csv")},
-        )

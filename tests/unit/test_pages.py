@@ -3,15 +3,12 @@
 import json
 import re
 
-import pandas as pd
 import pytest
 
-from reporting.notes import Inertia
-from reporting.pages import front_page, render, to_html, write_pages
+from reporting.pages import render, to_html
 from reporting.results import Results
 from reporting.summary import headline_values, summary_values
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
 
 PLANS = ("screen", "two_factor_design", "error_map", "extrapolation", "four_factor")
 FITS = ("screen", "two_factor_design", "four_factor_design")
@@ -64,22 +61,6 @@ def test_the_summary_of_another_actuator_does_not_speak_of_the_paper_s(study, tm
     assert "moves a force by up to 1.6 %" in own
 
 
-def test_pages_of_a_film_beyond_re_10_say_so_below_their_title(repository, tmp_path):
-    beyond = {
-        name: Results.of(tmp_path, repository / f"config/{name}.yaml").beyond
-        for name in ("levitation", "plate")
-    }
-    assert beyond["plate"] == ""
-    page = tmp_path / "a.html"
-    write_pages("# Models\n\nA.\n", tmp_path / "a.md", page, beyond=beyond["levitation"])
-    text = page.read_text(encoding="utf-8")
-    assert text.index("<h1>Models") < text.index("<p><strong>Beyond Re 10 from h0 =")
-    for kind, most in (("inertia neglected", 3), ("inertia included", 20)):
-        gap_m = (most / 1e10) ** 0.5
-        assert Inertia(1e10, kind).note(gap_m) == ""
-        assert f"{kind}, error unknown above Re {most}" in Inertia(1e10, kind).note(1.01 * gap_m)
-
-
 RECOMMENDED = """\
 space,model,parameters,validation_points,validation_error,simulations,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
 hv_error_95_m,error_95_percent,note
@@ -112,25 +93,3 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(reposit
     assert "No model compared can be judged" in render("in_short.md", **headline_values(results))
     levitation = Results(tmp_path, load_config(repository / "config/levitation.yaml"))
     assert "- Beyond Re 10" in render("in_short.md", **headline_values(levitation))
-
-
-def test_the_report_begins_with_the_headline_and_pictures(tmp_path):
-    (tmp_path / "a.png").write_bytes(b"picture")
-    headline = "- F = {{ 1 }} N <b>\n"
-    for guide in ("paper_guide.rst", "study_guide.rst"):
-        page = front_page(headline, study="<a>", pictures=[tmp_path / "a.png"], guide=guide)
-        raw, _, rest = page.partition("{% endraw %}")
-        assert raw.startswith("{% raw %}")
-        assert "<h1>Study “&lt;a&gt;”</h1>" in raw
-        assert "<li>F = {{ 1 }} N &lt;b&gt;</li>" in raw
-        assert "data:image/png;base64,cGljdHVyZQ==" in raw
-        # A line that is not indented would end what is raw.
-        assert not re.search(r"^\S", raw.partition(".. raw:: html\n")[2], re.MULTILINE)
-        assert "surface lift" in rest
-    with pytest.raises(InputError, match=r"b\.png"):
-        front_page(headline, study="a", pictures=[tmp_path / "b.png"], guide=guide)
-
-
-def test_cells_of_a_table_cannot_end_it():
-    text = render("claims.md", agreeing=1, claims=pd.DataFrame({"claim_id": [1], "claim": ["a|b"]}))
-    assert "| a\\|b |" in text

@@ -3,7 +3,6 @@
 import pytest
 
 from paper.tables import TABLES
-from reporting.pages import render
 
 
 @pytest.mark.parametrize(
@@ -29,13 +28,3 @@ def test_ranges_of_the_four_factors(study):
     data = TABLES["2"](study.results).data
     ranges = data.set_index("symbol")[["minimum", "maximum"]].T.to_dict("list")
     assert ranges == {"h0": [5, 10], "hv": [0.2, 2], "φr": [0, 2.9], "φφ": [0, 45]}
-
-
-@pytest.mark.parametrize(("number", "count"), [("1", 4), ("2", 4), ("3", 6)])
-def test_the_table_for_people_has_every_row(study, number, count):
-    markdown = render("table.md", table=TABLES[number](study.results))
-    rows = [line for line in markdown.splitlines() if line.startswith("|")]
-    assert len(rows) == count + 2
-    assert len({row.count("|") for row in rows}) == 1
-    if number == "3":  # a zero but for rounding reads zero
-        assert "| θ3 | – | 0.016642 | 0 | −0.039971 |" in markdown

@@ -20,11 +20,6 @@ from squeezefilm.studies.plans import (
 )
 
 
-def test_levels_are_even_and_read_well():
-    values = level_values({"start": 5e-6, "stop": 10e-6, "levels": 6})
-    assert " ".join(map(str, values)) == "5e-06 6e-06 7e-06 8e-06 9e-06 1e-05"
-
-
 def test_the_screen_has_every_gap_with_every_amplitude_once(paper):
     gaps, amplitudes = (level_values(paper["screen"][name]) for name in ("h0_m", "hv_m"))
     plan = centred_grid(h0_m=gaps, hv_m=amplitudes)
@@ -64,23 +59,7 @@ def test_positions_of_another_study_fill_the_reachable_space(mirrored):
         assert abs(phase.mean()) < 0.35, wavelength_m
 
 
-def test_positions_that_are_not_written_are_space_filling_but_in_the_paper(paper, quick):
-    assert "points" not in paper["positions"]
-    assert len(finger_positions(quick)) == plan_sizes(quick)["four_factor"] / 5
-
-
 BOX = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
-
-
-def test_random_points_fill_their_box_and_repeat():
-    plan = random_plan(points=400, seed=1, **BOX)
-    for name, (low, high) in BOX.items():
-        assert low <= plan[name].min() < low + 0.02 * (high - low)
-        assert high >= plan[name].max() > high - 0.02 * (high - low)
-    factors = plan.drop(columns="point_id")
-    assert np.abs(np.corrcoef(factors.T) - np.eye(4)).max() < 0.2
-    assert plan.equals(random_plan(points=400, seed=1, **BOX))
-    assert not plan.equals(random_plan(points=400, seed=2, **BOX))
 
 
 def sweep_plan(**arguments: Any) -> pd.DataFrame:

@@ -52,14 +52,3 @@ def test_a_sheet_shows_the_period_and_its_mean(field, tmp_path):
     line = next(a for a in figure.axes if a.get_ylabel() == "mean overpressure (kPa)").lines[0]
     highest = 1e2 * (1 / 0.6 - 1)
     assert max(line.get_ydata()) == pytest.approx(highest)
-
-
-def test_what_is_no_field_is_told(field, tmp_path, refused):
-    path, text = tmp_path / "field.nc", tmp_path / "text.nc"
-    field.drop_vars("gap").to_netcdf(path, engine="scipy")
-    text.write_text("no field", encoding="utf-8")
-    command = "plot-pressure"
-    assert "no gap over phase, y, x" in refused(command, path, "--output", tmp_path / "a.png")
-    assert "not readable as NetCDF" in refused(command, text, "--output", tmp_path / "a.png")
-    assert "no such file" in refused(command, tmp_path / "x.nc", "--output", tmp_path / "a.png")
-    assert "ends in" in refused(command, path, "--output", tmp_path / "a.mp4")

@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-from pydantic import ValidationError
 from scipy import stats
 
 from squeezefilm.cli import main as cli
@@ -13,7 +12,6 @@ from squeezefilm.models.fit_file import fit_of
 from squeezefilm.models.force_model import get_model
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
-    error_scale,
     measured_interval,
     ranking_half,
 )
@@ -85,13 +83,6 @@ def test_a_simulation_without_a_force_counts_as_infinitely_wrong():
     assert np.isnan(lost.error_n([0.5])).all()
 
 
-def test_too_few_simulations_give_no_interval():
-    assert interval(drawn(38, seed=1)).error_95 is not None
-    assert interval(drawn(36, seed=1)).error_95 is None
-    assert interval(drawn(198, seed=1)).error_99 is not None
-    assert interval(drawn(196, seed=1)).error_99 is None
-
-
 def test_the_simulations_own_error_and_the_scans_are_in_the_interval():
     factors = drawn(400, seed=1)
     plain = interval(factors)
@@ -114,15 +105,6 @@ def test_coverage_is_shown_by_region():
     assert {"h0_m", "hv_m", "epsilon", "phi_r_m", "phi_deg"} == {name for name, _ in shares}
 
 
-def test_the_scale_follows_the_residuals():
-    force = np.linspace(0.01, 1, 50)
-    assert error_scale(0.02 * force, force) == pytest.approx((1e-3 * 0.02 * force.mean(), 0.02))
-    constant, share = error_scale(1e-3 + 0.02 * force, force)
-    assert (constant, share) == pytest.approx((1e-3, 0.02))
-    untold = error_scale(np.full(50, np.nan), force)
-    assert untold == pytest.approx((0.1 * force.mean(), 1.0))
-
-
 @pytest.mark.parametrize(
     ("point", "note"),
     [
@@ -139,15 +121,6 @@ def test_outside_the_declared_space_a_fit_is_not_validated(point, note):
     found = interval(drawn(100, seed=1))
     (outside,) = found.outside(Factors.of(**{"h0_m": 6e-6, "hv_m": 1e-6} | point))
     assert (note in outside) if note else outside == ""
-
-
-def test_an_interval_is_what_its_file_holds():
-    found = interval(drawn(100, seed=1), profile_uncertainty=0.01)
-    assert PredictionInterval.model_validate_json(found.model_dump_json()) == found
-    lost = found.model_copy(update={"error_95": None})
-    assert PredictionInterval.model_validate_json(lost.model_dump_json()) == lost
-    with pytest.raises(ValidationError, match="ranges must be of h0_m"):
-        PredictionInterval.model_validate(found.model_dump() | {"ranges": {"evil": (0, 1)}})
 
 
 def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(limit_fit):

@@ -2,9 +2,7 @@
 
 import re
 import shlex
-from pathlib import Path
 
-import pandas as pd
 import pytest
 import yaml
 
@@ -24,16 +22,6 @@ def test_the_force_is_the_one_that_is_shown(readme, capsys):
     for place in (0, 1, 3):
         assert lines[place] == shown[place]
     assert lines[2].partition(" on ")[0] == "periodic"
-
-
-def test_the_curve_is_written(readme, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    (command,) = re.findall(r"`squeezefilm (simulate .* --output curve\.csv)`", readme)
-    assert main(shlex.split(command)) == 0
-    curve = pd.read_csv("curve.csv")
-    assert list(curve["hv_m"]) == pytest.approx([k * 0.25e-6 for k in range(2, 11)])
-    assert (curve["x_m"] == -2e-3).all()
-    assert curve["force_n"].is_monotonic_increasing
 
 
 def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
@@ -64,21 +52,3 @@ def test_the_readme_counts_the_films_that_the_solver_s_page_has(readme, reposito
     plain, any_gap = sum(counts[:of_any_gap]), sum(counts[of_any_gap:])
     assert f"Of {plain} random films" in readme
     assert f"and {any_gap} that are tilted" in readme
-
-
-def test_the_pitch_says_when_five_simulations_are_a_saving(readme, repository):
-    """As the claims do: the first time, finding the optimal points takes all of the screen."""
-    claims = (repository / "workflow/paper/papers_claims.csv").read_text(encoding="utf-8")
-    assert "only where the optimal points are reused" in claims
-    pitch = readme.partition("\n\n")[2].partition("\n\n")[0]
-    assert "where optimal points are reused" in pitch
-
-
-def test_no_text_cites_what_is_not_in_the_repository(repository):
-    cited = re.compile(r"physics\.md|\(T\d+\b|\bT1?\d(?:,|:| to) ")
-    texts = [*repository.glob("workflow/**/*.py"), *repository.glob("tests/**/*.py")]
-    assert not [
-        str(path)
-        for path in texts
-        if path != Path(__file__) and cited.search(path.read_text("utf-8"))
-    ]

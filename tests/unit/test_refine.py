@@ -15,7 +15,6 @@ from reporting.refinement import refinement_table
 from reporting.results import Results
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
-from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import read_forces
 from squeezefilm.studies.tasks import refined_model
 
@@ -119,21 +118,6 @@ def test_the_report_compares_estimates_with_the_truth(refined, tmp_path):
     assert "limited by the model" in text
     assert "as good as wanted" in text
     assert "square: limited by the model" in drawn
-
-
-@pytest.mark.parametrize(
-    ("model", "settings", "message"),
-    [
-        ("none_such", {}, "model 'none_such' is unknown"),
-        ("polynomial_5", {"simulations": 10}, "more than the 10 allowed"),
-    ],
-)
-def test_what_cannot_be_refined_is_refused(
-    model, settings, message, repository, refined, tmp_path, script
-):
-    config = study(repository, tmp_path / "study.yaml", refine=settings)
-    with pytest.raises(InputError, match=message):
-        refine(script, model, tmp_path, config, refined.sample)
 
 
 def test_a_model_whose_physics_does_not_hold_is_left_out_before_anything_is_simulated(

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from squeezefilm.designs.sequential import Goal, Outcome, Pool, Sequential, refine_loop
+from squeezefilm.designs.sequential import Goal, Outcome, Pool, refine_loop
 from squeezefilm.io.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
@@ -63,17 +63,6 @@ def test_a_model_that_holds_reaches_the_wanted_error():
     assert found.verdict == "reached"
     np.testing.assert_allclose(found.rounds[-1].theta, [5, 3], rtol=1e-6)
     assert len(asked) == len(set(asked)) == found.rounds[-1].simulations <= 20
-
-
-def test_parameters_that_are_undefined_at_a_new_point_are_sought_anew():
-    """They were kept as they were, and with them a fit that says nothing there."""
-    points, tried = pool(), model("sqrt(1 + t0*(hv/h0)**2)/sqrt(1 - t1*(hv/h0)**2) - 1")
-    force = tried.evaluate([7.0, 2.0], points.factors)
-    loop = Sequential(tried, points, GOAL, lambda at: (force[at], force[at]), 0.1, 100, 1)
-    loop.measure(points.candidates)
-    start = np.array([7.0, 8.0])
-    assert np.isnan(tried.evaluate(start, points.factors)).any()
-    np.testing.assert_allclose(loop.fitted(points.candidates, start), [7, 2], rtol=1e-6)
 
 
 def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():
@@ -137,12 +126,6 @@ def test_the_loop_ends_where_its_budget_or_its_space_does(allowed, batch, made, 
     assert found.verdict == "budget"
     assert reason in found.reason
     assert made - 4 <= len(asked) <= allowed
-
-
-def test_a_model_without_parameters_is_judged_by_its_verification_points_alone():
-    found, asked = run(model("5*(hv/h0)**2"), lambda e: 5 * e**2)
-    assert (found.verdict, len(asked)) == ("reached", CHECKS)
-    assert run(model("5*(hv/h0)**2"), lambda e: 6 * e**2)[0].verdict == "model"
 
 
 def test_the_first_points_tell_the_parameters_apart_though_corners_do_not():

@@ -15,26 +15,6 @@ def test_one_scene_is_told_in_words_and_a_table(capsys):
     assert [line.split()[:2] for line in lines[4:6]] == [["100", "2.134"], ["1000", "1.644"]]
 
 
-def test_a_table_keeps_every_scene_and_frequency(tmp_path, repository):
-    scenes, output, gains = (tmp_path / name for name in ("scenes.csv", "out.csv", "gains.csv"))
-    scenes.write_text(
-        "point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\nb,1e-5,1e-6,0.0029,45\n"
-    )
-    config = str(repository / "config" / "paper.yaml")
-    words = ["response", str(scenes), "--config", config, "--output", str(output)]
-    assert main([*words, "--gains", str(gains), "--frequencies", "10Hz,300Hz"]) == 0
-    table = pd.read_csv(output)
-    assert list(table["status"]) == ["ok", "ok"]
-    assert table["corner_hz"].between(100, 2000).all()
-    rows = pd.read_csv(gains)
-    assert list(zip(rows["point_id"], rows["frequency_hz"], strict=True)) == [
-        ("a", 10),
-        ("a", 300),
-        ("b", 10),
-        ("b", 300),
-    ]
-
-
 def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     scenes, output, steps = (tmp_path / name for name in ("scenes.csv", "out.csv", "steps.csv"))
     scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\nthick,5e-5,2e-6,0,0\n")
@@ -58,10 +38,7 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["response"], "--h0 and --hv"),
         ([*ONE, "--frequencies", "10kHz"], "tenth"),
-        ([*ONE, "--frequencies", "10"], "unit of Hz"),
-        (["response", "--h0", "5um,6um", "--hv", "2um"], "one scene by --h0 and --hv"),
     ],
 )
 def test_mistakes_are_told(words, said, capsys):

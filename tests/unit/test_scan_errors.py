@@ -14,7 +14,7 @@ from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured.read import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
-from squeezefilm.film.profiles import Modes, Profile, make_profile
+from squeezefilm.film.profiles import Profile, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
@@ -116,11 +116,6 @@ def test_strays_are_not_fitted(scene):
     assert forces[0] == pytest.approx(forces[1], rel=0.02)
 
 
-def test_many_strays_are_refused():
-    with pytest.raises(InputError, match="lie far from every smooth profile"):
-        smooth(scan_of(profile(SINC), noise=0.01, seed=1, strays=60))
-
-
 @pytest.mark.parametrize("settings", [RING, DIAMETERS, WAVE], ids=["ring", "lines", "wave"])
 @pytest.mark.parametrize("strays", [0, 3])
 def test_an_unsigned_scan_over_a_node_is_refused(settings, strays):
@@ -135,12 +130,6 @@ def test_an_unsigned_scan_without_a_node_that_matters_is_taken(settings):
     """Also where the amplitude touches zero without a change of sign, or falls to it at the rim."""
     for noise, seed in product((0.02, 0.1), range(2)):
         assert not smooth(unsigned(scan_of(profile(settings), noise=noise, seed=seed))).folded
-
-
-def test_a_fold_that_is_accepted_is_named():
-    scan = unsigned(scan_of(profile(RING), noise=0.05, seed=1))
-    assert smooth(scan, sign="unknown").folded
-    assert not smooth(replace(scan, signed=True)).folded
 
 
 def with_two_phases(share: float) -> Scan:
@@ -206,19 +195,6 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path.write_text("measured again")
     with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
         read_smoothed(tmp_path / "smoothed.npz", path, settings={"surface": Disc(RADIUS_M)})
-
-
-def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene):
-    """A piston that moves in a circle: the closed form at ε √2."""
-    piston = Modes(((0, 0),), (1.0,), Disc(RADIUS_M))
-    scan = replace(smooth(scan_of(profile(DOME), noise=0.01, seed=1)), out_of_phase=piston)
-
-    def closed(square: float) -> float:
-        return float(np.sqrt((1 + 1.5 * square) / (1 - square)) - 1)
-
-    square = scene.epsilon**2
-    effect = out_of_phase_effect(on(scene, piston), scan)
-    assert effect == pytest.approx(closed(2 * square) / closed(square) - 1, rel=1e-6)
 
 
 def test_a_force_of_a_scan_says_what_the_scan_leaves_open(repository, capsys):

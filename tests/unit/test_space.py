@@ -23,13 +23,6 @@ def wide(space: Space) -> Space:
     return replace(space, box=Box(space.box.names, **limits))
 
 
-def test_the_space_is_the_screens_and_the_positions(space, paper):
-    assert space.box.lower == (5e-6, 0.2e-6, 0.0, 0.0)
-    assert space.box.upper == (10e-6, 2e-6, 2.9e-3, 45.0)
-    centred = Space.of(paper, centred=True)
-    assert centred.box.names == ("h0_m", "hv_m")
-
-
 @pytest.mark.parametrize("kind", ["grid", "sample"])
 def test_points_that_cannot_be_simulated_are_left_out(space, kind):
     larger = wide(space)
@@ -72,9 +65,3 @@ def test_points_go_to_a_table_and_back(space, paper):
     centred = Space.of(paper, centred=True)
     with pytest.raises(InputError, match="the finger is moved"):
         centred.points(space.table(points))
-
-
-def test_a_space_without_a_position_on_the_surface_is_refused(space):
-    limits = {"lower": (5e-6, 0.2e-6, 5e-3, 0.0), "upper": (10e-6, 2e-6, 6e-3, 45.0)}
-    with pytest.raises(InputError, match="hardly any finger position"):
-        replace(space, box=Box(space.box.names, **limits)).sample(5, seed=1)

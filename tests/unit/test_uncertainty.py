@@ -9,10 +9,8 @@ from physics_facts import CENTRED_N
 
 from paper import uncertainty
 from paper.claims import CLAIMS
-from paper.uncertainty import ASSUMPTIONS, compare, differences, shown
-from squeezefilm.config.loading import Config
+from paper.uncertainty import ASSUMPTIONS, compare, differences
 from squeezefilm.film.scene import Scene
-from squeezefilm.io.errors import RunError
 from squeezefilm.reynolds.terms.rarefaction import flow_coefficients
 
 
@@ -77,25 +75,6 @@ def test_a_film_that_cannot_be_is_passed_over(paper):
     needed = table.set_index(["claim_id", "assumption"])["needed"]
     assert needed["simulation_at_2.2", "ambient pressure"] == pytest.approx(104.27, rel=1e-3)
     assert table["force_low_n"].notna().all()
-
-
-def test_a_film_that_cannot_be_simulated_at_all_is_named(paper):
-    with pytest.raises(RunError, match="operating_point"):
-        compare(paper, force=lambda scene: math.nan)
-
-
-def test_a_study_without_the_assumption_does_without_its_row(paper):
-    sections = paper.sections | {"actuator": paper["actuator"] | {"profile": {"kind": "piston"}}}
-    table, _ = compare(Config(path=paper.path, sections=sections), force=film_like)
-    assert "wave number of the profile" not in set(table["assumption"])
-    assert len(table) == 2 * (len(ASSUMPTIONS) - 1)
-
-
-def test_a_value_that_is_needed_or_none_is_shown(tables):
-    needed = shown(tables[0])["needed for the paper's"]
-    assert "104.27 kPa (+2.9 %)" in set(needed)
-    assert needed.str.contains("no value").any()
-    assert not needed.str.contains("nan").any()
 
 
 def test_every_force_of_the_script_is_the_solver_s(repository, script, tmp_path, monkeypatch):
