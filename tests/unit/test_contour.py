@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from example_outline import OVAL, STUDY, TURN, write_outline
 
 import squeezefilm as sf
 from squeezefilm.config.loading import parse_config
@@ -15,15 +16,6 @@ from squeezefilm.io.errors import InputError
 from squeezefilm.studies.study import check_study, finger_of
 
 SIDES_M = 0.01, 0.008
-TURN = 2 * np.pi * np.arange(60) / 60
-OVAL = 5 * np.cos(TURN) + 4j * np.sin(TURN)
-
-
-def written(folder: Path, z_mm: np.ndarray, header: str = "x_mm,y_mm", unit: float = 1.0) -> Path:
-    path = folder / "patch.csv"
-    rows = "".join(f"{z.real:.9g},{z.imag:.9g}\n" for z in z_mm * unit)
-    path.write_text(f"{header}\n{rows}", encoding="utf-8")
-    return path
 
 
 def refusal(path: Path, **settings: float) -> str:
@@ -42,7 +34,7 @@ def refusal(path: Path, **settings: float) -> str:
     ],
 )
 def test_points_make_one_curve_in_any_unit_direction_and_place(z_mm, header, unit, tmp_path):
-    contour = read_contour(written(tmp_path, z_mm, header, unit), sides_m=SIDES_M)
+    contour = read_contour(write_outline(tmp_path, z_mm, header, unit), sides_m=SIDES_M)
     assert contour.area == pytest.approx(np.pi / 4 * 0.8, rel=2e-5)
     assert np.abs(contour.points.real).max() == pytest.approx(0.5, abs=2e-5)
     assert np.abs(contour.points.imag).max() == pytest.approx(0.4, abs=2e-5)
@@ -69,7 +61,7 @@ NOTCH = (1 - 0.85 * np.exp(-((TURN - np.pi) ** 2) / 0.1)) * OVAL
 )
 def test_what_is_no_outline_is_refused(z_mm, words, tmp_path):
     settings = {"scatter_m": 1e-3} if words.startswith(("the outline is not", "a notch")) else {}
-    path = written(tmp_path, z_mm)
+    path = write_outline(tmp_path, z_mm)
     if settings:
         sides_m = 1e-3 * np.ptp(z_mm.real), 1e-3 * np.ptp(z_mm.imag)
         with pytest.raises(InputError) as refused:
@@ -77,17 +69,6 @@ def test_what_is_no_outline_is_refused(z_mm, words, tmp_path):
         assert words in str(refused.value)
     else:
         assert words in refusal(path)
-
-
-STUDY = """
-study: mine
-actuator: {frequency: 20 kHz, surface_radius: 30 mm, profile: {kind: piston}}
-finger: {shape: curve, length_x: 10 mm, length_y: 8 mm, outline: {file: patch.csv}}
-screen:
-  h0: {start: 20 µm, stop: 35 um}
-  hv: {start: 2 µm, stop: 18.5 µm, levels: 5}
-extrapolation: {force: 500 mN}
-"""
 
 
 def study(folder: Path, **finger: object):
@@ -98,7 +79,7 @@ def study(folder: Path, **finger: object):
 
 
 def test_a_study_s_outline_counts_from_its_own_folder(tmp_path):
-    written(tmp_path, OVAL)
+    write_outline(tmp_path, OVAL)
     config = check_study(study(tmp_path))
     assert finger_of(config).area_m2 == pytest.approx(np.pi * 20e-6, rel=2e-5)
     elsewhere = tmp_path / "results" / "mine"
@@ -114,7 +95,7 @@ def test_a_study_without_or_with_too_many_outlines_is_refused(tmp_path):
 
 
 def test_a_film_with_an_outline_off_its_plate_is_refused(tmp_path):
-    path = written(tmp_path, OVAL)
+    path = write_outline(tmp_path, OVAL)
     film = sf.Film.of(
         actuator={
             "frequency": 20e3,
