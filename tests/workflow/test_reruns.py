@@ -29,7 +29,7 @@ def simulated(made: set[str]) -> set[str]:
         ("  points: 30\n", "  points: 31\n", "simulations/sweep/scenes.parquet", {"sweep"}, "fits"),
         ("tolerance: 1e-4", "tolerance: 2e-4", "fits/screen.json", OF_THE_STUDY, None),
     ],
-    ids=["fit.seeds", "sweep.points", "solver.tolerance", "comparison"],
+    ids=["fit.seeds", "sweep.points", "solver.tolerance"],
 )
 def test_a_section_makes_anew_what_depends_on_it(before, after, anew, plans, kept, planner):
     text = (planner.folder / CONFIG).read_text(encoding="utf-8")
