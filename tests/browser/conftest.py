@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,18 +80,6 @@ WITH_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 
 @pytest.fixture(scope="session")
 def browser():
-    with _started(*WITH_WEBGL) as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def browser_without_webgl():
-    with _started("--disable-gpu", "--disable-3d-apis") as browser:
-        yield browser
-
-
-@contextmanager
-def _started(*words):
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -108,7 +95,7 @@ def _started(*words):
         "--headless=new",
         "--disable-dev-shm-usage",
         "--hide-scrollbars",
-        *words,
+        *WITH_WEBGL,
         *(["--no-sandbox"] if os.geteuid() == 0 else []),
     ):
         options.add_argument(word)

@@ -108,11 +108,6 @@ def explorer(browser, results):
     assert browser.requests() == []
 
 
-@pytest.fixture(scope="session")
-def screen(results):
-    return read_ok_forces(results / "simulations/screen/forces.csv")
-
-
 @pytest.mark.parametrize("name", [*FITS, *CANDIDATES])
 def test_the_number_shown_is_the_librarys(name, explorer):
     explorer.choose(name)
@@ -127,19 +122,6 @@ def test_the_number_shown_is_the_librarys(name, explorer):
         if moved:
             explorer.type(phi_r=some(0, 2.9), phi_phi=some(0, 45))
         assert explorer.force_n == pytest.approx(explorer.library_n(name), rel=0, abs=EXACT)
-
-
-def test_without_webgl_the_model_is_drawn_as_lines_of_equal_force(browser_without_webgl, results):
-    browser = browser_without_webgl
-    browser.open(results / "explorer.html")
-    kinds = browser.run("return document.getElementById('space').data.map((t) => t.type)")
-    assert kinds[0] == "contour"
-    assert set(kinds[1:]) == {"scatter"}
-    text = browser.run("return document.body.innerText")
-    assert "lines of equal force" in text
-    assert "WebGL is not supported" not in text
-    assert browser.run("return document.querySelectorAll('#space .contour path').length") > 3
-    assert browser.complaints() == []
 
 
 @pytest.mark.parametrize("name", [*FITS, *CANDIDATES])
@@ -176,26 +158,8 @@ def _data(explorer, section, name):
     return next(each for each in data[section] if each["name"] == name)
 
 
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [
-        ({"hv": 2.0, "wanted": 1.5}, "none in the space’s 5–10 µm: at 5 µm it gives"),
-        ({"hv": 2.0, "wanted": 0.01}, "above the space’s 5–10 µm: at the widest the film"),
-        ({"hv": 1.0, "wanted": 0.1}, " µm for 0.1 N"),
-    ],
-)
-def test_where_no_gap_carries_the_load_the_page_says_why(values, said, explorer):
-    explorer.type(**values)
-    assert said in explorer.text("gap")
-    used = explorer.element("float")
-    assert used.is_enabled() == said.startswith(" ")
-    if used.is_enabled():
-        used.click()
-        assert explorer.force_n == pytest.approx(0.1, rel=1e-8)
-        assert re.search(r"± \d", explorer.text("gap"))
-
-
-def test_modulation_is_that_of_the_films_around_the_point(explorer, results, screen):
+def test_modulation_is_that_of_the_films_around_the_point(explorer, results):
+    screen = read_ok_forces(results / "simulations/screen/forces.csv")
     config = load_config(results / "study.yaml")
     films = (
         "const data = JSON.parse(document.getElementById('data').textContent).modulation;"

@@ -110,14 +110,6 @@ def test_the_mean_of_the_pressure_is_the_force(inertia):
     assert field.attrs["change_pa"] <= 1e-3 * float(abs(field.overpressure).max())
 
 
-def test_the_pressure_under_an_ellipse_ends_at_its_rim():
-    film = sf.Film.of(actuator=DISC, finger=PAD | {"shape": "ellipse"}, gas={"inertia": "none"})
-    field = film.pressure("5 um", "1 um", places=21, instants=8, tolerance=1e-2)
-    assert np.isnan(field.overpressure.values[:, 0, 0]).all()
-    assert field.overpressure.values[:, 10, 0] == pytest.approx(0, abs=1e-6)
-    assert float(field.overpressure.isel(x=10, y=10).max()) > 1e3
-
-
 @pytest.mark.parametrize("suffix", ["csv", "nc"])
 def test_a_pressure_field_is_a_file(suffix, study, tmp_path):
     import xarray
@@ -189,13 +181,6 @@ def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsy
 def test_what_means_nothing_is_refused_with_a_reason(given, message, study):
     with pytest.raises(sf.InputError, match=message):
         study.force(**given)
-
-
-def test_a_wrong_key_is_named_without_a_file_too():
-    with pytest.raises(sf.InputError, match=r"film: finger: unknown key 'lenght_x'; did you"):
-        sf.Film.of(actuator=DISC, finger=PAD | {"lenght_x": 0.01})
-    with pytest.raises(sf.InputError, match=r"film: actuator: missing 'profile'"):
-        sf.Film.of(actuator={"frequency": 1e4, "surface_radius": 0.01}, finger=PAD)
 
 
 def test_a_film_without_a_force_says_why():

@@ -16,7 +16,7 @@ from reporting.check.quantities import (
     Quantity,
     column_quantities,
 )
-from reporting.check.tolerances import GIVEN, SAME, AtMost, Close, Efficient
+from reporting.check.tolerances import GIVEN, SAME, AtMost, Close
 from reporting.commands import reference
 from squeezefilm.cli import main as cli
 
@@ -95,29 +95,6 @@ def test_what_is_missing_or_new_fails():
 )
 def test_a_tolerance_is_what_it_says(tolerance, expected, got, share):
     assert tolerance.worst({"a": expected}, {"a": got}).distance == pytest.approx(share)
-
-
-THETA = {"theta0": "7.6", "theta1": "1.9", "theta2": "-1"}
-
-
-def design(*points: tuple[float, float]) -> dict[str, str]:
-    factors = ("h0_m", "hv_m")
-    return THETA | {
-        f"point {number} {factor}": str(value)
-        for number, point in enumerate(points, start=1)
-        for factor, value in zip(factors, point, strict=True)
-    }
-
-
-def test_a_design_is_worth_the_same_anywhere_on_a_line_of_equal_excursion():
-    ends = (5e-6, 2e-6), (10e-6, 0.2e-6)
-    here, there = design(*ends, (6.91e-6, 2e-6)), design(*ends, (3.455e-6, 1e-6))
-    other = design(*ends, (9e-6, 2e-6))
-    efficient = Efficient("two_factor")
-    assert efficient.worst(here, there).distance < 1e-6
-    assert efficient.worst(here, other).distance > 1
-    assert efficient.worst(other, here).distance == 0  # a better design is welcome
-    assert float(efficient.worst(here, other).got.split()[0]) < 0.999
 
 
 def test_a_reference_is_read_as_it_was_written(tmp_path):

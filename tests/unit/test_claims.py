@@ -47,27 +47,6 @@ def test_the_force_beyond_the_equation_stands_beside_the_paper_s(study, claims, 
 
 
 @pytest.mark.parametrize(
-    ("claim_id", "ours", "word"),
-    [
-        ("screen_error", "0.533", "differs"),
-        ("design_error", "0.987", "differs"),
-        ("patterns", "2", "agrees"),
-        ("union", "4", "differs"),
-        ("model_at_2.2", "0.973", "agrees"),
-        ("amplitude", "2.226", "agrees"),
-        ("smallest_force", "1833", "differs"),
-        ("band", "3.9", "agrees"),
-        ("band_small", "6.4", "differs"),
-        ("locus", "0.0", "agrees"),
-        ("seconds", "below 1 s", "differs"),
-    ],
-)
-def test_our_values(claims, claim_id, ours, word):
-    assert claims.loc[claim_id, "ours"] == ours
-    assert claims.loc[claim_id, "verdict"].split()[0] == word
-
-
-@pytest.mark.parametrize(
     ("claim_id", "file", "change", "word"),
     [
         # The other convention of sinc gives 2.30 N where the paper's FE gives 0.99 N.

@@ -1,6 +1,5 @@
 """The command line speaks to its user: help, messages, exit statuses; never a traceback."""
 
-import json
 from pathlib import Path
 
 import pandas as pd
@@ -9,7 +8,7 @@ import pytest
 from squeezefilm.api.simulation import merge_forces
 from squeezefilm.cli.main import commands_of, main, summary_of, with_negative_values
 from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, read_scenes, write_table
+from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, write_table
 
 COMMANDS = commands_of()
 
@@ -109,21 +108,6 @@ def test_parts_that_do_not_make_the_plan_are_refused(ids, message, plan, tmp_pat
     ]
     with pytest.raises(InputError, match=message):
         merged(plan, *parts, output=tmp_path / "forces.csv")
-
-
-def fit_file(path: Path, **changes: object) -> Path:
-    fit = {"model": "two_factor", "theta": [7.6, 1.9, -1.0], "points": 60, "global_error": 0.005}
-    path.write_text(json.dumps(fit | {"sum_of_squares": 1e-4} | changes))
-    return path
-
-
-def test_an_extrapolation_asks_every_fit(config, tmp_path, script):
-    fits = [str(fit_file(tmp_path / name)) for name in ("screen.json", "other.json")]
-    output = tmp_path / "scenes.csv"
-    script("plan", config, input={"sources": fits}, output=output, plan="extrapolation")
-    scenes = read_scenes(output)
-    assert list(scenes["point_id"]) == ["operating_point", "screen", "other"]
-    assert scenes["hv_m"].between(1.5e-6, 3e-6).all()
 
 
 def test_doctor_finds_the_device_and_says_where_things_lie(tmp_path, capsys):

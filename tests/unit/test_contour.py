@@ -87,13 +87,6 @@ def test_a_study_s_outline_counts_from_its_own_folder(tmp_path):
     assert again["finger"]["outline"]["file"] == "../../patch.csv"
 
 
-def test_a_study_without_or_with_too_many_outlines_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"finger.outline: it is there, and finger.shape is ell"):
-        study(tmp_path, shape="ellipse")
-    with pytest.raises(InputError, match=r"study.yaml: line 1[0-9]: finger.outline: it is missing"):
-        study(tmp_path, outline=None)
-
-
 def test_a_film_with_an_outline_off_its_plate_is_refused(tmp_path):
     path = write_outline(tmp_path, OVAL)
     film = sf.Film.of(

@@ -28,13 +28,3 @@ def test_the_pressure_rises_while_the_surface_is_up_and_on_the_whole(scene):
     assert (mean.iloc[1:-1] > 0).all()
     # Even about the middle, as the profile is.
     np.testing.assert_allclose(mean, mean[::-1], atol=1e-4)
-
-
-def test_the_surface_swings_by_the_profiles_amplitude(scene):
-    film = cross_section(scene, device=DEVICE)
-    swing = film.groupby("x_mm")["surface_um"].agg(["min", "max"])
-    x_m = 1e-3 * swing.index.to_numpy()
-    expected = 2 * np.sinc(109.8 * x_m)
-    np.testing.assert_allclose(swing["max"], expected, rtol=1e-9)
-    np.testing.assert_allclose(swing["min"], -expected, rtol=1e-9)
-    assert (film["finger_um"] == 5).all()

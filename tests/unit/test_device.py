@@ -1,6 +1,5 @@
 """The device: chosen by name, refused with a reason, never asked for more than it has."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -33,14 +32,6 @@ def test_an_option_goes_before_the_environment_and_that_before_the_configuration
     capsys.readouterr()
     assert "matches 'another'" in refused(*one, "--device", "another")
     assert "matches 'no such device'" in refused(*one)
-
-
-def test_groups_stay_within_the_scenes_and_half_the_memory():
-    few = replace(choose_device(), groups=528, memory_bytes=80 * 2**30)
-    assert few.groups_for(10_000, workspace_bytes=7 * 2**20) == 528
-    assert few.groups_for(3, workspace_bytes=7 * 2**20) == 3
-    assert few.groups_for(10_000, workspace_bytes=256 * 2**20) == 160
-    assert few.groups_for(10_000, workspace_bytes=2**40) == 1
 
 
 def test_pocl_is_not_asked_for_a_kernel_that_it_compiles_for_minutes():

@@ -7,8 +7,7 @@ import pandas as pd
 import pytest
 from reference_forces import FOUR_FACTOR_THETA
 
-from reporting.explorer import Models, explorer_page, models_of, modulation_of
-from squeezefilm.io.errors import InputError
+from reporting.explorer import Models, explorer_page, models_of
 
 LIBRARY = "/* the drawing library */"
 
@@ -69,29 +68,3 @@ def test_a_candidate_that_was_refused_is_named_with_the_reason(study, tmp_path):
     page = made(study, models_of(results, fits=["screen"], candidates=["limit_9"]))
     assert "two factors, 60 simulations (screen)" in page
     assert _data(page)["left_out"] == {"limit_9": "t0, t1 cannot be told apart"}
-
-
-def test_films_whose_response_is_not_known_say_why():
-    films = pd.DataFrame(
-        {
-            "h0_m": [5e-6, 6e-6, 7e-6],
-            "hv_m": 1e-6,
-            "status": ["ok", "the film is not slow", "an ellipse"],
-            "corner_hz": [400.0, None, None],
-            "static_gain": 2.0,
-            "prompt_gain": 1.1,
-        }
-    )
-    gains = films[["h0_m", "hv_m"]].assign(
-        frequency_hz=10.0, gain=1.9, phase_deg=-1.0, error=[0.01, 0.2, None]
-    )
-    fast = gains.assign(frequency_hz=4e3, gain=float("nan"), error=float("nan"))
-    assert modulation_of(films, pd.concat([gains, fast]))["films"][0]["gain"] == [1.9, None]
-    known, thick, refused = modulation_of(films, gains)["films"]
-    assert (known["corner_hz"], known["gain"], known["error"]) == (400.0, [1.9], 0.01)
-    assert thick["why"] == "the film is not slow"
-    assert refused["why"] == "an ellipse"
-    without_any = gains.assign(gain=float("nan"), status="two phases")
-    assert modulation_of(films, without_any)["films"][0]["why"] == "two phases"
-    with pytest.raises(InputError, match="different films"):
-        modulation_of(films, gains.iloc[:2])

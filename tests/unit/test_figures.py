@@ -1,7 +1,5 @@
 """Figures: every one is drawn from a study's results, whole, labelled, and the same each time."""
 
-import json
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -72,17 +70,6 @@ def test_a_study_beyond_its_equation_says_so_below_its_figures(study, repository
         assert any("Beyond Re" in text.get_text() for text in texts(drawn(name, thick)))
 
 
-def test_the_second_pattern_may_be_missing(study, tmp_path):
-    results = study.changed(tmp_path, "designs/two_factor.csv", lambda table: table)
-    path = tmp_path / "designs/two_factor.json"
-    summary = json.loads(path.read_text())
-    summary["scalings"]["unit"] = summary["scalings"]["unit"][:1]
-    path.write_text(json.dumps(summary))
-    said = " ".join(text.get_text() for text in texts(drawn("fig11", results)))
-    assert "no such pattern" in said
-    assert "All 20 searches ended in other patterns: A (15)" in said
-
-
 def test_black_dots_lie_outside_the_band(study, tmp_path):
     def off(table: pd.DataFrame) -> pd.DataFrame:
         table.loc[[3, 7], "relative_error"] = [0.4, -0.4]
@@ -92,19 +79,6 @@ def test_black_dots_lie_outside_the_band(study, tmp_path):
     lines = drawn("fig14", results).axes[0].lines
     black = [line for line in lines if line.get_marker() == "o" and line.get_color() == "black"]
     np.testing.assert_allclose(np.sort(black[0].get_ydata()), [-40.0, 40.0])
-
-
-@pytest.mark.parametrize("name", ["fig15", "fig16"])
-@pytest.mark.parametrize(("factor", "ticks"), [(1, [0, 15, 30, 45]), (4, [0, 45, 90, 135, 180])])
-def test_all_positions_of_a_study_lie_on_the_axes(name, factor, ticks, study, tmp_path):
-    def moved(table: pd.DataFrame) -> pd.DataFrame:
-        return table.assign(phi_deg=table["phi_deg"] * factor)
-
-    results = study.changed(tmp_path, "simulations/four_factor/scenes.csv", moved)
-    axes = drawn(name, results).axes[-1]
-    left, right = axes.get_xlim()
-    assert left <= 0 < 45 * factor <= right
-    assert set(ticks) <= {tick for tick in axes.get_xticks() if left <= tick <= right}
 
 
 def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path, refused):

@@ -19,14 +19,6 @@ def commands(repository: Path, *words: str) -> list[str]:
     return [" ".join(line.split()) for line in lines if " snakemake" in line]
 
 
-def test_the_paper_s_study_is_made_before_the_one_beside_it(repository):
-    paper, inertia = commands(repository, "paper-inertia", f"OPTIONS={PROFILE}")
-    assert PROFILE in paper
-    assert PROFILE in inertia
-    assert "config/paper-inertia.yaml" in inertia
-    assert "configfile" not in paper
-
-
 def test_a_run_is_resumed_with_its_options_study_and_target(repository):
     words = (f"OPTIONS=sweep {PROFILE}", "CONFIG=config/sweep.yaml")
     unlock, line = commands(repository, "resume", *words)

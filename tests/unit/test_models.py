@@ -12,14 +12,12 @@ from reporting.figures import FIGURES, save
 from reporting.models import compare, comparison_values
 from reporting.pages import render
 from reporting.results import Results
-from squeezefilm.cli import main as cli
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import SCENE_COLUMNS
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit
-from squeezefilm.models.force_model import TWO_FACTOR, check_models, get_model, make_model
+from squeezefilm.models.force_model import TWO_FACTOR, get_model, make_model
 from squeezefilm.models.parameter_intervals import parameter_ranges
 from squeezefilm.models.search import nelder_mead
 
@@ -97,22 +95,6 @@ def test_a_point_left_out_does_not_know_its_own_force():
     assert np.all(kept[fold != fold[7]] != moved[fold != fold[7]])
 
 
-@pytest.mark.parametrize(
-    ("models", "candidates", "message"),
-    [
-        ({"mine": {"expression": "h0 + phi"}}, [], "models.mine.expression: 'h0 . phi' adds"),
-        ({}, ["none_such"], "comparison.two_factor: model 'none_such' is unknown"),
-    ],
-)
-def test_a_studys_models_are_checked_before_anything_runs(models, candidates, message):
-    named = {
-        "comparison": {"two_factor": candidates, "four_factor": []},
-        "refine": {"two_factor": [], "four_factor": []},
-    }
-    with pytest.raises(InputError, match=f"study.yaml: {message}"):
-        check_models(models, named, place="study.yaml")
-
-
 @pytest.fixture
 def tables(study, tmp_path):
     """Forces of the screen, and made-up limits 1 % above them."""
@@ -133,18 +115,6 @@ def fitted(script, study, tables, tmp_path, name: str) -> dict:
     given |= {"sample": forces, "sample_limits": limits, "scan": []}
     script("fit_candidate", study.config, input=given, output=path, model=name)
     return json.loads(path.read_text())
-
-
-def test_a_fit_to_forces_of_a_scan_knows_what_the_scan_leaves_open(script, study, tmp_path, capsys):
-    forces, summary = str(study.root / "simulations/screen/forces.csv"), tmp_path / "summary.json"
-    summary.write_text(json.dumps({"largest_force_error_share": 0.016}))
-    given = {"forces": forces, "sample": forces, "scan": str(summary)}
-    output = {"fit": tmp_path / "fit.json", "runs": tmp_path / "runs.csv"}
-    script("fit", study.config, input=given, output=output, params={"model": "polynomial_3"})
-    fit = read_fit(tmp_path / "fit.json")
-    assert fit.profile_uncertainty == 0.016
-    assert cli.main(["predict", fit.place, "--h0=6um", "--hv=1.5um"]) == 0
-    assert "1.6" in capsys.readouterr().out
 
 
 def test_models_are_ranked_on_half_of_the_validation_sample(

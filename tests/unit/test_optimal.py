@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.cli.main import main
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
@@ -76,11 +75,3 @@ def test_efficiencies_are_true_and_their_bounds_below_them(made):
     ratio = d_efficiency(derivatives("exact-8"), derivatives("exact-5"))
     listed = table["d_efficiency"]
     assert ratio == pytest.approx(listed["exact-8"] / listed["exact-5"], rel=1e-6)
-
-
-def test_designs_for_a_table_of_ones_own(study, repository, tmp_path, capsys):
-    words = ["optimal", f"{study.root}/fits/screen.json", f"--output={tmp_path}/d.csv"]
-    words += [f"--forces={study.root}/simulations/screen/forces.csv"]
-    assert main([*words, f"--config={repository}/config/quick.yaml"]) == 0
-    assert {"local", "bayesian", "maximin"} < set(pd.read_csv(tmp_path / "d.csv")["design"])
-    assert "d_efficiency" in capsys.readouterr().out

@@ -1,6 +1,5 @@
 """Pages: tables stay tables, nothing is taken for code, and the summary tells what it must."""
 
-import json
 import re
 
 import pytest
@@ -47,18 +46,6 @@ def test_the_summary_says_what_how_accurate_and_where_it_differs(summary):
     assert "- 1 of 2 claims of the paper agree\n" in summary
     assert summary.split("## Where it differs")[1].count("| a | 3 | 0.5 | % | so |") == 1
     assert "It re-makes" in summary
-
-
-def test_the_summary_of_another_actuator_does_not_speak_of_the_paper_s(study, tmp_path):
-    """Its claims, and that the study re-makes it; what the scan leaves open is said."""
-    results = study.changed(tmp_path, "designs/two_factor.csv", lambda table: table)
-    path = tmp_path / "fits/screen.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"profile_uncertainty": 0.016}))
-    results = Results(tmp_path, {**results.config, "paper": False})
-    values = summary_values(results, plans=PLANS, fits=FITS, pairs=PAIRS)
-    own = render("summary.md", **values | {"amplitudes": None, "recommended": []})
-    assert "paper" not in own.partition("\n")[2]
-    assert "moves a force by up to 1.6 %" in own
 
 
 RECOMMENDED = """\

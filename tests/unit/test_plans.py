@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from squeezefilm.film.symmetry import Mirrors
-from squeezefilm.studies import plans
 from squeezefilm.studies.plans import (
     centred_grid,
     finger_positions,
@@ -77,13 +76,3 @@ def test_a_sweep_fills_its_box_more_evenly_than_chance():
     even = [error(sweep_plan(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
     random = [error(random_plan(points=1000, seed=seed, **BOX)) for seed in range(5)]
     assert np.mean(even) < 0.2 * np.mean(random)
-
-
-def test_sweeps_one_after_another_are_one_sweep_whatever_its_pieces(monkeypatch):
-    whole = sweep_plan(points=100, first=0, seed=3, **BOX)
-    monkeypatch.setattr(plans, "PIECE", 7)
-    assert len(list(sweep_pieces(points=100, first=0, seed=3, **BOX))) == 15
-    parts = [sweep_plan(points=count, first=n, seed=3, **BOX) for n, count in ((0, 37), (37, 63))]
-    assert whole.equals(pd.concat(parts, ignore_index=True))
-    assert not whole.equals(sweep_plan(points=100, first=0, seed=4, **BOX))
-    assert whole["point_id"].is_unique

@@ -5,8 +5,6 @@ import pytest
 import xarray
 from PIL import Image
 
-from reporting.figures import style
-from reporting.pressure_pictures import draw_sheet, read_field
 from squeezefilm.cli.main import main
 
 INSTANTS, PLACES = 8, 9
@@ -39,16 +37,3 @@ def test_a_sheet_and_an_animation_are_the_same_each_time(field, tmp_path):
     assert made[0] == made[1]
     with Image.open(tmp_path / "a.gif") as film:
         assert film.n_frames == INSTANTS
-
-
-def test_a_sheet_shows_the_period_and_its_mean(field, tmp_path):
-    field.to_netcdf(tmp_path / "field.nc", engine="scipy")
-    with style.settings():
-        figure = draw_sheet(read_field(tmp_path / "field.nc"))
-    pictures = [axes.images[0].get_array() for axes in figure.axes if axes.images]
-    assert len(pictures) == 9
-    shown = np.ma.filled(pictures[0], np.nan)
-    assert shown == pytest.approx(1e-3 * field["overpressure"][0].to_numpy(), nan_ok=True)
-    line = next(a for a in figure.axes if a.get_ylabel() == "mean overpressure (kPa)").lines[0]
-    highest = 1e2 * (1 / 0.6 - 1)
-    assert max(line.get_ydata()) == pytest.approx(highest)

@@ -1,6 +1,5 @@
 """Profile shapes: analytic ones, and measured ones made smooth with a known error."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,16 +7,10 @@ import pytest
 from example_scan import scan_text
 from scipy.special import jv
 
-from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan
-from squeezefilm.film.measured.tables import described, profile_table, summary_of
-from squeezefilm.film.profiles import Modes, Profile, Sinc, make_profile
+from squeezefilm.film.profiles import Profile, make_profile
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import FACTOR_COLUMNS, ScenePoint
-from squeezefilm.quantities.model_error import resolve_auto_terms
-from squeezefilm.reynolds import solve
-from squeezefilm.studies.study import profile_of, scene_of, smoothed_scan_of
 
 RADIUS_M = 0.01
 
@@ -141,29 +134,6 @@ def test_the_stated_error_covers_the_true_one(smooth, axisymmetric):
     assert 0.85 < np.mean(held) <= 1
 
 
-def test_forces_of_the_worked_example_are_within_two_percent(repository):
-    """The example in config/ is the sinc with 2 % noise: exact forces are known."""
-    config = load_config(repository / "config" / "vibrometer.yaml")
-    places = [(5e-6, 2e-6, 0.0, 0.0), (10e-6, 0.2e-6, 0.0, 0.0), (5e-6, 2e-6, 0.0029, 45.0)]
-    points = [
-        ScenePoint.of("1", **dict(zip(FACTOR_COLUMNS, place, strict=True))) for place in places
-    ]
-    measured = [scene_of(point, config) for point in points]
-    exact = [
-        replace(scene, actuator=replace(scene.actuator, profile=Sinc(109.8))) for scene in measured
-    ]
-    ours, true = (
-        np.array([s.force_n for s in solve(resolve_auto_terms(scenes), tolerance=1e-4)])
-        for scenes in (measured, exact)
-    )
-    assert ours == pytest.approx(true, rel=0.02)
-    smoothed = smoothed_scan_of(config)
-    assert smoothed is not None
-    assert isinstance(profile_of(config), Modes)
-    assert profile_of(config) == smoothed.profile
-    assert smoothed.degree < 10  # noise is left out: points that were left out are not fitted
-
-
 GOOD = scan_text(noise=0.02, missing=0.03, seed=1)
 HEADER, ROWS = GOOD.split("\n", 1)
 WRONG = {
@@ -189,16 +159,3 @@ def test_a_wrong_scan_is_refused(case, smooth):
         smooth(text, axisymmetric="x_" not in text.split("\n")[0])
     assert "scan.csv" in str(refusal.value)
     assert message in str(refusal.value)
-
-
-def test_a_scan_s_table_has_its_outliers_and_residuals(smooth):
-    lines = scan_text(noise=0.02, missing=0.1, seed=2).splitlines()
-    lines[77] = lines[77].split(",")[0] + ",0.75,2.0,0"
-    smoothed = smooth("\n".join(lines), axisymmetric=False)
-    summary = summary_of(smoothed, noise=0.01, error=0.01)
-    table = profile_table(smoothed)
-    assert summary["outlier_lines"] == list(table.loc[table["layer"] == "outliers", "line"]) == [78]
-    assert set(table["layer"]) == {"points", "outliers", "profile"}
-    assert "outliers, not fitted 1 (lines 78)" in described(summary)
-    points = table[table["layer"] == "points"]
-    assert points["residual_um"].std() == pytest.approx(smoothed.noise_m * 1e6, rel=0.1)

@@ -4,7 +4,6 @@ import re
 import shlex
 
 import pytest
-import yaml
 
 from squeezefilm.cli.main import main
 
@@ -34,21 +33,3 @@ def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
     assert told.startswith("force 0.95")
     assert "error_95_percent" in told
     assert len(names["curve"]) == 9
-
-
-@pytest.mark.parametrize("page", ["README.md", "docs/cluster.md"])
-def test_a_profile_stands_after_the_plugin_that_it_needs(repository, page):
-    text = (repository / page).read_text(encoding="utf-8")
-    (at, *_) = [match.start() for match in re.finditer("--workflow-profile profiles/slurm", text)]
-    profile = yaml.safe_load((repository / "profiles/slurm/config.yaml").read_text("utf-8"))
-    assert f"pip install snakemake-executor-plugin-{profile['executor']}\n" in text[:at]
-
-
-def test_the_readme_counts_the_films_that_the_solver_s_page_has(readme, repository):
-    page = (repository / "docs/solver.md").read_text(encoding="utf-8")
-    table = page.partition("### Are forces as good as they say?")[2].partition("\n### ")[0]
-    counts = [int(count) for count in re.findall(r"\| 0 of (\d+) \|", table)]
-    of_any_gap = table[: table.index("| tilted, crowned")].count("| 0 of ")
-    plain, any_gap = sum(counts[:of_any_gap]), sum(counts[of_any_gap:])
-    assert f"Of {plain} random films" in readme
-    assert f"and {any_gap} that are tilted" in readme

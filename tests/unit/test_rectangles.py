@@ -1,6 +1,5 @@
 """A rectangular surface: its modes, its symmetry, and what a study on one is refused for."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,17 +9,13 @@ from example_scan import EXAMPLES, PLATE, scan_text
 
 from squeezefilm.config.loading import Config, load_config, parse_config
 from squeezefilm.film.measured.smooth import smoothed_scan
-from squeezefilm.film.profiles import StandingWave, largest_magnitude
-from squeezefilm.film.surfaces import Disc, Rectangle
+from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
-from squeezefilm.film.validity import check_scene
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
-from squeezefilm.models.data import Factors
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, finger_positions
-from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import check_study, scene_of, symmetry_of
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
@@ -51,17 +46,6 @@ def test_modes_span_the_polynomials_of_their_degree():
     np.testing.assert_allclose(modes @ left, powers, atol=1e-12)
     single = Rectangle(2.0, 2.0).modes_at(orders, x=np.array(x[0]), y=np.array(y[0]))
     np.testing.assert_array_equal(single, modes[0])
-
-
-def test_the_largest_amplitude_is_sought_on_all_of_the_rectangle():
-    assert largest_magnitude(lambda x, y: 3 * x + y, surface=Rectangle(0.04, 0.02)) == (
-        pytest.approx(0.07)
-    )
-    wave = StandingWave(0.2, 90.0, 0.0, surface=Rectangle(0.01, 0.02))
-    crest = replace(wave, crest_m=0.05)  # the middle is a node, the side has most
-    assert wave.crest_share == 1.0
-    top = crest.amplitude(x_m=np.array(0.0), y_m=np.array(0.01))
-    assert abs(float(top)) == pytest.approx(1.0)
 
 
 def test_a_scan_is_smoothed_within_its_error(tmp_path):
@@ -114,22 +98,6 @@ def test_mirrored_positions_have_the_same_force(plate):
     assert folded["x_m"].tolist() == [1.0, 2.0]
     assert folded["y_m"].tolist() == [-3.0, 4.0]
     assert symmetry_from_dict(found.to_dict(), place="fit") == found
-
-
-def test_all_of_the_box_lies_on_the_plate(plate):
-    space = Space.of(study(plate), centred=False)
-    points = space.grid(400, distinct=True)
-    assert len(points) == 4**4
-    assert len(np.unique(np.round(space.coordinates(points), 12), axis=0)) == len(points)
-    check_scene(replace(space.scene, x_m=space.box.upper[2], y_m=space.box.upper[3]))
-
-
-def test_a_position_is_kept_in_the_form_it_was_given():
-    polar = Factors.of(h0_m=5e-6, hv_m=1e-6, phi_r_m=0.002, phi_deg=30)
-    cartesian = Factors.of(h0_m=5e-6, hv_m=1e-6, x_m=polar.x_m, y_m=polar.y_m)
-    assert (polar.position, cartesian.position) == (Disc.position, Rectangle.position)
-    assert cartesian.phi_r_m == pytest.approx(polar.phi_r_m)
-    assert cartesian.phi_deg == pytest.approx(polar.phi_deg)
 
 
 REFUSED = {

@@ -1,6 +1,5 @@
 """What is said of the forces of a measured profile holds: noise, strays, folds, other phases."""
 
-import re
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
 from squeezefilm.film.measured.read import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
@@ -195,28 +193,3 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path.write_text("measured again")
     with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
         read_smoothed(tmp_path / "smoothed.npz", path, settings={"surface": Disc(RADIUS_M)})
-
-
-def test_a_force_of_a_scan_says_what_the_scan_leaves_open(repository, capsys):
-    config = repository / "config" / "vibrometer.yaml"
-    assert cli.main(["simulate", "--h0", "5um", "--hv", "2um", "--config", str(config)]) == 0
-    first = capsys.readouterr().out.splitlines()[0]
-    force, error = (float(first.split()[index]) for index in (1, 4))
-    assert "scan's noise" in first
-    assert re.search(r"solver \de-06 N", first)
-    assert abs(force - 0.79988) < error < 0.02
-    assert len(first.split()[1]) <= 5  # no digit beyond the error
-
-
-def test_a_fold_is_said_with_every_force(edited, tmp_path, capsys):
-    scan = scan_of(profile(RING), noise=0.05, seed=1)
-    rows = zip(scan.x_m * 1e3, scan.y_m * 1e3, np.abs(scan.amplitude_m) * 1e6, strict=True)
-    table = "\n".join(["x_mm,y_mm,amplitude_um", *(f"{x:g},{y:g},{u:.5f}" for x, y, u in rows)])
-    (tmp_path / "scan.csv").write_text(table, encoding="utf-8")
-    measured = {"kind": "measured", "file": "scan.csv", "axisymmetric": False}
-    for sign, status in (({}, 1), ({"sign": "unknown"}, 0)):
-        path = edited("vibrometer", actuator={"profile": measured | sign})
-        command = ["simulate", "--h0=5um", "--hv=2um", f"--config={path}"]
-        assert (cli.main(command) == 0) is (status == 0)
-        said = capsys.readouterr()
-        assert "node line" in said.out + said.err

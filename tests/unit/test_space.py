@@ -7,7 +7,6 @@ import pytest
 
 from squeezefilm.designs.box import Box
 from squeezefilm.film.validity import check_scene
-from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.space import Space
 
@@ -57,11 +56,3 @@ def test_a_grid_has_its_limits_and_each_scene_once(space):
     around = replace(space, box=box)
     points = around.grid(3000, distinct=True)
     assert len(np.unique(np.round(around.coordinates(points), 9), axis=0)) == len(points)
-
-
-def test_points_go_to_a_table_and_back(space, paper):
-    points = space.sample(5, seed=1)
-    np.testing.assert_allclose(space.points(space.table(points)), points, rtol=1e-11)
-    centred = Space.of(paper, centred=True)
-    with pytest.raises(InputError, match="the finger is moved"):
-        centred.points(space.table(points))

@@ -3,11 +3,9 @@
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from squeezefilm.cli import main as cli
-from squeezefilm.config.loading import Config, load_config
+from squeezefilm.config.loading import Config
 from squeezefilm.film.symmetry import Directions
 from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
@@ -97,54 +95,3 @@ def test_the_template_s_directions_stand_for_all_that_differ(quick):
     assert plan_sizes(rectangle)["four_factor"] == len(places) * quick["design"]["points"]
     assert box_of(rectangle).ranges["phi_deg"] == (0, 90)
     assert Space.of(rectangle, centred=False).box.upper[3] == 90
-
-
-@pytest.fixture(scope="module")
-def rectangle(repository, tmp_path_factory, script):
-    """A folder with a 14 × 9 mm pad's study, and a model fitted to simulations of its space."""
-    folder = tmp_path_factory.mktemp("rectangle")
-    text = (repository / "config" / "quick.yaml").read_text(encoding="utf-8")
-    for old, new in (
-        ("length_x: 10 mm", "length_x: 14 mm"),
-        ("length_y: 10 mm", "length_y: 9 mm"),
-        ("surface_radius: 10 mm", "surface_radius: 12 mm"),
-        ("tolerance: 1e-4", "tolerance: 1e-3"),
-    ):
-        assert old in text
-        text = text.replace(old, new)
-    config = folder / "study.yaml"
-    config.write_text(text, encoding="utf-8")
-    design = "point_id,h0_m,hv_m,phi_r_m,phi_deg,origin\n1,5e-6,2e-6,0,0,A\n2,8e-6,1e-6,0,0,A\n"
-    (folder / "design.csv").write_text(design, encoding="utf-8")
-    names = {name: f"{folder}/{name}.csv" for name in ("design", "scenes", "forces")}
-    sample = {name: f"{folder}/sample_{name}.csv" for name in ("scenes", "forces")}
-    study = f"--config={config}"
-    design_of_plan = {"four_factor": [names["design"]], "validation_four_factor": []}
-    for plan, files in (("four_factor", names), ("validation_four_factor", sample)):
-        sources = design_of_plan[plan]
-        script("plan", config, input={"sources": sources}, output=files["scenes"], plan=plan)
-    for words in (
-        ["simulate", names["scenes"], f"--output={names['forces']}"],
-        ["simulate", sample["scenes"], f"--output={sample['forces']}"],
-        [
-            *("fit", names["forces"], "--model=limit_1"),
-            *(f"--sample={sample['forces']}", f"--output={folder}/fit.json"),
-        ],
-    ):
-        assert cli.main([*words, study]) == 0
-    return folder
-
-
-def test_a_prediction_is_the_simulation_wherever_the_finger_is(rectangle):
-    config, out = load_config(rectangle / "study.yaml"), rectangle / "out.csv"
-    words = ["predict", f"{rectangle}/fit.json", "--h0=6um", "--hv=2um", f"--output={out}"]
-    assert cli.main([*words, "--x=-1.5mm,0mm,2mm", "--y=-1mm,0mm,2mm"]) == 0
-    table = pd.read_csv(out)
-    scenes = [
-        scene_of(ScenePoint(str(n), 6e-6, 2e-6, x_m=x, y_m=y), config)
-        for n, (x, y) in enumerate(zip(table["x_m"], table["y_m"], strict=True))
-    ]
-    simulated = [solution.force_n for solution in solve(scenes, tolerance=1e-4)]
-    np.testing.assert_allclose(table["force_n"], simulated, rtol=3e-3)
-    assert table["note"].isna().all()
-    assert np.ptp(simulated) > 0.03 * np.max(simulated)

@@ -59,24 +59,6 @@ def test_only_a_plausible_value_explains(extrapolated):
     assert slip["force_low_n"] < slip["force_high_n"] == pytest.approx(CENTRED_N)
 
 
-def test_curves_pass_through_our_force(tables):
-    curves = tables[1]
-    ours = curves[(curves["claim_id"] == "simulation_at_2.2")]
-    middle = ours[ours["change_percent"].abs() < 1e-9]
-    assert len(middle) == ours["assumption"].nunique() == 6
-    np.testing.assert_allclose(middle["force_n"], CENTRED_N, rtol=1e-5)
-
-
-def test_a_film_that_cannot_be_is_passed_over(paper):
-    def refusing(scene: Scene) -> float:
-        return math.nan if scene.hv_m > 2.3e-6 else film_like(scene)
-
-    table, _ = compare(paper, force=refusing)
-    needed = table.set_index(["claim_id", "assumption"])["needed"]
-    assert needed["simulation_at_2.2", "ambient pressure"] == pytest.approx(104.27, rel=1e-3)
-    assert table["force_low_n"].notna().all()
-
-
 def test_every_force_of_the_script_is_the_solver_s(repository, script, tmp_path, monkeypatch):
     """With few values, to be quick."""
     monkeypatch.setattr(uncertainty, "ASSUMPTIONS", ASSUMPTIONS[:1])

@@ -22,7 +22,6 @@ from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
-from squeezefilm.studies.tasks.fits import limit_table_values
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 from squeezefilm.units import quantities, with_error
 
@@ -120,24 +119,6 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
     np.testing.assert_allclose(table["force_n"], expected, rtol=1e-12)
     np.testing.assert_allclose(table["error_95_n"], 2e-3 + 0.01 * expected, rtol=1e-12)
     np.testing.assert_allclose(table["error_99_n"], 4e-3 + 0.02 * expected, rtol=1e-12)
-
-
-def test_the_uncertainty_of_a_scan_is_part_of_every_error_and_named(write_fit, tmp_path):
-    model, theta = get_model("two_factor"), THETA["two_factor"]
-    predicted, found = [], []
-    for share in (0.0, 0.03):
-        more = {"validation": validation(share), "profile_uncertainty": share}
-        words = [str(write_fit(model, theta, **more)), "--h0=5um"]
-        predicted.append(table_of(["predict", *words, "--hv=1.5um"], tmp_path).iloc[0])
-        found.append(table_of(["working-point", *words, "--force=0.4N"], tmp_path).iloc[0])
-    for without, within in (predicted, found):
-        assert within["error_95_percent"] == pytest.approx(without["error_95_percent"] + 3)
-        assert within["profile_uncertainty_percent"] == pytest.approx(3)
-        assert "profile_uncertainty_percent" not in without
-    without, within = (row["error_95_n"] for row in predicted)
-    assert within == pytest.approx(without + 0.03 * predicted[0]["force_n"])
-    without, within = (row["hv_error_95_m"] for row in found)
-    assert within == pytest.approx(without * (6e-3 + 0.03 * 0.4) / 6e-3)
 
 
 def test_every_use_of_a_model_says_the_same_sentence(write_fit, capsys):
@@ -314,26 +295,6 @@ def test_the_table_of_limits_states_its_error(limit_table):
     assert 0 < table.largest_relative_error < 1e-6
     outside = Factors.of(h0_m=[5e-6, 4e-6, 5e-6], hv_m=[4e-6, 1e-6, 1e-6], x_m=[0, 0, 5e-3])
     assert np.isnan(table.complete(outside).column("limit_n")).all()
-
-
-@pytest.mark.parametrize(
-    ("damage", "message"),
-    [
-        ({"ranges": {}}, "ranges must be of h0_m, epsilon_square"),
-        ({"shape": [1, 2, 3, 4]}, "24 coefficients are needed"),
-        ({"coefficients": {"evil": [0.0]}}, "coefficients.evil"),
-    ],
-)
-def test_a_damaged_table_of_limits_is_refused(damage, message, limit_table, write_fit):
-    model = get_model("limit_2")
-    path = write_fit(model, THETA["limit_2"], limit_table=limit_table | damage)
-    with pytest.raises(InputError, match=rf"limit_2\.json: limit_table.*{message}"):
-        read_fit(path)
-
-
-def test_where_the_limit_does_not_hold_the_table_says_so(edited):
-    values = limit_table_values(load_config(edited(finger={"speed_x_m_per_s": 2})))
-    assert "not derived with bearing" in values["refused"]
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
-from squeezefilm.config.loading import load_config
 from squeezefilm.io.tables import write_json
 from squeezefilm.studies.study import film_of
 
@@ -72,10 +71,3 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
     write_json(values | {"film": {"gas": {}}}, path)
     assert main([*point, "20um"]) == 2
     assert "fit.json: film.gas: " in capsys.readouterr().err
-
-
-def test_a_fit_has_the_terms_that_its_forces_have(repository):
-    """Where a study leaves a term to be decided, some force with it says that it is included."""
-    config = load_config(repository / "config" / "levitation.yaml")
-    assert film_of(config, left_out=["inertia; heat", "heat"])["gas"]["inertia"] == "included"
-    assert film_of(config, left_out=["inertia; heat", "heat"])["gas"]["heat"] == "none"
