@@ -65,18 +65,6 @@ def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
     assert len(quantities(FORCES)[1].cells) == SAMPLE
 
 
-def test_what_is_missing_or_new_fails():
-    found, known = quantities(FORCES), stored(quantities(FORCES))
-    new = Quantity("data", "other", "rows", {"rows": "1"})
-    lost = Quantity("data", "forces", "readable", missing="forces.csv: there is no such table")
-    rows = failures(compare([*found, new], known))
-    assert rows[["item", "expected"]].to_numpy().tolist() == [["other", "not in the reference"]]
-    rows = failures(compare(found[:-1], known))
-    assert rows[["quantity", "got"]].to_numpy().tolist() == [["force_n", "missing"]]
-    rows = failures(compare([lost], known))
-    assert rows["got"].tolist() == [lost.missing]
-
-
 @pytest.mark.parametrize(
     ("tolerance", "expected", "got", "share"),
     [
@@ -104,12 +92,6 @@ def test_a_reference_is_read_as_it_was_written(tmp_path):
     assert differences(found, read_reference(tmp_path)) == []
     write_reference(found[:-1], tmp_path, tmp_path)
     assert [path.name for path in tmp_path.glob("*.csv")] == ["data.csv"]
-
-
-# --- pictures -----------------------------------------------------------------------------------
-
-
-# --- commands -----------------------------------------------------------------------------------
 
 
 def test_a_reference_is_written_only_when_asked_to(tmp_path, repository, monkeypatch, capsys):

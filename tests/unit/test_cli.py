@@ -13,11 +13,6 @@ from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, write_table
 COMMANDS = commands_of()
 
 
-@pytest.fixture(scope="module")
-def config(repository):
-    return str(repository / "config" / "quick.yaml")
-
-
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_explains_itself(command, capsys):
     with pytest.raises(SystemExit) as end:

@@ -1,19 +1,10 @@
 """Candidates for the force model: fitting any formula, and judging it at points left out."""
 
-import json
-import shutil
-
 import numpy as np
-import pandas as pd
 import pytest
 from reference_forces import reference_forces
 
-from reporting.figures import FIGURES, save
-from reporting.models import compare, comparison_values
-from reporting.pages import render
-from reporting.results import Results
 from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import SCENE_COLUMNS
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit
@@ -93,59 +84,3 @@ def test_a_point_left_out_does_not_know_its_own_force():
     fold = fold_numbers(points=60, folds=5, seed=1)
     np.testing.assert_array_equal(kept[fold == fold[7]], moved[fold == fold[7]])
     assert np.all(kept[fold != fold[7]] != moved[fold != fold[7]])
-
-
-@pytest.fixture
-def tables(study, tmp_path):
-    """Forces of the screen, and made-up limits 1 % above them."""
-    forces, limits = study.root / "simulations/screen/forces.csv", tmp_path / "limits.csv"
-    table = pd.read_csv(forces, dtype={"point_id": str})
-    limit_n = 1.01 * table["force_n"]
-    known = table[list(SCENE_COLUMNS)].assign(limit_n=limit_n, fast_limit_n=1.01 * limit_n)
-    known["sigma"] = 5.8e-8 / table["h0_m"] ** 2
-    known.assign(limit_error_n=1e-3, status="ok").to_csv(limits, index=False)
-    return forces, limits
-
-
-def fitted(script, study, tables, tmp_path, name: str) -> dict:
-    forces, limits = map(str, tables)
-    path, limit_table = tmp_path / f"{name}.json", tmp_path / "limit_table.json"
-    limit_table.write_text(json.dumps({"refused": "made up"}))
-    given = {"forces": forces, "limits": limits, "limit_table": str(limit_table)}
-    given |= {"sample": forces, "sample_limits": limits, "scan": []}
-    script("fit_candidate", study.config, input=given, output=path, model=name)
-    return json.loads(path.read_text())
-
-
-def test_models_are_ranked_on_half_of_the_validation_sample(
-    script, study, tables, edited, tmp_path
-):
-    """A point without a force is excluded from the errors, and counted."""
-    names = ("polynomial_3", "limit", "polynomial_5")
-    config = edited("paper", comparison={"two_factor": list(names)})
-    (tmp_path / "models/two_factor").mkdir(parents=True)
-    for name in names:
-        fitted(script, study, tables, tmp_path / "models/two_factor", name)
-    plan = tmp_path / "simulations/validation_two_factor"
-    plan.mkdir(parents=True)
-    table = pd.read_csv(tables[0], dtype={"point_id": str})
-    table.loc[4, ["force_n", "status"]] = np.nan, "not converged"
-    table.to_csv(plan / "forces.csv", index=False)
-    shutil.copy(tables[1], plan / "limits.csv")
-    results = Results.of(tmp_path, config)
-    table, errors = compare(results, "two_factor")
-    rows = table.set_index("model")
-    assert rows.loc["limit", "validation_error"] == pytest.approx(0.01)
-    assert rows.loc["limit", "validation_points"] == 29
-    assert rows.loc["limit", "validation_failed"] == 1
-    assert "t3, t4 cannot be told apart" in rows.loc["polynomial_5", "note"]
-    assert len(errors) == 2 * 29
-    text = render("models.md", **comparison_values(results, "two_factor", table))
-    assert text.index("| polynomial_3 |") < text.index("| limit |") < text.index("Not validated")
-    table.to_csv(tmp_path / "models/two_factor.csv")
-    errors.to_csv(tmp_path / "models/two_factor_errors.csv")
-    save(FIGURES["models/two_factor_errors"], results, [tmp_path / "errors.png"])
-    assert (tmp_path / "errors.png").stat().st_size > 10_000
-    (tmp_path / "models/two_factor/limit.json").unlink()
-    with pytest.raises(InputError, match=r"limit\.json"):
-        compare(results, "two_factor")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from example_scan import EXAMPLES, PLATE, scan_text
 
-from squeezefilm.config.loading import Config, load_config, parse_config
+from squeezefilm.config.loading import Config, load_config
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
@@ -16,7 +16,7 @@ from squeezefilm.io.tables import ScenePoint
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, finger_positions
-from squeezefilm.studies.study import check_study, scene_of, symmetry_of
+from squeezefilm.studies.study import scene_of, symmetry_of
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
 PAD = {"shape": "rectangle", "length_x_m": 0.010, "length_y_m": 0.008}
@@ -98,21 +98,3 @@ def test_mirrored_positions_have_the_same_force(plate):
     assert folded["x_m"].tolist() == [1.0, 2.0]
     assert folded["y_m"].tolist() == [-3.0, 4.0]
     assert symmetry_from_dict(found.to_dict(), place="fit") == found
-
-
-REFUSED = {
-    "polar positions": (
-        ("x: [9.5 mm], y: [5 mm]", "phi_r: [2 mm], phi: [0 deg]"),
-        "positions: on a rectangle they are x and y",
-    ),
-}
-
-
-@pytest.mark.parametrize(("change", "message"), REFUSED.values(), ids=REFUSED)
-def test_a_study_that_makes_no_sense_is_refused(repository, change, message):
-    path = repository / "config" / "plate.yaml"
-    text = path.read_text(encoding="utf-8")
-    assert change[0] in text
-    with pytest.raises(InputError) as refusal:
-        check_study(parse_config(text.replace(*change), path=path))
-    assert message in str(refusal.value)

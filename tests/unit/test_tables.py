@@ -143,17 +143,8 @@ def test_some_rows_of_a_plan_are_read_alone(tmp_path, suffix):
         assert list(read["point_id"]) == ids[rows]
 
 
-WRONG_PARQUET: dict[str, tuple[dict[str, object], str]] = {
-    "not a number": ({"hv_m": [1e-6, np.nan]}, "row 2: hv_m is nan"),
-}
-
-
-@pytest.mark.parametrize("case", WRONG_PARQUET)
-def test_a_wrong_parquet_table_is_refused(case, tmp_path):
-    changes, message = WRONG_PARQUET[case]
+def test_a_wrong_parquet_table_is_refused(tmp_path):
     table = forces()[list(SCENE_COLUMNS)].astype({"h0_m": float, "hv_m": float})
-    for name, values in changes.items():
-        table = table.drop(columns=name) if values is None else table.assign(**{name: values})
-    table.to_parquet(tmp_path / "scenes.parquet")
-    with pytest.raises(InputError, match=message):
+    table.assign(hv_m=[1e-6, np.nan]).to_parquet(tmp_path / "scenes.parquet")
+    with pytest.raises(InputError, match="row 2: hv_m is nan"):
         read_scenes(tmp_path / "scenes.parquet")

@@ -3,11 +3,9 @@
 import math
 
 import numpy as np
-import pandas as pd
 import pytest
 from physics_facts import CENTRED_N
 
-from paper import uncertainty
 from paper.claims import CLAIMS
 from paper.uncertainty import ASSUMPTIONS, compare, differences
 from squeezefilm.film.scene import Scene
@@ -57,18 +55,3 @@ def test_only_a_plausible_value_explains(extrapolated):
     slip = extrapolated.loc["mean free path, by slip"]
     assert math.isnan(slip["needed"])
     assert slip["force_low_n"] < slip["force_high_n"] == pytest.approx(CENTRED_N)
-
-
-def test_every_force_of_the_script_is_the_solver_s(repository, script, tmp_path, monkeypatch):
-    """With few values, to be quick."""
-    monkeypatch.setattr(uncertainty, "ASSUMPTIONS", ASSUMPTIONS[:1])
-    monkeypatch.setattr(uncertainty, "SEARCH_POINTS", 3)
-    monkeypatch.setattr(uncertainty, "CURVE_POINTS", 3)
-    names = {"csv": "u.csv", "curves": "c.csv", "markdown": "u.md", "page": "u.html"}
-    output = {key: tmp_path / name for key, name in names.items()}
-    script("uncertainty", repository / "config/quick.yaml", input={}, output=output)
-    row = pd.read_csv(output["csv"]).iloc[0]
-    assert row["ours_n"] == pytest.approx(CENTRED_N, rel=1e-4)
-    assert row["needed"] == pytest.approx(2.2292, rel=1e-3)
-    assert row["verdict"] == "explains"
-    assert "hv = 2.2 µm: 1; smallest force" in output["markdown"].read_text(encoding="utf-8")
