@@ -185,18 +185,3 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results):
     outside = explorer.browser.run(films, 1.1 * levels[0][-1], inside[1])
     assert outside["films"] == []
     assert outside["why"].startswith("outside")
-
-
-@pytest.mark.parametrize(
-    ("values", "reason"),
-    [
-        ({"h0": 7.0, "hv": 1.0}, ""),
-        ({"h0": 5.0, "hv": 2.2}, "the amplitude lies outside the declared space, 0.2–2 µm"),
-        ({"h0": 4.5, "hv": 1.0}, "the gap lies outside the declared space, 5–10 µm"),
-    ],
-)
-def test_where_a_model_is_not_validated_the_page_says_why(values, reason, explorer):
-    explorer.type(**values)
-    said = explorer.text("validation")
-    assert said.startswith("Not validated: " if reason else "Validated: 95 % error ")
-    assert reason in said

@@ -54,19 +54,6 @@ def test_the_first_page_is_the_headline_with_pictures_and_the_graph_comes_last(r
     assert report.driver.find_element(By.CSS_SELECTOR, "#rulegraph").location["y"] >= below
 
 
-def test_the_claims_open_inside_the_report(report):
-    report.click(report.categories()[0])
-    report.show("Claims")
-    report.wait.until(lambda d: d.find_elements(By.TAG_NAME, "iframe"))
-    report.driver.switch_to.frame(0)
-    try:
-        said = report.driver.find_element(By.TAG_NAME, "body").text
-    finally:
-        report.driver.switch_to.default_content()
-    assert "claims agree" in said
-    assert "force at h0 = 5 µm, hv = 2.2 µm by simulation" in said
-
-
 def test_a_figure_opens_inside_the_report(report):
     [category] = [name for name in report.categories() if "Figures" in name]
     report.click(category)

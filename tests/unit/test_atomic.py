@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -11,7 +10,7 @@ import pytest
 
 from reporting.figures import style
 from squeezefilm.io import atomic
-from squeezefilm.io.atomic import whole_file, write_text
+from squeezefilm.io.atomic import write_text
 from squeezefilm.io.errors import InputError
 from squeezefilm.io.tables import write_json, write_table
 
@@ -54,21 +53,6 @@ def test_no_writer_shows_a_half_written_file(name, tmp_path, monkeypatch):
     WRITERS[name](path)
     assert path.read_bytes() not in (b"before", b"")
     assert [entry.name for entry in tmp_path.iterdir()] == [name]
-
-
-def test_twins_that_write_the_same_file_do_not_meet(tmp_path):
-    path = tmp_path / "forces.csv"
-
-    def write(number: int) -> None:
-        with whole_file(path) as part:
-            part.write_text(f"{number}\n" * 5000)
-
-    with ThreadPoolExecutor(8) as pool:
-        list(pool.map(write, range(40)))
-    lines = path.read_text().splitlines()
-    assert len(lines) == 5000
-    assert len(set(lines)) == 1
-    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repository, tmp_path):

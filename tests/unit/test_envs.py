@@ -64,10 +64,3 @@ def test_the_environment_has_all_that_jobs_import():
     text = ENVIRONMENT.read_text(encoding="utf-8")
     missing = {name for name in wanted if f" {CONDA_NAME.get(name, name)} =" not in text}
     assert missing <= NOT_OF_A_JOB
-
-
-def test_the_lock_has_every_package_that_the_library_imports():
-    wanted = set().union(*(third_party(path) for path in WORKFLOW.rglob("*.py")))
-    text = (REPOSITORY / "requirements.in").read_text(encoding="utf-8")
-    named = {re.split(r"[\[=<> ]", line)[0] for line in text.splitlines() if line[:1].isalpha()}
-    assert wanted <= named

@@ -72,26 +72,6 @@ def slope(formula: Expression, values: dict, name: str) -> np.ndarray:
     return formula.evaluate(**values | {name: values[name] + 1e-30j}).imag / 1e-30
 
 
-def differences(formula: Expression, values: dict, name: str, step: float = 1e-4) -> np.ndarray:
-    at = [formula.evaluate(**values | {name: values[name] + k * step}) for k in (-2, -1, 1, 2)]
-    return (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * step)
-
-
-@pytest.mark.parametrize("text", FORMULAS)
-def test_derivatives_agree_with_differences(text):
-    """At x = 0 too, where a formula is defined there."""
-    rng = np.random.default_rng(1)
-    values = {name: rng.uniform(0.3, 0.9, 12) for name in NAMES}
-    values["x"][:3] = 0.0
-    formula = read(text)
-    defined = np.isfinite(formula.evaluate(**values))
-    assert defined.sum() >= 9
-    values = {name: each[defined] for name, each in values.items()}
-    for name in ("a", "b"):
-        found, difference = slope(formula, values, name), differences(formula, values, name)
-        np.testing.assert_allclose(found, difference, rtol=1e-8, atol=1e-9)
-
-
 def test_the_slope_of_sinc_is_exact_down_to_zero():
     """(cos πu - sinc u)/u loses every digit below 1e-8; by Taylor it is -π²u/3 + π⁴u³/30."""
     u = np.array([0.0, 1e-100, -1e-12, 1e-8, 1e-5, -1e-3])

@@ -16,16 +16,6 @@ THETA = {
 MODELS = pytest.mark.parametrize("model", [TWO_FACTOR, FOUR_FACTOR], ids=lambda m: m.name)
 
 
-def some_factors() -> Factors:
-    rng = np.random.default_rng(3)
-    return Factors.of(
-        h0_m=rng.uniform(5e-6, 10e-6, 25),
-        hv_m=rng.uniform(0.2e-6, 2e-6, 25),
-        phi_r_m=rng.uniform(0, 2.9e-3, 25),
-        phi_deg=rng.uniform(0, 45, 25),
-    )
-
-
 def test_the_piston_formula_is_a_case_of_the_model():
     # Paper eq. (6): 3/2, 1 and -1 in place of the parameters.
     factors = Factors.of(h0_m=5e-6, hv_m=2e-6)
@@ -39,19 +29,6 @@ def test_position_enters_in_degrees_over_45_and_in_metres():
     q = 1 + t3 * 30 / 45 + t4 * 0.002
     by_hand = np.sqrt(1 + t0 * 0.16) / np.sqrt(1 - t1 * q * 0.16) + t2
     assert FOUR_FACTOR.evaluate(THETA[FOUR_FACTOR], factors) == pytest.approx([by_hand], rel=1e-14)
-
-
-@MODELS
-def test_gradient_agrees_with_finite_differences(model):
-    theta, factors = THETA[model], some_factors()
-    gradient = model.gradient(theta, factors)
-    assert gradient.shape == (25, len(theta))
-    for index in range(len(theta)):
-        step = np.zeros_like(theta)
-        step[index] = 1e-5 * max(1, abs(theta[index]))
-        ahead, back = (model.evaluate(theta + sign * step, factors) for sign in (1, -1))
-        difference = (ahead - back) / (2 * step[index])
-        np.testing.assert_allclose(gradient[:, index], difference, rtol=1e-6, atol=1e-10)
 
 
 def test_a_point_without_a_derivative_is_refused_by_name():

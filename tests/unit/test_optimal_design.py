@@ -55,15 +55,6 @@ def test_known_designs_are_found_off_the_grid(gradients, limits, points):
         np.testing.assert_allclose(np.sort(found.points[:, 0]), points, atol=1e-5 * span)
 
 
-def test_the_bayesian_design_is_best_for_the_mean_of_the_vectors():
-    x = np.linspace(0.01, 5, 500)[:, None]
-    stack = np.stack([michaelis_menten(x, k=k) for k in (0.3, 1.0, 3.0)])
-    bayesian, local = optimal_weights(stack), optimal_weights(stack[1])
-    assert bayesian.efficiency_bound > 1 - 1e-5
-    information = np.einsum("kni,n,knj->kij", stack, local.weights, stack)
-    assert bayesian.log_det.mean() > np.linalg.slogdet(information)[1].mean() + 1e-3
-
-
 def test_the_maximin_design_is_best_for_the_worst_vector():
     x = np.linspace(0.01, 5, 500)[:, None]
     stack = np.stack([michaelis_menten(x, k=k) for k in (0.1, 1.0, 5.0)])

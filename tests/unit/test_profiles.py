@@ -102,23 +102,6 @@ def test_a_scan_along_a_radius_gives_an_axisymmetric_profile(smooth):
         smooth(text, axisymmetric=False)
 
 
-def test_phase_and_sign_and_polar_places_say_the_same(smooth):
-    x, y = raster()
-    s = np.sinc(109.8 * np.hypot(x, y))
-    by_sign = table(x, y, np.abs(s), np.sign(s), header="x_m,y_m,amplitude_m,sign")
-    angle, phase = np.arctan2(y, x), np.where(s < 0, 200.0, 20.0)
-    by_phase = table(
-        np.hypot(x, y),
-        np.degrees(angle),
-        np.abs(s),
-        phase,
-        header="r_m,phi_deg,amplitude_m,phase_deg",
-    )
-    x_m, y_m = polar_grid()
-    first, second = (smooth(t).profile.amplitude(x_m=x_m, y_m=y_m) for t in (by_sign, by_phase))
-    assert first == pytest.approx(second, abs=1e-6)
-
-
 @pytest.mark.parametrize("axisymmetric", [True, False])
 def test_the_stated_error_covers_the_true_one(smooth, axisymmetric):
     """Two standard errors hold at about 95 % of the places, over scans with other noise."""

@@ -20,7 +20,7 @@ from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.study import scene_of
-from squeezefilm.studies.tasks.scan_errors import out_of_phase_effect, scan_errors
+from squeezefilm.studies.tasks.scan_errors import scan_errors
 
 RADIUS_M = 0.01
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}
@@ -139,18 +139,6 @@ def with_two_phases(share: float) -> Scan:
     second *= ratio * np.sqrt(np.mean(first**2) / np.mean(second**2))
     u = 1e-6 * (first + 1j * second)
     return Scan(Path("scan.csv"), x_m, y_m, u, np.arange(len(u)), 0, signed=True)
-
-
-def test_little_motion_out_of_phase_is_left_out_and_weighed(scene):
-    """Small forces go as s₁² + s₂²: a share q of the motion makes them q² low."""
-    scan = smooth(with_two_phases(0.025))
-    assert not scan.profile.is_complex
-    assert scan.out_of_phase_effect == pytest.approx(0.025**2, rel=0.15)
-    effect = out_of_phase_effect(on(scene, scan.profile), scan)
-    assert 0.0003 < effect < 0.002
-    errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device()).iloc[0]
-    assert errors.out_of_phase_n == pytest.approx(effect * errors.force_n)
-    assert errors.scan_error_n >= errors.out_of_phase_n
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.7])

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import pyuff
 
-from squeezefilm.film.measured import smooth
 from squeezefilm.film.measured.read import Scan, read_scan
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
@@ -56,6 +55,10 @@ FORMS: dict[str, bytes] = {
     "latin-1": COMMAS.encode("latin-1"),
     "utf-16 with a mark": COMMAS.encode("utf-16"),
     "blanks": PLAIN.replace(",", "   ").encode(),
+    "polar places": text(
+        "r_mm,phi_deg,amplitude_um,phase_deg",
+        *(np.hypot(X, Y), np.degrees(np.arctan2(Y, X)), abs(U), PHASE),
+    ).encode(),
     "brackets": with_header("X [mm],Y [mm],Amplitude [µm],Phase [°]").encode(),
     "a header that is a comment": f"# made today\n# {PLAIN}".encode(),
     "lines before the header": f"Scan data\nDevice;3\n\n{PLAIN}".encode(),
@@ -213,18 +216,3 @@ def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothin
     said = "2 points without an amplitude, excluded from profile and noise (lines 12, 31)"
     assert gaps.warnings == (f"note: {said}",)
     assert rest.warnings == ()
-
-
-def test_of_too_many_points_some_are_fitted(tmp_path, monkeypatch):
-    x, y, u = points(count=60, noise=0.02)
-    path = tmp_path / "scan.csv"
-    path.write_text(text("x_mm,y_mm,amplitude_um,sign", x, y, abs(u), np.sign(u)))
-    monkeypatch.setattr(smooth, "MOST_FITTED", 900)
-    smoothed_scan.cache_clear()
-    fewer = smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=False)
-    smoothed_scan.cache_clear()
-    assert len(fewer.x_m) == 900
-    assert f"900 of {len(x)} points are fitted" in fewer.scan.notes[-1]
-    x_m, y_m, _ = Disc(RADIUS_M).net()
-    off = np.abs(fewer.profile.amplitude(x_m=x_m, y_m=y_m) - np.sinc(109.8 * np.hypot(x_m, y_m)))
-    assert np.mean(off <= 2 * fewer.standard_error(x_m=x_m, y_m=y_m)) > 0.9

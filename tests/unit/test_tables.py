@@ -14,7 +14,6 @@ from squeezefilm.io.tables import (
     read_json,
     read_ok_forces,
     read_scenes,
-    scene_points,
     table_writer,
     write_table,
 )
@@ -30,14 +29,6 @@ def scenes(tmp_path):
         return path
 
     return write
-
-
-def test_a_plan_is_read_in_its_order_with_text_for_names(scenes):
-    table = read_scenes(scenes(f"{HEADER}\n007,5e-6,1e-6,0,0\na b,6e-06,.1e-5,0.001,45\n"))
-    assert list(table["point_id"]) == ["007", "a b"]
-    assert list(table["h0_m"]) == [5e-6, 6e-6]
-    first = scene_points(table)[0]
-    assert (first.point_id, first.hv_m) == ("007", 1e-6)
 
 
 @pytest.mark.parametrize(
@@ -128,19 +119,6 @@ def test_a_wrong_json_file_is_refused(text, tmp_path):
     (tmp_path / "fit.json").write_text(text)
     with pytest.raises(InputError, match=r"fit\.json"):
         read_json(tmp_path / "fit.json")
-
-
-@pytest.mark.parametrize("suffix", ["csv", "parquet"])
-def test_some_rows_of_a_plan_are_read_alone(tmp_path, suffix):
-    ids = [str(number) for number in range(10)]
-    table = pd.concat([forces().iloc[:1]] * 10).assign(point_id=ids)[list(SCENE_COLUMNS)]
-    path = tmp_path / f"scenes.{suffix}"
-    with table_writer(path) as write:
-        for first in range(0, 10, 3):
-            write(table.iloc[first : first + 3])
-    for rows in (slice(0, 10), slice(0, 1), slice(2, 4), slice(3, 6), slice(9, 10), slice(4, 10)):
-        read = read_scenes(path, rows=lambda count, rows=rows: rows if count == 10 else slice(0))
-        assert list(read["point_id"]) == ids[rows]
 
 
 def test_a_wrong_parquet_table_is_refused(tmp_path):

@@ -68,14 +68,6 @@ def test_names_are_checked(settings, message):
         model(**({"expression": "t0*hv"} | settings))
 
 
-def test_parameters_are_those_that_were_declared_and_then_t0_t1():
-    assert model("t10*hv + t2*h0 + rise*hv", parameters=["rise"]).parameter_names == (
-        "rise",
-        "t2",
-        "t10",
-    )
-
-
 def test_a_position_is_cartesian_unless_the_formula_is_polar():
     assert model("t0*x").factor_names == ("h0_m", "hv_m", "x_m", "y_m")
     assert model("t0*r*cos(angle)").factor_names == ("h0_m", "hv_m", "phi_r_m", "phi_deg")

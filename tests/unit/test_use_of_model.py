@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 import shutil
 import subprocess
 from dataclasses import replace
@@ -119,21 +118,6 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
     np.testing.assert_allclose(table["force_n"], expected, rtol=1e-12)
     np.testing.assert_allclose(table["error_95_n"], 2e-3 + 0.01 * expected, rtol=1e-12)
     np.testing.assert_allclose(table["error_99_n"], 4e-3 + 0.02 * expected, rtol=1e-12)
-
-
-def test_every_use_of_a_model_says_the_same_sentence(write_fit, capsys):
-    path = write_fit(get_model("two_factor"), THETA["two_factor"])
-    statement = read_fit(path).statement
-    assert "95 % have a force within the stated 95 % error" in statement
-    assert "not a promise for each" in statement
-    words = [str(path), "--h0=5um"]
-    for command in (["predict", *words, "--hv=1um"], ["working-point", *words, "--force=0.4N"]):
-        assert cli.main(command) == 0
-        assert statement in capsys.readouterr().out
-    for language in LANGUAGES:
-        assert cli.main(["export", str(path), f"--language={language}"]) == 0
-        said = re.sub(r"[\s*/]+", " ", capsys.readouterr().out)
-        assert re.sub(r"[\s*/]+", " ", statement.replace("φ", "phi_")) in said
 
 
 @pytest.mark.parametrize(

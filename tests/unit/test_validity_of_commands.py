@@ -14,12 +14,6 @@ THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
     ("point", "pad_m", "force", "words"),
     [
         (("1nm", "0.1nm"), 0.01, "force 0.0", THIN),
-        (
-            ("5um", "1um"),
-            1e-5,
-            "force 5.80",
-            "h0/l = 0.5 is above 0.1: the equation does not apply",
-        ),
     ],
 )
 def test_one_force_outside_is_printed_with_exit_status_1(

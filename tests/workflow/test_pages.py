@@ -3,7 +3,6 @@
 import json
 import re
 
-import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.text import Text
@@ -75,17 +74,6 @@ def test_the_same_results_give_the_same_files_and_others_do_not(study, tmp_path)
 def test_a_study_beyond_its_equation_says_so_below_its_figures(study, repository):
     thick = Results(study.root, load_config(repository / "config/levitation.yaml"))
     assert any("Beyond Re" in text.get_text() for text in texts(drawn("error_map", thick)))
-
-
-def test_black_dots_lie_outside_the_band(study, tmp_path):
-    def off(table: pd.DataFrame) -> pd.DataFrame:
-        table.loc[[3, 7], "relative_error"] = [0.4, -0.4]
-        return table
-
-    results = study.changed(tmp_path, "validation/two_factor_design_on_screen.csv", off)
-    lines = drawn("fig14", results).axes[0].lines
-    black = [line for line in lines if line.get_marker() == "o" and line.get_color() == "black"]
-    np.testing.assert_allclose(np.sort(black[0].get_ydata()), [-40.0, 40.0])
 
 
 def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path, refused):

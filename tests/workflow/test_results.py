@@ -186,17 +186,6 @@ def test_a_fit_to_a_table_of_ones_own_is_not_validated(study, tmp_path):
     assert pd.isna(sampled["note"])
 
 
-def test_a_fit_is_compared_with_a_table_as_in_its_study(study, tmp_path, capsys):
-    fit = f"{study.root}/fits/two_factor_design.json"
-    forces = f"{study.root}/simulations/screen/forces.csv"
-    output = tmp_path / "errors.csv"
-    assert main(["validate", fit, forces, f"--config={study.config}", f"--output={output}"]) == 0
-    made = study.root / "validation/two_factor_design_on_screen.csv"
-    assert output.read_bytes() == made.read_bytes()
-    summary = json.loads(made.with_suffix(".json").read_text())
-    assert f"{summary['global_error']:.6g}" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("space", "model"), [("two_factor", "limit_1"), ("four_factor", "limit_2")]
 )

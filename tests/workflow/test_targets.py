@@ -60,20 +60,6 @@ def test_a_target_needs_its_own_simulations_alone(target, plans, fresh):
     assert plans_of(fresh.rows(target)) == plans
 
 
-def test_a_study_without_a_reference_can_be_reported(fresh):
-    (fresh.folder / "tests/reference/quick").mkdir(parents=True)
-    done = snakemake(fresh.folder, "everything", "--summary", "--configfile", "config/quick.yaml")
-    assert done.returncode == 0, done.stdout[-2000:]
-    assert "results/quick/report/check.html" in done.stdout
-    config = Path("config/quick.yaml")
-    text = (
-        (fresh.folder / config).read_text(encoding="utf-8").replace("study: quick", "study: mine")
-    )
-    planned = fresh.made_anew("everything", edits={config: text})
-    assert "results/mine/report/summary.html" in planned
-    assert "results/mine/report/check.html" not in planned
-
-
 @pytest.mark.parametrize("study", ["plate", "levitation"])
 def test_a_study_that_is_not_the_papers_makes_nothing_of_the_paper(fresh, study):
     done = snakemake(fresh.folder, "all", "--summary", "--configfile", f"config/{study}.yaml")
