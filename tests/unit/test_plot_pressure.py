@@ -7,7 +7,7 @@ from PIL import Image
 
 from squeezefilm.cli.main import main
 
-INSTANTS, PLACES = 8, 9
+INSTANTS, PLACES = 4, 9
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def test_a_sheet_and_an_animation_are_the_same_each_time(field, tmp_path):
     field.to_netcdf(tmp_path / "field.nc", engine="scipy")
     made = []
     for run in "ab":
-        paths = [tmp_path / f"{run}{kind}" for kind in (".png", ".svg", ".gif")]
+        paths = [tmp_path / f"{run}{kind}" for kind in (".png", ".gif")]
         words = ["plot-pressure", str(tmp_path / "field.nc"), "--output", *map(str, paths)]
         assert main(words) == 0
         made.append([path.read_bytes() for path in paths])

@@ -134,7 +134,10 @@ def test_the_headline_has_the_models_the_amplitudes_and_what_is_left_out(reposit
 
 def explorer(study, **models: list[str]) -> tuple[str, dict]:
     """The explorer's page, and the data on it."""
-    forces = {"screen": study.results.forces("screen"), "</script>": study.results.forces("sweep")}
+    forces = {
+        "screen": study.results.forces("screen"),
+        "</script>": study.results.forces("four_factor"),
+    }
     found = models_of(study.results, **models)
     page = explorer_page(study.results.config, found, forces, drawing_library=LIBRARY)
     return page, json.loads(re.search(r'id="data">(.*?)</script>', page)[1])

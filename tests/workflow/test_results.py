@@ -69,7 +69,7 @@ def test_a_wrong_force_and_days_are_seen(claim_id, file, change, word, study, tm
 
 def test_a_broken_result_is_named(study, tmp_path):
     file = "simulations/extrapolation/forces.csv"
-    results = study.changed(tmp_path, file, lambda table: table.assign(point_id="x"))
+    results = study.changed(tmp_path, file, lambda table: table.assign(point_id=table.index))
     with pytest.raises(InputError, match=rf"{file}.*there is no point 'operating_point'"):
         judge(results)
 
@@ -196,7 +196,7 @@ def test_a_refined_model_is_as_good_as_was_wanted_at_points_it_never_saw(study, 
     forces = read_forces(folder / model / "forces.csv")
     assert len(forces) == verdict["simulations"] <= 20
     assert forces["point_id"].str.startswith("verification").sum() == 8
-    assert not forces.duplicated(["h0_m", "hv_m", "x_m", "y_m"]).any()
+    assert not forces.duplicated(list(FACTOR_COLUMNS)).any()
     row = pd.read_csv(f"{folder}.csv").set_index("model").loc[model]
     assert row["unseen_global_error"] < min(5e-4, row["estimated_global_upper"])
     assert row["share_in_interval"] > 0.8
