@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.api.simulation import merge_forces
-from squeezefilm.cli.main import commands_of, main, with_negative_values
+from squeezefilm.cli.main import commands_of, main
 from squeezefilm.io.errors import InputError, RunError
 from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, write_table
 
@@ -39,12 +39,6 @@ def test_a_typo_is_answered_with_the_nearest_command_alone(word, hint, capsys):
     others = [name for name in COMMANDS if f"'{name}'" in told]
     assert len(others) == (1 if hint else 0)
     assert len(told.splitlines()) == 2
-
-
-def test_a_negative_value_is_no_option():
-    words = ["simulate", "--x", "-2mm", "--y", "-.5,1mm", "--keep-going", "-1", "a", "-2"]
-    joined = ["simulate", "--x=-2mm", "--y=-.5,1mm", "--keep-going=-1", "a", "-2"]
-    assert with_negative_values(words) == joined
 
 
 def part(path: Path, *ids: str, status: str = "ok") -> Path:
