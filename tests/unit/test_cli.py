@@ -7,8 +7,8 @@ import pytest
 
 from squeezefilm.api.simulation import merge_forces
 from squeezefilm.cli.main import commands_of, main
-from squeezefilm.io.errors import InputError, RunError
-from squeezefilm.io.tables import FORCE_COLUMNS, read_forces, write_table
+from squeezefilm.errors import InputError, RunError
+from squeezefilm.tables import FORCE_COLUMNS, read_forces, write_table
 
 COMMANDS = commands_of()
 

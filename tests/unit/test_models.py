@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from reference_forces import reference_forces
 
-from squeezefilm.io.errors import InputError
+from squeezefilm.errors import InputError
 from squeezefilm.models.cross_validation import fold_numbers, left_out_predictions
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit

@@ -7,10 +7,10 @@ import pytest
 from example_scan import scan_text
 from scipy.special import jv
 
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan
 from squeezefilm.film.profiles import Profile, make_profile
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.errors import InputError
 
 RADIUS_M = 0.01
 

@@ -8,15 +8,15 @@ import pytest
 from example_scan import EXAMPLES, PLATE, scan_text
 
 from squeezefilm.config.loading import Config, load_config
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, finger_positions
 from squeezefilm.studies.study import scene_of, symmetry_of
+from squeezefilm.tables import ScenePoint
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
 PAD = {"shape": "rectangle", "length_x_m": 0.010, "length_y_m": 0.008}

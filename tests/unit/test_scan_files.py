@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import pyuff
 
+from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import Scan, read_scan
 from squeezefilm.film.measured.smooth import smoothed_scan
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.io.errors import InputError
 
 FREQUENCY_HZ = 43270.0
 RADIUS_M = 0.01

@@ -7,8 +7,8 @@ import pytest
 
 from squeezefilm.designs.box import Box
 from squeezefilm.film.validity import check_scene
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.studies.space import Space
+from squeezefilm.tables import ScenePoint
 
 
 @pytest.fixture(scope="module")

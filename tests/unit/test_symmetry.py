@@ -7,11 +7,11 @@ import pytest
 
 from squeezefilm.config.loading import Config
 from squeezefilm.film.symmetry import Directions
-from squeezefilm.io.tables import ScenePoint
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import box_of, finger_positions, plan_sizes
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scene_of, symmetry_of
+from squeezefilm.tables import ScenePoint
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
 SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}

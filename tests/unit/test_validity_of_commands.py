@@ -4,8 +4,8 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
-from squeezefilm.io.tables import write_json
 from squeezefilm.studies.study import film_of
+from squeezefilm.tables import write_json
 
 THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
 

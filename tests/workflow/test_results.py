@@ -12,11 +12,11 @@ from reporting import models
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.designs.paper_design import d_efficiency
-from squeezefilm.io.errors import InputError
-from squeezefilm.io.tables import FACTOR_COLUMNS, read_forces
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fit_file import fit_of, read_fit
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
+from squeezefilm.tables import FACTOR_COLUMNS, read_forces
 
 MORE = 1.02
 """Forces of the other study, over those of the first."""

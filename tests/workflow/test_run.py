@@ -2,7 +2,7 @@
 
 import numpy
 
-from squeezefilm.io.tables import read_forces, read_json, read_scenes
+from squeezefilm.tables import read_forces, read_json, read_scenes
 
 from .conftest import EVERYTHING, QUICK, copy_checkout, snakemake
 
