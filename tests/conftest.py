@@ -19,7 +19,9 @@ from squeezefilm.provenance import WORKFLOW
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import ScenePoint
 
-SHARING_ONE_RUN = ("tests/workflow/test_run.py", "tests/workflow/test_reruns.py")
+SHARING_ONE_RUN = tuple(
+    f"tests/workflow/test_{name}.py" for name in ("run", "reruns", "pages", "results")
+)
 
 
 @pytest.fixture(scope="session")

@@ -17,11 +17,10 @@ from squeezefilm.errors import InputError
 from squeezefilm.models.amplitude_for_force import amplitude_for_force
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel, read_fit
-from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import FACTOR_COLUMNS, ScenePoint, read_ok_forces
 
-from .conftest import DESKTOP, Browser
+from .conftest import Browser
 
 EXACT = 1e-9
 SHOWN_UNIT = {"h0": 1e-6, "hv": 1e-6, "phi-r": 1e-3, "phi-phi": 1.0, "wanted": 1.0}
@@ -94,7 +93,7 @@ START = {"h0": 5.0, "hv": 2.0, "phi-r": 0.0, "phi-phi": 0.0, "wanted": 1.0}
 def explorer(browser, results):
     """The page as it looks when it is opened; it stays open from test to test."""
     page = results / "explorer.html"
-    if browser.shown != (page, DESKTOP, False):
+    if browser.shown != page:
         browser.open(page)
     browser.run(
         "const say = (e, kind) => e.dispatchEvent(new Event(kind, {bubbles: true}));"
@@ -107,18 +106,6 @@ def explorer(browser, results):
     yield Explorer(browser, results)
     assert browser.complaints() == []
     assert browser.requests() == []
-
-
-def test_the_page_opens_at_the_edge_of_the_simulated_space(browser, results):
-    browser.open(results / "explorer.html")
-    explorer = Explorer(browser, results)
-    assert {n: float(explorer.element(n).get_attribute("value")) for n in START} == START
-    assert explorer.element("fit").get_attribute("value") == FITS[0]
-
-
-@pytest.fixture(scope="session")
-def screen(results):
-    return read_ok_forces(results / "simulations/screen/forces.csv")
 
 
 @pytest.mark.parametrize("name", [*FITS, *CANDIDATES])
@@ -135,50 +122,6 @@ def test_the_number_shown_is_the_librarys(name, explorer):
         if moved:
             explorer.type(phi_r=some(0, 2.9), phi_phi=some(0, 45))
         assert explorer.force_n == pytest.approx(explorer.library_n(name), rel=0, abs=EXACT)
-
-
-def test_sliders_are_of_the_factors_that_the_model_has(explorer):
-    for name, moves in (("two_factor_design", False), ("limit_2 on four_factor", True)):
-        explorer.choose(name)
-        shown = [explorer.element(each).is_displayed() for each in FACTOR]
-        assert shown == [True, True, moves, moves]
-
-
-def test_without_webgl_the_model_is_drawn_as_lines_of_equal_force(browser_without_webgl, results):
-    browser = browser_without_webgl
-    browser.open(results / "explorer.html")
-    kinds = browser.run("return document.getElementById('space').data.map((t) => t.type)")
-    assert kinds[0] == "contour"
-    assert set(kinds[1:]) == {"scatter"}
-    text = browser.run("return document.body.innerText")
-    assert "lines of equal force" in text
-    assert "WebGL is not supported" not in text
-    assert browser.run("return document.querySelectorAll('#space .contour path').length") > 3
-    assert browser.complaints() == []
-    browser.photograph("explorer-without-webgl")
-
-
-def test_every_control_has_a_name_for_those_who_do_not_see_it(explorer):
-    explorer.choose("four_factor")
-    tree = explorer.browser.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
-    roles = {"slider", "spinbutton", "combobox", "button", "image"}
-    controls = [node for node in tree if node.get("role", {}).get("value") in roles]
-    assert len(controls) >= 15
-    nameless = [node for node in controls if not node.get("name", {}).get("value", "").strip()]
-    assert nameless == []
-    says = explorer.element("h0").get_attribute("aria-valuetext")
-    assert says == "5 µm"
-
-
-def test_the_wanted_force_is_met(explorer):
-    explorer.type(h0=5.0, wanted=1.0)
-    explorer.element("take").click()
-    assert explorer.force_n == pytest.approx(1, rel=0, abs=1e-8)
-    fit = explorer.fit("two_factor_design")
-    amplitude_m = amplitude_for_force(get_model(fit.model), fit.theta, force_n=1.0, h0_m=5e-6)
-    shown = re.match(r"(\d+\.?(\d*)) µm.* for 1 N\b", explorer.text("amplitude"))
-    assert shown, explorer.text("amplitude")
-    assert float(shown[1]) == pytest.approx(1e6 * amplitude_m, abs=0.501 * 10 ** -len(shown[2]))
 
 
 @pytest.mark.parametrize("name", [*FITS, *CANDIDATES])
@@ -215,26 +158,8 @@ def _data(explorer, section, name):
     return next(each for each in data[section] if each["name"] == name)
 
 
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [
-        ({"hv": 2.0, "wanted": 1.5}, "none in the space’s 5–10 µm: at 5 µm it gives"),
-        ({"hv": 2.0, "wanted": 0.01}, "above the space’s 5–10 µm: at the widest the film"),
-        ({"hv": 1.0, "wanted": 0.1}, " µm for 0.1 N"),
-    ],
-)
-def test_where_no_gap_carries_the_load_the_page_says_why(values, said, explorer):
-    explorer.type(**values)
-    assert said in explorer.text("gap")
-    used = explorer.element("float")
-    assert used.is_enabled() == said.startswith(" ")
-    if used.is_enabled():
-        used.click()
-        assert explorer.force_n == pytest.approx(0.1, rel=1e-8)
-        assert re.search(r"± \d", explorer.text("gap"))
-
-
-def test_modulation_is_that_of_the_films_around_the_point(explorer, results, screen):
+def test_modulation_is_that_of_the_films_around_the_point(explorer, results):
+    screen = read_ok_forces(results / "simulations/screen/forces.csv")
     config = load_config(results / "study.yaml")
     films = (
         "const data = JSON.parse(document.getElementById('data').textContent).modulation;"
@@ -260,48 +185,3 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results, scr
     outside = explorer.browser.run(films, 1.1 * levels[0][-1], inside[1])
     assert outside["films"] == []
     assert outside["why"].startswith("outside")
-
-
-@pytest.mark.parametrize(
-    ("values", "reason"),
-    [
-        ({"h0": 7.0, "hv": 1.0}, ""),
-        ({"h0": 5.0, "hv": 2.2}, "the amplitude lies outside the declared space, 0.2–2 µm"),
-        ({"h0": 4.5, "hv": 1.0}, "the gap lies outside the declared space, 5–10 µm"),
-    ],
-)
-def test_where_a_model_is_not_validated_the_page_says_why(values, reason, explorer):
-    explorer.type(**values)
-    said = explorer.text("validation")
-    assert said.startswith("Not validated: " if reason else "Validated: 95 % error ")
-    assert reason in said
-
-
-def test_the_drawings_show_the_point_the_curve_and_the_simulations(explorer, screen):
-    explorer.choose("screen")
-    explorer.type(h0=8.0, hv=1.5, wanted=0.2)
-    explorer.browser.settle()
-
-    def trace(drawing: str, name: str) -> dict[str, list[float]]:
-        return explorer.browser.run(
-            "const {data} = document.getElementById(arguments[0]);"
-            "const t = data.find(t => t.name === arguments[1]);"
-            "return {x: [...t.x], y: [...t.y], z: t.z ? [...t.z] : null}",
-            drawing,
-            name,
-        )
-
-    assert trace("plane", "this point")["x"] == pytest.approx([8.0])
-    assert trace("plane", "this point")["y"] == pytest.approx([1.5])
-    assert trace("space", "this point")["z"] == pytest.approx([explorer.force_n], abs=EXACT)
-    for drawing in ("plane", "space"):
-        fitted = trace(drawing, "fitted")
-        np.testing.assert_allclose(fitted["x"], 1e6 * screen["h0_m"], rtol=1e-12)
-        np.testing.assert_allclose(fitted["y"], 1e6 * screen["hv_m"], rtol=1e-12)
-    curve = trace("plane", "0.2 N")
-    fit = explorer.fit("screen")
-    on_curve = [(x, y) for x, y in zip(curve["x"], curve["y"], strict=True) if y]
-    assert len(on_curve) > 100
-    h0_m, hv_m = 1e-6 * np.array(on_curve).T
-    forces = get_model(fit.model).evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))
-    np.testing.assert_allclose(forces, 0.2, rtol=1e-9)

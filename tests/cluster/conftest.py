@@ -37,15 +37,9 @@ ON_SLURM = (
 def slurm():
     try:
         with private_slurm() as slurm:
-            say(f"Slurm {slurm.run('sinfo', '--version').split()[-1]} runs in {slurm.folder}")
             yield slurm
     except NoSlurm as reason:
         pytest.skip(f"no Slurm: {reason}")
-
-
-def say(text: str) -> None:
-    """Into the log of the stage."""
-    print(f"\n    {text}", end="", flush=True)
 
 
 @dataclass

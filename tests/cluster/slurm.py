@@ -71,7 +71,6 @@ class Job:
     name: str
     state: str
     partition: str
-    nodes: str
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ class Slurm:
     def ended(self) -> list[Job]:
         """The record of the jobs that have ended, in the order in which they did."""
         path = self.folder / "jobs.txt"
-        names = ("JobId", "Name", "JobState", "Partition", "NodeList")
+        names = ("JobId", "Name", "JobState", "Partition")
         jobs = []
         for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
             values = dict(word.split("=", 1) for word in line.split() if "=" in word)

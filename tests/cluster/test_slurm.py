@@ -1,27 +1,16 @@
 """Jobs run on a real Slurm, give the tables that they give here, and survive being ended."""
 
-from .conftest import (
-    LONG,
-    LONG_FORCES,
-    QUICK,
-    QUICK_TABLES,
-    Run,
-    say,
-    wait_until,
-)
+from .conftest import LONG, LONG_FORCES, QUICK, QUICK_TABLES, Run, wait_until
 from .slurm import PARTITION, Job, Slurm
 
 LONG_LOG = "logs/long/simulate/sweep.parquet.log"
 
 
 def jobs_of(run: Run, slurm: Slurm) -> list[Job]:
-    """Slurm's record of the jobs of a run, into the log too."""
+    """Slurm's record of the jobs of a run."""
     numbers = run.submitted()
     wait_until(lambda: {*numbers} <= {job.number for job in slurm.ended()})
-    jobs = [job for job in slurm.ended() if job.number in numbers]
-    for job in jobs:
-        say(f"job {job.number}: {job.state} in partition {job.partition} on {job.nodes}")
-    return jobs
+    return [job for job in slurm.ended() if job.number in numbers]
 
 
 def test_the_quick_study_is_simulated_on_slurm(slurm, checkout, made_locally):
@@ -43,7 +32,6 @@ def test_a_cancelled_job_is_tried_again(slurm, checkout, made_locally):
     wait_until(lambda: (checkout.folder / LONG_LOG).exists(), of=run)
     (number,) = slurm.running()
     slurm.run("scancel", number)
-    say(f"job {number}: cancelled while it ran")
     run.succeeds()
     jobs = jobs_of(run, slurm)
     assert [job.state for job in jobs] == ["CANCELLED", "COMPLETED"]
@@ -59,10 +47,8 @@ def test_a_run_goes_on_after_snakemake_was_killed_though_its_job_writes_later(
     first.process.kill()
     first.process.wait()
     (old,) = slurm.running()
-    slurm.run(
-        "scontrol", "suspend", old
-    )  # so that it writes after the new one, however busy we are
-    say(f"snakemake killed while job {old} ran; the job is held up")
+    # So that it writes after the new one, however busy we are.
+    slurm.run("scontrol", "suspend", old)
     second = checkout.resume(LONG, LONG_FORCES)
     second.succeeds()
     assert [job.state for job in jobs_of(second, slurm)] == ["COMPLETED"]

@@ -2,7 +2,6 @@
 
 import hashlib
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -12,19 +11,11 @@ from pathlib import Path
 import psutil
 import pytest
 
+from ..workflow.conftest import QUICK, copy_checkout
+
 CHECKOUT = Path(__file__).resolve().parents[2]
-PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")
-STUDY = ("--configfile", "config/quick.yaml")
 # A plan, its simulation, a fit and two figures, one of which is drawn beside the simulation.
-SNAKEMAKE = (sys.executable, "-m", "snakemake", "fig07", "fig08", *STUDY)
-
-
-def fresh(folder: Path) -> Path:
-    """A copy of the checkout in which nothing has been made."""
-    for name in PARTS:
-        source = CHECKOUT / name
-        (shutil.copytree if source.is_dir() else shutil.copy)(source, folder / name)
-    return folder
+SNAKEMAKE = (sys.executable, "-m", "snakemake", "fig07", "fig08", *QUICK)
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -39,7 +30,7 @@ def digests(folder: Path) -> dict[str, str]:
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     """The results of a run that nothing befell."""
-    folder = fresh(tmp_path_factory.mktemp("undisturbed"))
+    folder = copy_checkout(CHECKOUT, tmp_path_factory.mktemp("undisturbed"))
     subprocess.run(SNAKEMAKE, cwd=folder, check=True)
     return digests(folder)
 
@@ -63,7 +54,7 @@ def wait_for_job(running: psutil.Popen, command: str) -> psutil.Process:
     [("group", "draw_figures"), ("snakemake", "simulate_plan"), ("job", "fit")],
 )
 def test_a_killed_run_goes_on(victim, command, undisturbed, tmp_path):
-    folder = fresh(tmp_path)
+    folder = copy_checkout(CHECKOUT, tmp_path)
     with (folder / "killed.log").open("w") as log:
         running = psutil.Popen(
             SNAKEMAKE, cwd=folder, stdout=log, stderr=log, start_new_session=True

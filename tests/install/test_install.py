@@ -58,12 +58,3 @@ def test_the_door_opens_without_a_checkout(alone):
     assert found["units"] == "Pa"
     assert found["theta"] == pytest.approx([7.624, 1.917, -1.001], abs=1e-3)
     assert not found["snakemake"]
-
-
-def test_the_command_line_too(alone):
-    words = ("simulate", "--config", "paper.yaml", "--h0", "5um", "--hv", "2.2um", "--x", "-1mm")
-    assert "force 0.95" in run(alone / "alone/bin/squeezefilm", *words, folder=alone)
-    listed = ("-m", "uv", "pip", "list", "--python", alone / "alone/bin/python")
-    packages = run(sys.executable, *listed, folder=alone)
-    assert "snakemake" not in packages
-    assert "squeezefilm" in packages

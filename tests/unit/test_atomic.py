@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -12,7 +11,7 @@ import pytest
 from reporting.figures import style
 from squeezefilm import files
 from squeezefilm.errors import InputError
-from squeezefilm.files import whole_file, write_text
+from squeezefilm.files import write_text
 from squeezefilm.tables import write_json, write_table
 
 TABLE = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6]})
@@ -56,21 +55,6 @@ def test_no_writer_shows_a_half_written_file(name, tmp_path, monkeypatch):
     assert [entry.name for entry in tmp_path.iterdir()] == [name]
 
 
-def test_twins_that_write_the_same_file_do_not_meet(tmp_path):
-    path = tmp_path / "forces.csv"
-
-    def write(number: int) -> None:
-        with whole_file(path) as part:
-            part.write_text(f"{number}\n" * 5000)
-
-    with ThreadPoolExecutor(8) as pool:
-        list(pool.map(write, range(40)))
-    lines = path.read_text().splitlines()
-    assert len(lines) == 5000
-    assert len(set(lines)) == 1
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repository, tmp_path):
     path = tmp_path / "plan" / "forces.csv"
     write_text("before", path)
@@ -86,15 +70,3 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repositor
     assert len(list(path.parent.iterdir())) == 2
     files.remove_parts(tmp_path)
     assert list(path.parent.iterdir()) == [path]
-
-
-@pytest.mark.parametrize("kind", ["a folder in its place", "a file for a folder"])
-def test_a_place_that_cannot_be_written_is_named(tmp_path, kind):
-    path = tmp_path / "plan" / "forces.csv"
-    if kind == "a folder in its place":
-        path.mkdir(parents=True)
-    else:
-        path.parent.write_text("")
-    with pytest.raises(InputError, match=f"{path}: cannot be written: "):
-        write_table(TABLE, path)
-    assert not list(tmp_path.rglob(".*.part"))

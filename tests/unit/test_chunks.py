@@ -5,8 +5,6 @@ import pytest
 
 from squeezefilm.api import simulation
 from squeezefilm.config.loading import Config
-from squeezefilm.errors import InputError
-from squeezefilm.studies import chunks
 from squeezefilm.studies.chunks import chunk_counts, expected_seconds
 
 
@@ -21,12 +19,6 @@ def test_a_plan_has_as_many_jobs_as_its_cost_asks_for(quick):
     assert counts["error_map"] == 7  # 36 scenes
     assert set(chunk_counts(with_jobs_of(quick, 1000)).values()) == {1}
     assert chunk_counts(with_jobs_of(quick, 1e-5))["screen"] == 12  # at least a scene each
-
-
-def test_more_jobs_than_a_workflow_can_handle_are_refused(quick, monkeypatch):
-    monkeypatch.setattr(chunks, "MOST_CHUNKS", 10)
-    with pytest.raises(InputError, match=r"seconds_per_job: 1e-05 s make 12 jobs.*at least \d"):
-        chunk_counts(with_jobs_of(quick, 1e-5))
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])

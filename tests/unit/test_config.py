@@ -64,54 +64,20 @@ def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(repository
 HZ, SINC = "43.27 kHz", "kind: sinc, wave_number: 109.8 1/m"
 LIKE = "allowed: 0.001 … 1e9 Hz, as a number or with its unit, like 1 Hz or 1 kHz"
 WRONG = [  # what is replaced, or begins the file; by what; and what is said
-    ("viscosity:", "viscosty:", "gas: unknown key 'viscosty'; did you mean 'viscosity'?"),
     ("frequency:", "frequency_hz:", "line 20: actuator: unknown key 'frequency_hz'; did you mean"),
-    ("", "slip: 1\n", "line 1: top level: unknown key 'slip'; allowed are"),
     (f"  frequency: {HZ}\n", "", "line 19: actuator: missing 'frequency' (0.001 … 1e9 Hz): freq"),
-    ("screen:", "sweep_:", "missing 'screen' (a section with h0, hv): The first plan"),
     (HZ, "fast", f"line 20: actuator.frequency: 'fast' should be a valid number; {LIKE}"),
-    ("10 mm", "10 kHz", "surface_radius: '10 kHz' should be a valid number; allowed: 1e-6 … 10 m"),
     (HZ, "-3", "frequency: -3 should be greater than or equal to 0.001; allowed"),
-    ("101325 Pa", ".inf", "ambient_pressure: inf should be a finite number"),
-    ("101325 Pa", "9" * 400, "ambient_pressure: inf should be"),
-    (HZ, "true", "actuator.frequency: True should be"),
-    (HZ, "010", "'010' should be a valid number"),
-    (HZ, "12:30", "'12:30' should be a valid number"),
-    (HZ, "", "frequency: None should"),
-    ("points: 10000", "points: 0.5", "points: 0.5 should be a valid integer"),
-    ("solver:\n", "solver: [1]\nsolvers:\n", "solver: [1] is no section; its keys are method"),
     ("kind: sinc", "kind: bassel", "kind: 'bassel' is none of `sinc`, `piston`"),
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
-    ("kind: sinc", "kind: piston", "profile: unknown key 'wave_number'"),
     ("study: paper", "study: ../paper", "study: '../paper' should match pattern"),
-    ("models: {}", "models: {A: {expression: t0}}", "models.A: 'A'"),
-    ("30, 45]", "15]", "positions.phi: a value stands twice"),
     ("", "study: other\n", "line 3: the key 'study' stands twice"),
-    ("", "1: 2\n", "line 1: the key 1 is not text"),
-    ("", "<<: {study: other}\n", "merge keys are not allowed"),
     ("", "a: &x [1]\nb: *x\n", "line 1: an alias is not allowed"),
-    ("", "a: !!python/object:os.system {}\n", "the tag tag:yaml.org,2002:python"),
     ("", "a: [\n", "not valid YAML"),
-    ("", "a: " + "[" * 2000, "study.yaml"),
-    (
-        HZ,
-        "43.27 MHz",
-        "line 20: actuator.frequency: at 4.327e+07 Hz sound in this gas is 7.9e-06 m",
-    ),
     ("stop: 2 µm", "stop: 5 µm", "screen: the largest hv must stay below the smallest h0"),
-    ("hv: 2.2 µm", "hv: 5 µm", "extrapolation: hv must stay below h0"),
-    (
-        "hv: 2.2 µm",
-        "hv: 3.1 µm",
-        "extrapolation.hv: 3.1e-06 does not suit screen.hv, 2e-07 … 2e-06",
-    ),
-    ("start: 0.2 µm", "start: 3 µm", "screen.hv: start must be below"),
     ("h0: {levels: 41}", "h0: {stop: 12 µm}", "error_map.h0.stop: 1.2e-05 does not suit screen.h0"),
     ("2.9 mm]", "3.1 mm]", "off the actuator's 10.00 mm disc"),
-    ("bulge: 0}", "bulge: -4 µm}", "finger touches the surface"),
     (SINC, "kind: formula, expression: open('x')", "actuator.profile.expression: column 1"),
-    (SINC, "kind: formula, expression: 1/x", "has no finite value everywhere"),
-    (SINC, "kind: measured, file: none.csv", "none.csv: there is no such scan"),
 ]
 
 
@@ -157,22 +123,9 @@ models: {own: {expression: t0, parameters: 3}}
     assert said["solver.tolerance"].endswith("; allowed: 1e-10 … 0.1")
 
 
-@pytest.mark.parametrize("text", ["", "paper", "- a\n- b", "3"])
-def test_a_study_is_a_mapping(text, study):
-    with pytest.raises(InputError, match="mapping of keys to values"):
-        load(study(text))
-
-
-def test_a_file_that_cannot_be_read_is_named(tmp_path):
+def test_a_file_that_is_not_there_is_named(tmp_path):
     with pytest.raises(InputError, match="no such configuration file"):
         load(tmp_path / "none.yaml")
-    with pytest.raises(InputError, match="cannot be read"):
-        load(tmp_path)
-    (tmp_path / "latin.yaml").write_bytes("# a\nstudy: für".encode("latin-1"))
-    with pytest.raises(
-        InputError, match=r"latin\.yaml: line 2: the configuration file must be text"
-    ):
-        load(tmp_path / "latin.yaml")
 
 
 def test_line_ends_and_byte_order_mark_do_not_matter(paper, tmp_path):
@@ -181,9 +134,3 @@ def test_line_ends_and_byte_order_mark_do_not_matter(paper, tmp_path):
     plain = tmp_path / "plain.yaml"
     plain.write_text(paper, encoding="utf-8")
     assert dict(load(path)) == dict(load(plain))
-
-
-@pytest.mark.parametrize("text", ["1e-6", "1.E-6", "0.001e-3", "'1e-6'"])
-def test_a_number_may_be_written_with_an_exponent(text, paper, study):
-    config = load(study(paper.replace("tolerance: 1e-6", f"tolerance: {text}")))
-    assert config["solver"]["tolerance"] == 1e-6

@@ -11,8 +11,3 @@ def test_it_builds_and_runs_by_targets_of_the_makefile(repository):
     assert re.search(rf"^{re.escape(made[1].replace('.venv', '$(VENV)'))}:", makefile, re.MULTILINE)
     assert lines[-2:] == ['ENTRYPOINT ["make"]', 'CMD ["paper"]']
     assert re.search(r"^paper:", makefile, re.MULTILINE)
-
-
-def test_results_and_environments_of_the_host_stay_outside(repository):
-    ignored = (repository / ".containerignore").read_text().split()
-    assert {".git", ".venv", ".snakemake", "results/*"} <= set(ignored)

@@ -28,20 +28,3 @@ def test_the_pressure_rises_while_the_surface_is_up_and_on_the_whole(scene):
     assert (mean.iloc[1:-1] > 0).all()
     # Even about the middle, as the profile is.
     np.testing.assert_allclose(mean, mean[::-1], atol=1e-4)
-
-
-def test_the_surface_swings_by_the_profiles_amplitude(scene):
-    film = cross_section(scene, device=DEVICE)
-    swing = film.groupby("x_mm")["surface_um"].agg(["min", "max"])
-    x_m = 1e-3 * swing.index.to_numpy()
-    expected = 2 * np.sinc(109.8 * x_m)
-    np.testing.assert_allclose(swing["max"], expected, rtol=1e-9)
-    np.testing.assert_allclose(swing["min"], -expected, rtol=1e-9)
-    assert (film["finger_um"] == 5).all()
-
-
-def test_of_a_film_without_a_state_only_the_gap_is_known(scene):
-    sliding = replace(scene.finger, shape="ellipse", speed_x_m_per_s=1.0)
-    film = cross_section(replace(scene, finger=sliding), device=DEVICE)
-    assert film["overpressure_kpa"].isna().all()
-    assert film["surface_um"].notna().all()

@@ -1,9 +1,7 @@
 """The device: chosen by name, refused with a reason, never asked for more than it has."""
 
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from squeezefilm.api.simulation import compile_kernels
@@ -34,14 +32,6 @@ def test_an_option_goes_before_the_environment_and_that_before_the_configuration
     capsys.readouterr()
     assert "matches 'another'" in refused(*one, "--device", "another")
     assert "matches 'no such device'" in refused(*one)
-
-
-def test_groups_stay_within_the_scenes_and_half_the_memory():
-    few = replace(choose_device(), groups=528, memory_bytes=80 * 2**30)
-    assert few.groups_for(10_000, workspace_bytes=7 * 2**20) == 528
-    assert few.groups_for(3, workspace_bytes=7 * 2**20) == 3
-    assert few.groups_for(10_000, workspace_bytes=256 * 2**20) == 160
-    assert few.groups_for(10_000, workspace_bytes=2**40) == 1
 
 
 def test_pocl_is_not_asked_for_a_kernel_that_it_compiles_for_minutes():
@@ -92,17 +82,3 @@ def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="apt install gcc"):
         device.kernel(chosen, "none", sources=(), header="// not built")
-
-
-def test_host_arrays_are_taken_up_again_and_none_is_too_small():
-    pool = device.ArrayPool()
-    first = pool.acquire(100)
-    pool.release(first)
-    assert pool.acquire(first.size) is first
-    pool.release(first)
-    larger = pool.acquire(2 * first.size)
-    assert larger.size >= 2 * first.size
-    assert not pool.free
-    for _ in range(10):
-        pool.release(np.empty(100))
-    assert len(pool.free) == 4

@@ -64,23 +64,3 @@ def test_the_environment_has_all_that_jobs_import():
     text = ENVIRONMENT.read_text(encoding="utf-8")
     missing = {name for name in wanted if f" {CONDA_NAME.get(name, name)} =" not in text}
     assert missing <= NOT_OF_A_JOB
-
-
-def test_the_locks_agree_and_name_no_address():
-    pattern = re.compile(r"^(\S+==\S+)", re.MULTILINE)
-    texts = [
-        (REPOSITORY / name).read_text(encoding="utf-8")
-        for name in ("requirements.lock", "requirements-dev.lock")
-    ]
-    run, dev = (set(pattern.findall(text)) for text in texts)
-    assert run < dev
-    for text in texts:
-        assert "://" not in text
-        assert "--hash=sha256:" in text
-
-
-def test_the_lock_has_every_package_that_the_library_imports():
-    wanted = set().union(*(third_party(path) for path in WORKFLOW.rglob("*.py")))
-    text = (REPOSITORY / "requirements.in").read_text(encoding="utf-8")
-    named = {re.split(r"[\[=<> ]", line)[0] for line in text.splitlines() if line[:1].isalpha()}
-    assert wanted <= named

@@ -5,7 +5,6 @@ import pytest
 from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA, reference_forces
 from scipy.optimize import least_squares
 
-from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import evolution, fit_model
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
@@ -60,17 +59,3 @@ def test_as_many_points_as_parameters_are_met_exactly():
     fit = fit_model(TWO_FACTOR, factors, TWO_FACTOR.evaluate(theta, factors))
     assert fit.global_error < 1e-10
     assert fit.theta == pytest.approx(theta, rel=1e-6)
-
-
-def test_bad_forces_and_bounds_are_refused(screen):
-    factors, force = screen
-    with pytest.raises(InputError, match="2 points for the 3 parameters"):
-        fit_model(TWO_FACTOR, factors.take([0, 1]), force[:2])
-    with pytest.raises(InputError, match="forces must be finite"):
-        fit_model(TWO_FACTOR, factors, np.where(np.arange(60) == 3, np.nan, force))
-    with pytest.raises(InputError, match="force_n: 59 forces for 60 points"):
-        fit_model(TWO_FACTOR, factors, force[:-1])
-    with pytest.raises(InputError, match="not all zero"):
-        fit_model(TWO_FACTOR, factors, 0 * force)
-    with pytest.raises(InputError, match="bound"):
-        fit_model(TWO_FACTOR, factors, force, bound=-1.0)

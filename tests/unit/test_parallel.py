@@ -20,10 +20,6 @@ def test_results_are_those_of_a_plain_loop_in_order(processes):
     assert results == [item * item + offset for item in range(20)]
 
 
-def test_several_processes_share_the_work():
-    assert os.getpid() not in parallel_map(lambda _: os.getpid(), range(4), processes=2)
-
-
 def test_a_refusal_in_a_process_reaches_the_caller():
     def refuse(item: int) -> int:
         raise InputError(f"no {item}")

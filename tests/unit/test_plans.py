@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from squeezefilm.film.symmetry import Mirrors
-from squeezefilm.studies import plans
 from squeezefilm.studies.plans import (
     centred_grid,
     finger_positions,
@@ -18,11 +17,6 @@ from squeezefilm.studies.plans import (
     space_filling,
     sweep_pieces,
 )
-
-
-def test_levels_are_even_and_read_well():
-    values = level_values({"start": 5e-6, "stop": 10e-6, "levels": 6})
-    assert " ".join(map(str, values)) == "5e-06 6e-06 7e-06 8e-06 9e-06 1e-05"
 
 
 def test_the_screen_has_every_gap_with_every_amplitude_once(paper):
@@ -64,23 +58,7 @@ def test_positions_of_another_study_fill_the_reachable_space(mirrored):
         assert abs(phase.mean()) < 0.35, wavelength_m
 
 
-def test_positions_that_are_not_written_are_space_filling_but_in_the_paper(paper, quick):
-    assert "points" not in paper["positions"]
-    assert len(finger_positions(quick)) == plan_sizes(quick)["four_factor"] / 5
-
-
 BOX = {"h0_m": (5e-6, 1e-5), "hv_m": (2e-7, 2e-6), "phi_r_m": (0, 2.9e-3), "phi_deg": (0, 45)}
-
-
-def test_random_points_fill_their_box_and_repeat():
-    plan = random_plan(points=400, seed=1, **BOX)
-    for name, (low, high) in BOX.items():
-        assert low <= plan[name].min() < low + 0.02 * (high - low)
-        assert high >= plan[name].max() > high - 0.02 * (high - low)
-    factors = plan.drop(columns="point_id")
-    assert np.abs(np.corrcoef(factors.T) - np.eye(4)).max() < 0.2
-    assert plan.equals(random_plan(points=400, seed=1, **BOX))
-    assert not plan.equals(random_plan(points=400, seed=2, **BOX))
 
 
 def sweep_plan(**arguments: Any) -> pd.DataFrame:
@@ -98,13 +76,3 @@ def test_a_sweep_fills_its_box_more_evenly_than_chance():
     even = [error(sweep_plan(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
     random = [error(random_plan(points=1000, seed=seed, **BOX)) for seed in range(5)]
     assert np.mean(even) < 0.2 * np.mean(random)
-
-
-def test_sweeps_one_after_another_are_one_sweep_whatever_its_pieces(monkeypatch):
-    whole = sweep_plan(points=100, first=0, seed=3, **BOX)
-    monkeypatch.setattr(plans, "PIECE", 7)
-    assert len(list(sweep_pieces(points=100, first=0, seed=3, **BOX))) == 15
-    parts = [sweep_plan(points=count, first=n, seed=3, **BOX) for n, count in ((0, 37), (37, 63))]
-    assert whole.equals(pd.concat(parts, ignore_index=True))
-    assert not whole.equals(sweep_plan(points=100, first=0, seed=4, **BOX))
-    assert whole["point_id"].is_unique

@@ -5,7 +5,6 @@ import pytest
 from reference_forces import reference_forces
 from scipy import stats
 
-from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import local_fit, sum_of_squares
 from squeezefilm.models.force_model import TWO_FACTOR, make_model
@@ -52,13 +51,3 @@ def test_a_parameter_that_the_points_do_not_bound_has_an_open_range():
     slope = parameter_ranges(step, AT, force, theta)[0]
     assert slope.upper == np.inf
     assert 10 < slope.lower < slope.estimate
-
-
-def test_fits_without_a_spare_point_have_no_range():
-    with pytest.raises(InputError, match="more points than parameters"):
-        parameter_ranges(LINE, AT.take(np.arange(2)), [0.1, 0.2], [0.0, 1.0])
-
-
-def test_parameters_that_are_not_the_best_fit_are_refused():
-    with pytest.raises(InputError, match="not those of the best fit"):
-        parameter_ranges(LINE, AT, 0.1 + 2 * EPSILON, [0.1, 2.5])

@@ -2,11 +2,8 @@
 
 import re
 import shlex
-from pathlib import Path
 
-import pandas as pd
 import pytest
-import yaml
 
 from squeezefilm.cli.main import main
 
@@ -26,16 +23,6 @@ def test_the_force_is_the_one_that_is_shown(readme, capsys):
     assert lines[2].partition(" on ")[0] == "periodic"
 
 
-def test_the_curve_is_written(readme, monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    (command,) = re.findall(r"`squeezefilm (simulate .* --output curve\.csv)`", readme)
-    assert main(shlex.split(command)) == 0
-    curve = pd.read_csv("curve.csv")
-    assert list(curve["hv_m"]) == pytest.approx([k * 0.25e-6 for k in range(2, 11)])
-    assert (curve["x_m"] == -2e-3).all()
-    assert curve["force_n"].is_monotonic_increasing
-
-
 def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
     monkeypatch.chdir(repository)
     (code,) = re.findall(r"```python\n(.*?)```", readme, re.DOTALL)
@@ -46,39 +33,3 @@ def test_the_lines_of_python_run(readme, repository, monkeypatch, capsys):
     assert told.startswith("force 0.95")
     assert "error_95_percent" in told
     assert len(names["curve"]) == 9
-
-
-@pytest.mark.parametrize("page", ["README.md", "docs/cluster.md"])
-def test_a_profile_stands_after_the_plugin_that_it_needs(repository, page):
-    text = (repository / page).read_text(encoding="utf-8")
-    (at, *_) = [match.start() for match in re.finditer("--workflow-profile profiles/slurm", text)]
-    profile = yaml.safe_load((repository / "profiles/slurm/config.yaml").read_text("utf-8"))
-    assert f"pip install snakemake-executor-plugin-{profile['executor']}\n" in text[:at]
-
-
-def test_the_readme_counts_the_films_that_the_solver_s_page_has(readme, repository):
-    page = (repository / "docs/solver.md").read_text(encoding="utf-8")
-    table = page.partition("### Are forces as good as they say?")[2].partition("\n### ")[0]
-    counts = [int(count) for count in re.findall(r"\| 0 of (\d+) \|", table)]
-    of_any_gap = table[: table.index("| tilted, crowned")].count("| 0 of ")
-    plain, any_gap = sum(counts[:of_any_gap]), sum(counts[of_any_gap:])
-    assert f"Of {plain} random films" in readme
-    assert f"and {any_gap} that are tilted" in readme
-
-
-def test_the_pitch_says_when_five_simulations_are_a_saving(readme, repository):
-    """As the claims do: the first time, finding the optimal points takes all of the screen."""
-    claims = (repository / "workflow/paper/papers_claims.csv").read_text(encoding="utf-8")
-    assert "only where the optimal points are reused" in claims
-    pitch = readme.partition("\n\n")[2].partition("\n\n")[0]
-    assert "where optimal points are reused" in pitch
-
-
-def test_no_text_cites_what_is_not_in_the_repository(repository):
-    cited = re.compile(r"physics\.md|\(T\d+\b|\bT1?\d(?:,|:| to) ")
-    texts = [*repository.glob("workflow/**/*.py"), *repository.glob("tests/**/*.py")]
-    assert not [
-        str(path)
-        for path in texts
-        if path != Path(__file__) and cited.search(path.read_text("utf-8"))
-    ]

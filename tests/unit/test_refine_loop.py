@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from squeezefilm.designs.sequential import Goal, Outcome, Pool, Sequential, refine_loop
-from squeezefilm.errors import InputError
+from squeezefilm.designs.sequential import Goal, Outcome, Pool, refine_loop
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 
@@ -63,17 +62,6 @@ def test_a_model_that_holds_reaches_the_wanted_error():
     assert found.verdict == "reached"
     np.testing.assert_allclose(found.rounds[-1].theta, [5, 3], rtol=1e-6)
     assert len(asked) == len(set(asked)) == found.rounds[-1].simulations <= 20
-
-
-def test_parameters_that_are_undefined_at_a_new_point_are_sought_anew():
-    """They were kept as they were, and with them a fit that says nothing there."""
-    points, tried = pool(), model("sqrt(1 + t0*(hv/h0)**2)/sqrt(1 - t1*(hv/h0)**2) - 1")
-    force = tried.evaluate([7.0, 2.0], points.factors)
-    loop = Sequential(tried, points, GOAL, lambda at: (force[at], force[at]), 0.1, 100, 1)
-    loop.measure(points.candidates)
-    start = np.array([7.0, 8.0])
-    assert np.isnan(tried.evaluate(start, points.factors)).any()
-    np.testing.assert_allclose(loop.fitted(points.candidates, start), [7, 2], rtol=1e-6)
 
 
 def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():
@@ -137,41 +125,3 @@ def test_the_loop_ends_where_its_budget_or_its_space_does(allowed, batch, made, 
     assert found.verdict == "budget"
     assert reason in found.reason
     assert made - 4 <= len(asked) <= allowed
-
-
-def test_a_model_without_parameters_is_judged_by_its_verification_points_alone():
-    found, asked = run(model("5*(hv/h0)**2"), lambda e: 5 * e**2)
-    assert (found.verdict, len(asked)) == ("reached", CHECKS)
-    assert run(model("5*(hv/h0)**2"), lambda e: 6 * e**2)[0].verdict == "model"
-
-
-def test_the_first_points_tell_the_parameters_apart_though_corners_do_not():
-    """Corners of the space all lie at one distance from the middle along x."""
-    bump = model("(t0 + t1*(x/0.01)**2 + t2*(x/0.01)**4)*(hv/h0)**2")
-    levels = np.linspace(-0.01, 0.01, 6)
-    points, asked = _along_x(levels), []
-
-    def simulate(which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        asked.extend(int(each) for each in which)
-        at = points.factors.take(which)
-        force = (3 - at.x_m**2 / 1e-4 + at.x_m**4 / 1e-8) * at.epsilon**2
-        return force, np.full(len(which), 1e-9)
-
-    found = refine_loop(bump, points, GOAL, simulate, separation=0.1, bound=100, seed=1)
-    assert found.verdict == "reached"
-    np.testing.assert_allclose(found.rounds[0].theta, [3, -1, 1], rtol=1e-6)
-    few = _along_x(np.array([-0.01, -0.005, 0.005, 0.01]))
-    with pytest.raises(InputError, match=r"candidates: .*t0, t1, t2 cannot be told apart"):
-        refine_loop(bump, few, GOAL, simulate, separation=0.1, bound=100, seed=1)
-
-
-def _along_x(levels: np.ndarray) -> Pool:
-    """Gaps, and positions of the finger along x: candidates on a grid, and points anywhere."""
-    gap, along = np.meshgrid([0.0, 1.0], levels)
-    drawn = np.random.default_rng(5).uniform(size=(CHECKS + 200, 2))
-    gaps = 5e-6 + 5e-6 * np.concatenate([gap.ravel(), drawn[:, 0]])
-    x_m = np.concatenate([along.ravel(), 0.02 * drawn[:, 1] - 0.01])
-    factors = Factors.of(h0_m=gaps, hv_m=1e-6, x_m=x_m, y_m=0.0)
-    ends = np.cumsum([0, gap.size, CHECKS, 200])
-    parts = [np.arange(start, stop) for start, stop in pairwise(ends)]
-    return Pool(factors, np.column_stack([gaps / 5e-6, x_m / 0.02]), *parts)

@@ -15,26 +15,6 @@ def test_one_scene_is_told_in_words_and_a_table(capsys):
     assert [line.split()[:2] for line in lines[4:6]] == [["100", "2.134"], ["1000", "1.644"]]
 
 
-def test_a_table_keeps_every_scene_and_frequency(tmp_path, repository):
-    scenes, output, gains = (tmp_path / name for name in ("scenes.csv", "out.csv", "gains.csv"))
-    scenes.write_text(
-        "point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\nb,1e-5,1e-6,0.0029,45\n"
-    )
-    config = str(repository / "config" / "paper.yaml")
-    words = ["response", str(scenes), "--config", config, "--output", str(output)]
-    assert main([*words, "--gains", str(gains), "--frequencies", "10Hz,300Hz"]) == 0
-    table = pd.read_csv(output)
-    assert list(table["status"]) == ["ok", "ok"]
-    assert table["corner_hz"].between(100, 2000).all()
-    rows = pd.read_csv(gains)
-    assert list(zip(rows["point_id"], rows["frequency_hz"], strict=True)) == [
-        ("a", 10),
-        ("a", 300),
-        ("b", 10),
-        ("b", 300),
-    ]
-
-
 def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     scenes, output, steps = (tmp_path / name for name in ("scenes.csv", "out.csv", "steps.csv"))
     scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\nthick,5e-5,2e-6,0,0\n")
@@ -55,20 +35,6 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     assert (abs(film["rising_n"][late] / settled - 1) < 0.05).all()
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["response"], "--h0 and --hv"),
-        ([*ONE, "--frequencies", "10kHz"], "tenth"),
-        ([*ONE, "--frequencies", "10"], "unit of Hz"),
-        (["response", "--h0", "5um,6um", "--hv", "2um"], "one scene by --h0 and --hv"),
-    ],
-)
-def test_mistakes_are_told(words, said, capsys):
-    assert main(words) != 0
-    assert said in capsys.readouterr().err
-
-
 def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     """Forces at amplitudes 1 % apart: a gain of 2.16455 with inertia and 2.16695 without."""
     assert main([*ONE, "--frequencies", "100Hz"]) == 0
@@ -80,24 +46,3 @@ def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     assert inertia.startswith("  inertia: gain for slow modulation -0.11 ± 0.0")
     assert heat.startswith("  heat: gain for slow modulation +0.0")
     assert inertia.endswith(", corner and settling not known")
-
-
-def test_a_table_has_what_the_averaged_film_neglects(tmp_path, repository):
-    """A gap of 0.5 µm is beyond the Knudsen numbers of first-order slip; one of 50 µm not slow."""
-    scenes, output = tmp_path / "scenes.csv", tmp_path / "out.csv"
-    scenes.write_text(
-        "point_id,h0_m,hv_m,phi_r_m,phi_deg\n"
-        "a,8e-6,2e-6,0,0\nthin,5e-7,2e-7,0,0\nthick,5e-5,2e-6,0,0\n"
-    )
-    config = str(repository / "config" / "paper.yaml")
-    assert main(["response", str(scenes), "--config", config, "--output", str(output)]) == 0
-    table = pd.read_csv(output, index_col="point_id")
-    assert table.loc["a", "slip_rise_percent"] == pytest.approx(-5, abs=1)
-    assert (
-        abs(table.loc["a", "inertia_gain_percent"]) > table.loc["a", "inertia_gain_error_percent"]
-    )
-    slip = [name for name in table if name.startswith("slip_")]
-    assert len(slip) == 4
-    assert table.loc["thin", slip].isna().all()
-    assert table.loc["thin", "status"] == "ok"
-    assert table.loc["thick", [*slip, "inertia_gain_percent"]].isna().all()

@@ -1,6 +1,5 @@
 """What is said of the forces of a measured profile holds: noise, strays, folds, other phases."""
 
-import re
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -10,18 +9,17 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
-from squeezefilm.film.profiles import Modes, Profile, make_profile
+from squeezefilm.film.profiles import Profile, make_profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.study import scene_of
-from squeezefilm.studies.tasks.scan_errors import out_of_phase_effect, scan_errors
+from squeezefilm.studies.tasks.scan_errors import scan_errors
 from squeezefilm.tables import ScenePoint
 
 RADIUS_M = 0.01
@@ -83,23 +81,22 @@ def on(scene: Scene, shape: Profile) -> Scene:
 
 
 def test_ninety_five_percent_of_the_intervals_hold_the_force(scene):
-    """100 scans of three modes: one maximum, four equal ones, and crests all along lines.
+    """60 scans of three modes: one maximum, four equal ones, and crests all along lines.
 
     Half of them have strays. If each interval holds the force at 95 %, fewer than asked here do so
     in one of forty such tests.
     """
     device = choose_device()
     held = []
-    for settings, draws in ((SINC, 17), (DIAMETERS, 17), (WAVE, 16)):
+    for settings in (SINC, DIAMETERS, WAVE):
         shape = profile(settings)
         (true,) = solve([on(scene, shape)], tolerance=1e-4, device=device)
-        for strays, seed in product((0, 3), range(draws)):
+        for strays, seed in product((0, 3), range(10)):
             scan = smooth(scan_of(shape, noise=0.03, seed=seed, strays=strays))
             errors = scan_errors([on(scene, scan.profile)], scan, device=device).iloc[0]
             difference = float(errors.force_n) - true.force_n
             held.append(abs(difference) <= errors.scan_error_n + 1e-3 * true.force_n)
-    assert len(held) == 100
-    assert sum(held) >= binom.ppf(0.025, 100, 0.95)
+    assert sum(held) >= binom.ppf(0.025, len(held), 0.95)
 
 
 def test_strays_are_not_fitted(scene):
@@ -114,11 +111,6 @@ def test_strays_are_not_fitted(scene):
         for s in solve([on(scene, s.profile) for s in (with_strays, without)], tolerance=1e-3)
     ]
     assert forces[0] == pytest.approx(forces[1], rel=0.02)
-
-
-def test_many_strays_are_refused():
-    with pytest.raises(InputError, match="lie far from every smooth profile"):
-        smooth(scan_of(profile(SINC), noise=0.01, seed=1, strays=60))
 
 
 @pytest.mark.parametrize("settings", [RING, DIAMETERS, WAVE], ids=["ring", "lines", "wave"])
@@ -137,12 +129,6 @@ def test_an_unsigned_scan_without_a_node_that_matters_is_taken(settings):
         assert not smooth(unsigned(scan_of(profile(settings), noise=noise, seed=seed))).folded
 
 
-def test_a_fold_that_is_accepted_is_named():
-    scan = unsigned(scan_of(profile(RING), noise=0.05, seed=1))
-    assert smooth(scan, sign="unknown").folded
-    assert not smooth(replace(scan, signed=True)).folded
-
-
 def with_two_phases(share: float) -> Scan:
     """A dome with another shape a quarter of a period later: its rms a share of all motion's."""
     x_m, y_m = raster(0.75)
@@ -152,18 +138,6 @@ def with_two_phases(share: float) -> Scan:
     second *= ratio * np.sqrt(np.mean(first**2) / np.mean(second**2))
     u = 1e-6 * (first + 1j * second)
     return Scan(Path("scan.csv"), x_m, y_m, u, np.arange(len(u)), 0, signed=True)
-
-
-def test_little_motion_out_of_phase_is_left_out_and_weighed(scene):
-    """Small forces go as s₁² + s₂²: a share q of the motion makes them q² low."""
-    scan = smooth(with_two_phases(0.025))
-    assert not scan.profile.is_complex
-    assert scan.out_of_phase_effect == pytest.approx(0.025**2, rel=0.15)
-    effect = out_of_phase_effect(on(scene, scan.profile), scan)
-    assert 0.0003 < effect < 0.002
-    errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device()).iloc[0]
-    assert errors.out_of_phase_n == pytest.approx(effect * errors.force_n)
-    assert errors.scan_error_n >= errors.out_of_phase_n
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.7])
@@ -206,41 +180,3 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path.write_text("measured again")
     with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
         read_smoothed(tmp_path / "smoothed.npz", path, settings={"surface": Disc(RADIUS_M)})
-
-
-def test_two_equal_motions_out_of_phase_are_one_of_twice_the_square(scene):
-    """A piston that moves in a circle: the closed form at ε √2."""
-    piston = Modes(((0, 0),), (1.0,), Disc(RADIUS_M))
-    scan = replace(smooth(scan_of(profile(DOME), noise=0.01, seed=1)), out_of_phase=piston)
-
-    def closed(square: float) -> float:
-        return float(np.sqrt((1 + 1.5 * square) / (1 - square)) - 1)
-
-    square = scene.epsilon**2
-    effect = out_of_phase_effect(on(scene, piston), scan)
-    assert effect == pytest.approx(closed(2 * square) / closed(square) - 1, rel=1e-6)
-
-
-def test_a_force_of_a_scan_says_what_the_scan_leaves_open(repository, capsys):
-    config = repository / "config" / "vibrometer.yaml"
-    assert cli.main(["simulate", "--h0", "5um", "--hv", "2um", "--config", str(config)]) == 0
-    first = capsys.readouterr().out.splitlines()[0]
-    force, error = (float(first.split()[index]) for index in (1, 4))
-    assert "scan's noise" in first
-    assert re.search(r"solver \de-06 N", first)
-    assert abs(force - 0.79988) < error < 0.02
-    assert len(first.split()[1]) <= 5  # no digit beyond the error
-
-
-def test_a_fold_is_said_with_every_force(edited, tmp_path, capsys):
-    scan = scan_of(profile(RING), noise=0.05, seed=1)
-    rows = zip(scan.x_m * 1e3, scan.y_m * 1e3, np.abs(scan.amplitude_m) * 1e6, strict=True)
-    table = "\n".join(["x_mm,y_mm,amplitude_um", *(f"{x:g},{y:g},{u:.5f}" for x, y, u in rows)])
-    (tmp_path / "scan.csv").write_text(table, encoding="utf-8")
-    measured = {"kind": "measured", "file": "scan.csv", "axisymmetric": False}
-    for sign, status in (({}, 1), ({"sign": "unknown"}, 0)):
-        path = edited("vibrometer", actuator={"profile": measured | sign})
-        command = ["simulate", "--h0=5um", "--hv=2um", f"--config={path}"]
-        assert (cli.main(command) == 0) is (status == 0)
-        said = capsys.readouterr()
-        assert "node line" in said.out + said.err

@@ -1,7 +1,6 @@
 """A scene has the dimensionless numbers of the paper, and no physically empty scene passes."""
 
 from dataclasses import replace
-from math import nan
 
 import numpy as np
 import pandas as pd
@@ -85,10 +84,6 @@ def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
     ("changes", "message"),
     [
         ({"hv_m": 5e-6}, "surface and finger touch"),
-        ({"hv_m": -1e-6}, "hv_m = -1e-06 must not be negative"),
-        ({"h0_m": 0.0}, "h0_m = 0 must"),
-        ({"h0_m": 1.0}, "h0_m = 1 must"),
-        ({"h0_m": nan}, "h0_m is not a finite number"),
         (cartesian(2.94e-3, 45.0), "off the actuator's 10.00 mm disc"),
     ],
 )
@@ -96,11 +91,3 @@ def test_a_scene_without_a_film_is_refused(scene, changes, message):
     with pytest.raises(InputError, match="point 1: ") as refusal:
         check_scene(replace(scene, **changes))
     assert message in str(refusal.value)
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [{"hv_m": 0.0}, {"hv_m": 4.999e-6}, cartesian(2.92e-3, 45.0), cartesian(3.6e-3, 0.0)],
-)
-def test_a_scene_at_the_limit_passes(scene, changes):
-    check_scene(replace(scene, **changes))

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from squeezefilm.designs.box import Box
-from squeezefilm.errors import InputError
 from squeezefilm.film.validity import check_scene
 from squeezefilm.studies.space import Space
 from squeezefilm.tables import ScenePoint
@@ -21,13 +20,6 @@ def wide(space: Space) -> Space:
     """The same with amplitudes up to the gap and positions off the surface."""
     limits = {"lower": (2e-6, 0.2e-6, 0.0, 0.0), "upper": (10e-6, 4e-6, 4e-3, 45.0)}
     return replace(space, box=Box(space.box.names, **limits))
-
-
-def test_the_space_is_the_screens_and_the_positions(space, paper):
-    assert space.box.lower == (5e-6, 0.2e-6, 0.0, 0.0)
-    assert space.box.upper == (10e-6, 2e-6, 2.9e-3, 45.0)
-    centred = Space.of(paper, centred=True)
-    assert centred.box.names == ("h0_m", "hv_m")
 
 
 @pytest.mark.parametrize("kind", ["grid", "sample"])
@@ -64,17 +56,3 @@ def test_a_grid_has_its_limits_and_each_scene_once(space):
     around = replace(space, box=box)
     points = around.grid(3000, distinct=True)
     assert len(np.unique(np.round(around.coordinates(points), 9), axis=0)) == len(points)
-
-
-def test_points_go_to_a_table_and_back(space, paper):
-    points = space.sample(5, seed=1)
-    np.testing.assert_allclose(space.points(space.table(points)), points, rtol=1e-11)
-    centred = Space.of(paper, centred=True)
-    with pytest.raises(InputError, match="the finger is moved"):
-        centred.points(space.table(points))
-
-
-def test_a_space_without_a_position_on_the_surface_is_refused(space):
-    limits = {"lower": (5e-6, 0.2e-6, 5e-3, 0.0), "upper": (10e-6, 2e-6, 6e-3, 45.0)}
-    with pytest.raises(InputError, match="hardly any finger position"):
-        replace(space, box=Box(space.box.names, **limits)).sample(5, seed=1)

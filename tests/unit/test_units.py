@@ -17,8 +17,6 @@ def model(expression: str, **settings) -> ExpressionModel:
         ("t0*hv + t1*hv**2", ("N/m", "N/m**2")),
         ("t0*(1 + t1*x + t2*y**2)", ("N", "1/m", "1/m**2")),
         ("t0*exp(-t1*h0)*(hv/h0)**t2", ("N", "1/m", "1")),
-        ("limit*(1 + t0*phi)", ("1/deg",)),
-        ("t0*cos(angle)", ("N",)),
         ("sqrt(t0*h0)", ("N**2/m",)),
         ("limit + t0*sigma**1.5", ("N",)),
     ],
@@ -37,13 +35,8 @@ def test_the_papers_parameters_have_the_units_that_the_paper_uses():
     [
         ("h0 + phi", "'h0 . phi' adds quantities in m and in deg"),
         ("1 + h0", "'1 . h0' adds quantities without unit and in m"),
-        ("limit - h0", "'limit - h0' subtracts quantities in N and in m"),
         ("cos(phi)", "radians is called `angle`"),
-        ("exp(h0)", "'exp.h0.' needs a number without unit, not m"),
-        ("limit*hv**t0", "'hv..t0' needs a number without unit, not m"),
         ("hv", "the result is in m; a force in N"),
-        ("t0*h0 + t0", "adds"),
-        ("limit*limit", "the result is in N..2"),
     ],
 )
 def test_units_that_do_not_fit_are_refused_with_the_part(expression, message):
@@ -66,8 +59,6 @@ def test_a_declared_unit_is_held_against_the_formula():
     ("settings", "message"),
     [
         ({"parameters": ["h0"]}, "'h0' cannot name a parameter"),
-        ({"parameters": ["a b"]}, "'a b' cannot name a parameter"),
-        ({"parameters": ["spare"]}, "'spare' does not occur"),
         ({"expression": "slope*hv"}, "'slope': this name is unknown"),
         ({"expression": " + ".join(f"t{i}*hv" for i in range(31))}, "'t30'"),
     ],
@@ -75,14 +66,6 @@ def test_a_declared_unit_is_held_against_the_formula():
 def test_names_are_checked(settings, message):
     with pytest.raises(InputError, match=message):
         model(**({"expression": "t0*hv"} | settings))
-
-
-def test_parameters_are_those_that_were_declared_and_then_t0_t1():
-    assert model("t10*hv + t2*h0 + rise*hv", parameters=["rise"]).parameter_names == (
-        "rise",
-        "t2",
-        "t10",
-    )
 
 
 def test_a_position_is_cartesian_unless_the_formula_is_polar():

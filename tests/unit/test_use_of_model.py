@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 import shutil
 import subprocess
 from dataclasses import replace
@@ -22,7 +21,6 @@ from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
-from squeezefilm.studies.tasks.fits import limit_table_values
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
 from squeezefilm.units import quantities, with_error
 
@@ -122,45 +120,11 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
     np.testing.assert_allclose(table["error_99_n"], 4e-3 + 0.02 * expected, rtol=1e-12)
 
 
-def test_the_uncertainty_of_a_scan_is_part_of_every_error_and_named(write_fit, tmp_path):
-    model, theta = get_model("two_factor"), THETA["two_factor"]
-    predicted, found = [], []
-    for share in (0.0, 0.03):
-        more = {"validation": validation(share), "profile_uncertainty": share}
-        words = [str(write_fit(model, theta, **more)), "--h0=5um"]
-        predicted.append(table_of(["predict", *words, "--hv=1.5um"], tmp_path).iloc[0])
-        found.append(table_of(["working-point", *words, "--force=0.4N"], tmp_path).iloc[0])
-    for without, within in (predicted, found):
-        assert within["error_95_percent"] == pytest.approx(without["error_95_percent"] + 3)
-        assert within["profile_uncertainty_percent"] == pytest.approx(3)
-        assert "profile_uncertainty_percent" not in without
-    without, within = (row["error_95_n"] for row in predicted)
-    assert within == pytest.approx(without + 0.03 * predicted[0]["force_n"])
-    without, within = (row["hv_error_95_m"] for row in found)
-    assert within == pytest.approx(without * (6e-3 + 0.03 * 0.4) / 6e-3)
-
-
-def test_every_use_of_a_model_says_the_same_sentence(write_fit, capsys):
-    path = write_fit(get_model("two_factor"), THETA["two_factor"])
-    statement = read_fit(path).statement
-    assert "95 % have a force within the stated 95 % error" in statement
-    assert "not a promise for each" in statement
-    words = [str(path), "--h0=5um"]
-    for command in (["predict", *words, "--hv=1um"], ["working-point", *words, "--force=0.4N"]):
-        assert cli.main(command) == 0
-        assert statement in capsys.readouterr().out
-    for language in LANGUAGES:
-        assert cli.main(["export", str(path), f"--language={language}"]) == 0
-        said = re.sub(r"[\s*/]+", " ", capsys.readouterr().out)
-        assert re.sub(r"[\s*/]+", " ", statement.replace("φ", "phi_")) in said
-
-
 @pytest.mark.parametrize(
     ("options", "note"),
     [
         (["--h0=5um", "--hv=1um"], ""),
         (["--h0=5um", "--hv=2.2um"], "hv_m outside 2e-07"),
-        (["--h0=4um", "--hv=1um"], "h0_m outside 5e-06"),
         (["--h0=5um", "--hv=1um", "--phi-r=2.95mm", "--phi=10deg"], "phi_r_m outside"),
         (["--h0=1um", "--hv=0.9um"], "undefined here"),
     ],
@@ -189,14 +153,6 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     np.testing.assert_allclose(rise, 2e-3 + 0.01 * 0.5, rtol=3e-2)
 
 
-def test_a_force_beyond_the_models_reach_is_told(write_fit, tmp_path):
-    path = write_fit(get_model("polynomial_5"), THETA["polynomial_5"])
-    found = table_of(["working-point", str(path), "--force=100"], tmp_path)
-    assert len(found) == 6
-    assert found["hv_m"].isna().all()
-    assert all("below contact" in note for note in found["note"])
-
-
 def test_one_unit_at_the_end_is_that_of_all_numbers():
     assert quantities("0.5, 1,2 um", option="--hv", unit="m") == [5e-7, 1e-6, 2e-6]
     assert quantities("-2:2:3mm", option="--x", unit="m") == [-2e-3, 0, 2e-3]
@@ -210,13 +166,7 @@ def test_one_unit_at_the_end_is_that_of_all_numbers():
     ("damage", "message"),
     [
         ({"expression": "__import__('os').getcwd()"}, "no known function"),
-        ({"expression": "theta0*hv"}, "'theta1' does not occur"),
-        ({"parameters": ["theta0"]}, "parameter_units: give one for each"),
         ({"theta": [1.0]}, "'theta' has 1 numbers"),
-        ({"theta": ["x"]}, "theta.0: Input should be a valid number"),
-        ({"validation": {"points": 1}}, "validation.ranges: Field required"),
-        ({"film": {"gas": {}}}, "film.gas: Value error, viscosity_pa_s, ambient_pressure_pa"),
-        ({"refused": "no fit"}, "there is no fit: no fit"),
     ],
 )
 def test_a_damaged_fit_is_refused(damage, message, write_fit, refused):
@@ -305,18 +255,6 @@ def test_exported_code_is_the_model(run, model, theta, write_fit, tmp_path):
     np.testing.assert_array_equal(inside == 0, (factors.hv_m > 2e-6) | (factors.hv_m < 0.2e-6))
 
 
-def test_generated_code_has_the_95_percent_error(write_fit):
-    names: dict = {}
-    fit = write_fit(get_model("two_factor"), THETA["two_factor"])
-    exec(source(read_fit(fit), "python"), names)
-    assert names["error_95_n"](-0.5) == pytest.approx(2e-3 + 0.01 * 0.5)
-    bare = json.loads(fit.read_text())
-    del bare["validation"]
-    fit.write_text(json.dumps(bare))
-    exec(source(read_fit(fit), "python"), names)
-    assert math.isnan(names["error_95_n"](0.5))
-
-
 def test_outside_its_domain_generated_code_gives_no_number(write_fit):
     names: dict = {}
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"]))
@@ -326,18 +264,6 @@ def test_outside_its_domain_generated_code_gives_no_number(write_fit):
     limit: dict = {}
     exec(source(read_fit(write_fit(get_model("limit_2"), THETA["limit_2"])), "python"), limit)
     assert math.isnan(limit["force_n"](5e-6, 1e-6, 5e-3, 0.0))
-
-
-def test_an_export_goes_to_a_file_or_is_refused(write_fit, tmp_path, refused):
-    path = write_fit(get_model("two_factor"), THETA["two_factor"])
-    out = tmp_path / "force.h"
-    assert cli.main(["export", str(path), "--language=c", f"--output={out}"]) == 0
-    assert "two_factor_force_n(double h0_m, double hv_m)" in out.read_text()
-    bare = json.loads(write_fit(get_model("limit_2"), THETA["limit_2"]).read_text())
-    del bare["limit_table"]
-    path.write_text(json.dumps(bare))
-    for command in (["export", "--language=python"], ["predict", "--h0=5um", "--hv=1um"]):
-        assert "table" in refused(command[0], str(path), *command[1:])
 
 
 @pytest.mark.parametrize("name", ['x"); system("true', "a b", "*/", "é", ""])
@@ -353,26 +279,6 @@ def test_the_table_of_limits_states_its_error(limit_table):
     assert 0 < table.largest_relative_error < 1e-6
     outside = Factors.of(h0_m=[5e-6, 4e-6, 5e-6], hv_m=[4e-6, 1e-6, 1e-6], x_m=[0, 0, 5e-3])
     assert np.isnan(table.complete(outside).column("limit_n")).all()
-
-
-@pytest.mark.parametrize(
-    ("damage", "message"),
-    [
-        ({"ranges": {}}, "ranges must be of h0_m, epsilon_square"),
-        ({"shape": [1, 2, 3, 4]}, "24 coefficients are needed"),
-        ({"coefficients": {"evil": [0.0]}}, "coefficients.evil"),
-    ],
-)
-def test_a_damaged_table_of_limits_is_refused(damage, message, limit_table, write_fit):
-    model = get_model("limit_2")
-    path = write_fit(model, THETA["limit_2"], limit_table=limit_table | damage)
-    with pytest.raises(InputError, match=rf"limit_2\.json: limit_table.*{message}"):
-        read_fit(path)
-
-
-def test_where_the_limit_does_not_hold_the_table_says_so(edited):
-    values = limit_table_values(load_config(edited(finger={"speed_x_m_per_s": 2})))
-    assert "not derived with bearing" in values["refused"]
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,8 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
-from squeezefilm.config.loading import load_config
 from squeezefilm.studies.study import film_of
-from squeezefilm.tables import read_forces, write_json, write_table
+from squeezefilm.tables import write_json
 
 THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
 
@@ -15,12 +14,6 @@ THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"
     ("point", "pad_m", "force", "words"),
     [
         (("1nm", "0.1nm"), 0.01, "force 0.0", THIN),
-        (
-            ("5um", "1um"),
-            1e-5,
-            "force 5.80",
-            "h0/l = 0.5 is above 0.1: the equation does not apply",
-        ),
     ],
 )
 def test_one_force_outside_is_printed_with_exit_status_1(
@@ -34,35 +27,6 @@ def test_one_force_outside_is_printed_with_exit_status_1(
     (line,) = [each for each in said.out.splitlines() if each.startswith("validity  ")]
     assert words in line
     assert "outside the limits of validity" in said.err
-
-
-def test_tables_of_the_same_scenes_end_with_0_and_have_the_column(tmp_path, repository, capsys):
-    config = ["--config", str(repository / "config" / "paper.yaml")]
-    table, scenes, forces = (
-        str(tmp_path / f"{name}.csv") for name in ("table", "scenes", "forces")
-    )
-    assert main(["simulate", "--h0", "1nm,5um", "--hv", "0.1nm", *config, "--output", table]) == 0
-    found = pd.read_csv(table)["validity"]
-    assert THIN in found[0]
-    assert found[1] == "ok"
-    rows = [("a", 1e-9, 1e-10, 0.0, 0.0), ("b", 5e-6, 1e-6, 0.0, 0.0)]
-    columns = ["point_id", "h0_m", "hv_m", "phi_r_m", "phi_deg"]
-    write_table(pd.DataFrame(rows, columns=columns), scenes)
-    for words, output in (
-        (["simulate"], forces),
-        (["simulate", "--dry-run"], table),
-        (["budget"], table),
-    ):
-        assert main([*words, scenes, *config, "--output", output]) == 0
-        found = pd.read_csv(output)["validity"]
-        assert THIN in found[0]
-        assert found[1] == "ok"
-    assert read_forces(forces)["validity"][1] == "ok"
-    assert main(["response", scenes, *config, "--output", table]) == 0
-    assert THIN in pd.read_csv(table)["validity"][0]
-    capsys.readouterr()
-    assert main(["simulate", "--h0", "5um", "--hv", "1um", *config]) == 0
-    assert "\nvalidity  ok\n" in capsys.readouterr().out
 
 
 @pytest.fixture
@@ -101,10 +65,3 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
     write_json(values | {"film": {"gas": {}}}, path)
     assert main([*point, "20um"]) == 2
     assert "fit.json: film.gas: " in capsys.readouterr().err
-
-
-def test_a_fit_has_the_terms_that_its_forces_have(repository):
-    """Where a study leaves a term to be decided, some force with it says that it is included."""
-    config = load_config(repository / "config" / "levitation.yaml")
-    assert film_of(config, left_out=["inertia; heat", "heat"])["gas"]["inertia"] == "included"
-    assert film_of(config, left_out=["inertia; heat", "heat"])["gas"]["heat"] == "none"

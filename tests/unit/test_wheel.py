@@ -82,14 +82,6 @@ def test_a_force_needs_no_checkout_and_no_workflow(installed):
     assert float(done.stdout) == pytest.approx(0.962042, rel=1e-4)
 
 
-def test_its_command_line_has_its_own_commands_and_says_what_is_missing(installed):
-    code = "from squeezefilm.cli.main import main\nsys.exit(main(sys.argv[2:]))"
-    assert "figure" not in alone(installed, code, "--help").stdout
-    done = alone(installed, code, "simulate", "--h0=5um", "--hv=1um")
-    assert done.returncode == 2
-    assert "give a study by --config" in done.stderr
-
-
 def test_what_needs_an_extra_names_it(installed):
     code = (
         "film = sf.Film.of(actuator={'frequency': 43270, 'surface_radius': 0.01,\n"

@@ -5,11 +5,14 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import pandas as pd
 import pytest
+
+from reporting.results import Results
 
 HERE = Path(__file__).resolve().parent
 PARTS = ("Snakefile", "config", "envs", "profiles", "workflow")
@@ -63,6 +66,32 @@ def finished(repository, tmp_path_factory):
     done = snakemake(folder, *EVERYTHING, *QUICK)
     assert done.returncode == 0, done.stdout[-6000:]
     return Finished(folder, done.stdout)
+
+
+@dataclass(frozen=True)
+class Study:
+    """Where the results of a study lie, and its configuration."""
+
+    root: Path
+    config: Path
+
+    @property
+    def results(self) -> Results:
+        return Results.of(self.root, self.config)
+
+    def changed(
+        self, folder: Path, file: str, edit: Callable[[pd.DataFrame], pd.DataFrame]
+    ) -> Results:
+        """The results in another folder, with one table changed."""
+        shutil.copytree(self.root, folder, dirs_exist_ok=True)
+        edit(pd.read_csv(folder / file)).to_csv(folder / file, index=False)
+        return Results.of(folder, self.config)
+
+
+@pytest.fixture(scope="session")
+def study(finished):
+    """The quick study's results."""
+    return Study(finished.folder / "results/quick", finished.folder / "config/quick.yaml")
 
 
 class Planner:

@@ -1,8 +1,6 @@
 """A study given by another workflow, or twice on the command line, is used as given or refused."""
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
@@ -19,12 +17,11 @@ configfile: "mine.yaml"
 
 module film:
     snakefile: "{snakefile}"
-    config: {config}
+    config: config
 {more}
 
 use rule * from film as film_*
 """
-Edit = Callable[[dict[str, Any]], object]
 
 
 @pytest.fixture
@@ -32,9 +29,7 @@ def outer(repository, tmp_path):
     """A folder with a workflow of its own that uses this one as a module."""
 
     def write(
-        edit: Edit = lambda study: None,
         *,
-        config: str = "config",
         more: str = "",
         folder: Path = tmp_path,
         snakefile: Path = repository / "workflow/Snakefile",
@@ -42,22 +37,18 @@ def outer(repository, tmp_path):
         text = (repository / "config/quick.yaml").read_text(encoding="utf-8")
         study = yaml.safe_load(text)
         study["study"] = "mine"
-        edit(study)
+        study["screen"]["h0"] = {"start": 5e-6, "stop": 7e-6, "levels": 3}
         (folder / "mine.yaml").write_text(yaml.safe_dump(study), encoding="utf-8")
         (folder / "Snakefile").write_text(
-            OUTER.format(snakefile=snakefile, config=config, more=more), encoding="utf-8"
+            OUTER.format(snakefile=snakefile, more=more), encoding="utf-8"
         )
         return folder
 
     return write
 
 
-def other_gaps(study: dict[str, Any]) -> None:
-    study["screen"]["h0"] = {"start": 5e-6, "stop": 7e-6, "levels": 3}
-
-
 def test_a_module_makes_the_study_that_it_is_given(outer):
-    folder = outer(other_gaps)
+    folder = outer()
     done = snakemake(folder, SCENES, "--cores", "1")
     assert done.returncode == 0, done.stdout
     h0_m = pd.Series(read_scenes(folder / SCENES)["h0_m"].unique())
@@ -83,29 +74,6 @@ def test_a_module_works_in_a_folder_with_spaces_and_umlauts(repository, tmp_path
     assert "Nothing to be done" in snakemake(folder, *files, "--cores", "1").stdout
 
 
-def test_a_module_plans_as_much_as_the_workflow_alone(outer):
-    done = snakemake(outer(), "film_everything", "--dry-run", "--quiet", "progress")
-    assert done.returncode == 0, done.stdout
-    assert "results/mine/models/two_factor" in done.stdout
-    assert "results/paper" not in done.stdout
-
-
-def test_a_module_s_prefix_is_for_its_results(outer):
-    folder = outer(more='    prefix: "sub"')
-    done = snakemake(folder, f"sub/{SCENES}", "--dry-run")
-    assert done.returncode == 0, done.stdout
-
-
-def test_a_module_s_study_is_checked_as_a_file_is(outer):
-    folder = outer(lambda study: study["solver"].update(tolerance=7))
-    refused(snakemake(folder, SCENES, "--dry-run").stdout, "solver.tolerance: 7")
-
-
-def test_a_module_without_a_study_is_not_the_paper(outer):
-    folder = outer(config="dict()")
-    refused(snakemake(folder, "film_all", "--dry-run").stdout, "the module's config: there is none")
-
-
 def refused(output: str, *messages: str) -> None:
     assert "squeezefilm: error:" in output
     for message in messages:
@@ -118,7 +86,6 @@ def refused(output: str, *messages: str) -> None:
     ("words", "message"),
     [
         (("--configfile", "{quick}", "{paper}"), "--configfile names {quick} and {paper}"),
-        (("--configfile", "{quick}", "--configfile", "{paper}"), "{quick} and {paper}"),
         (("--config", "study=mine"), "squeezefilm: error:"),
     ],
 )

@@ -28,9 +28,8 @@ def simulated(made: set[str]) -> set[str]:
         ("seeds: {two_factor: 1", "seeds: {two_factor: 2", "fits/screen.json", OF_A_DESIGN, None),
         ("  points: 30\n", "  points: 31\n", "simulations/sweep/scenes.parquet", {"sweep"}, "fits"),
         ("tolerance: 1e-4", "tolerance: 2e-4", "fits/screen.json", OF_THE_STUDY, None),
-        ("[polynomial_5, limit_2]", "[limit_2]", "models/four_factor.csv", set(), "fits"),
     ],
-    ids=["fit.seeds", "sweep.points", "solver.tolerance", "comparison"],
+    ids=["fit.seeds", "sweep.points", "solver.tolerance"],
 )
 def test_a_section_makes_anew_what_depends_on_it(before, after, anew, plans, kept, planner):
     text = (planner.folder / CONFIG).read_text(encoding="utf-8")
@@ -47,7 +46,6 @@ def test_a_section_makes_anew_what_depends_on_it(before, after, anew, plans, kep
     ("file", "anew", "plans"),
     [
         ("squeezefilm/reynolds/periodic/periodic.cl", "figures/fig08.png", OF_THE_STUDY),
-        ("squeezefilm/models/models.yaml", "fits/screen.json", set()),
         ("reporting/figures/style.py", "figures/fig08.png", set()),
     ],
 )
@@ -108,18 +106,6 @@ def test_results_copied_to_a_clone_are_up_to_date(finished, tmp_path):
     clone = copy_checkout(finished.folder, tmp_path / "clone")
     shutil.copytree(finished.folder / "results", clone / "results")  # with their times
     assert NOTHING in snakemake(clone, *EVERYTHING, "--dry-run", *QUICK).stdout
-
-
-def test_all_files_that_a_study_leaves_are_asked_for(finished, tmp_path):
-    """Or one that was deleted would stay away: the others of its job are there."""
-    asks = finished.folder / "asks.smk"
-    asks.write_text('include: "Snakefile"\nprint(*rules.all.input, file=open("asked", "w"))\n')
-    words = ("all", "--snakefile", "asks.smk", "--summary", "--nolock", *QUICK)
-    done = snakemake(finished.folder, *words)
-    made = set(re.findall(r"^(results/quick/\S+)\t", done.stdout, re.MULTILINE))
-    assert len(made) > 100
-    asked = (finished.folder / "asked").read_text(encoding="utf-8").split()
-    assert {name for name in made - {*asked} if "/chunks/" not in name} == set()
 
 
 def test_a_deleted_file_comes_back(finished, tmp_path):
