@@ -11,7 +11,6 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
-from squeezefilm.studies.solver_settings import SolverSettings
 
 if TYPE_CHECKING:
     import xarray
@@ -25,7 +24,7 @@ TOLERANCE = 1e-4
 def field_of(
     scene: Scene,
     *,
-    settings: SolverSettings,
+    model_tolerance: float,
     device: Device,
     places: int,
     instants: int,
@@ -48,7 +47,7 @@ def field_of(
     if not 1e-8 <= tolerance <= 0.1:
         raise InputError(f"tolerance: {tolerance:g} must lie between 1e-8 and 0.1")
     (scene,) = resolve_auto_terms(
-        [scene], model_tolerance=settings.model_tolerance, method="periodic", device=device
+        [scene], model_tolerance=model_tolerance, method="periodic", device=device
     )
     across = np.linspace(0.0, 1.0, places)
     found = pressure(

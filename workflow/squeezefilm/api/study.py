@@ -19,6 +19,7 @@ from squeezefilm.studies.plans import (
     four_factor_plan,
     level_values,
 )
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in, surface_of
 from squeezefilm.studies.tasks.fits import fit_to_forces, limit_table_values, profile_uncertainty
@@ -107,7 +108,7 @@ class Study(Film):
         self, points: pd.DataFrame, *, limits: bool
     ) -> tuple[pd.DataFrame, pd.DataFrame | None]:
         """Points with their forces, and their physics limits if asked for."""
-        settings = self._settings(None, None)
+        settings = solver_settings(self.config, outputs=())
         scenes = scenes_in(points, self.config)
         solutions = solve(settings.resolved(scenes, self.device), **settings.how(self.device))
         found = solutions.to_frame(points.index)
