@@ -37,7 +37,6 @@ from squeezefilm.api.preview import preview_table, preview_text
 from squeezefilm.api.simulation import missing_of, scenes_of_table, simulate_table
 from squeezefilm.cli.options import add_options, add_point_options, film_at, points_in, write_points
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.validity import OK
 from squeezefilm.solution import OUTPUTS
 from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
@@ -116,7 +115,8 @@ def _simulate_points(
     else:
         forces = forces_of(scenes, derivatives=options.derivatives, budget=options.budget, **how)
         write_points(forces_table(points, forces), options.output)
-        _print_warnings(smoothed)
+        for warning in smoothed.warnings if smoothed else ():
+            print(warning, file=sys.stderr)
     failures = [
         f"row {row}: {reason}" if len(forces) > 1 else reason
         for row, force in enumerate(forces, start=1)
@@ -142,18 +142,12 @@ def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSet
         derivatives=options.derivatives,
     )
     if film.scan is not None:
-        print(
+        alone = (
             "force_error_n is the solver's error alone: what the scan's noise adds, "
-            "`squeezefilm profile` says",
-            file=sys.stderr,
+            "`squeezefilm profile` says"
         )
-    _print_warnings(film.scan)
+        print(alone, *film.scan.warnings, sep="\n", file=sys.stderr)
     if missing := failures + incomplete:
         what = "no force or no derivatives" if options.derivatives else "no force"
         what += ", or not all outputs," * bool(settings.outputs)
         raise RunError(f"{what} for " + "; ".join(missing))
-
-
-def _print_warnings(smoothed: SmoothedScan | None) -> None:
-    for warning in smoothed.warnings if smoothed else ():
-        print(warning, file=sys.stderr)
