@@ -13,6 +13,7 @@ import pandas as pd
 
 from squeezefilm.columns import CARTESIAN, POLAR, form_of
 from squeezefilm.errors import InputError
+from squeezefilm.studies.plans import plan
 from squeezefilm.units import quantities
 
 Values = str | float | Sequence[float] | np.ndarray
@@ -105,9 +106,8 @@ def plan_of(points: pd.DataFrame) -> pd.DataFrame:
     for name in ("h0_m", "hv_m"):
         if name not in points:
             raise InputError(f"points need the column {name!r}")
-    point_id = [str(row) for row in range(1, len(points) + 1)]
-    factors = {name: points.get(name, 0.0) for name in ("h0_m", "hv_m", *form_of(points))}
-    return pd.DataFrame({"point_id": point_id, **factors})
+    place = {name: points[name].to_numpy() for name in form_of(points) if name in points}
+    return plan(h0_m=points["h0_m"].to_numpy(), hv_m=points["hv_m"].to_numpy(), **place)
 
 
 def _levels(values: Values, *, called: str, unit: str) -> list[float]:
