@@ -211,7 +211,7 @@ def solved_with(
     if not (derivatives or settings.outputs):
         return solve(scenes, **settings.how(device), report=report)
     found: list[Solution] = []
-    how = {"tolerance": settings.tolerance, "device": device}
+    how: dict[str, Any] = {"tolerance": settings.tolerance, "device": device}
     for first in range(0, len(scenes), WITH_STATES):
         some = scenes[first : first + WITH_STATES]
         solved: Sequence[Solution] = solve(

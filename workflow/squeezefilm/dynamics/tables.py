@@ -126,7 +126,9 @@ def _levitation_row(found: Levitation, moving: Resonance | None) -> dict[str, ob
         "left_out_most_percent": most,
         "above_range": "; ".join(budget.above_range),
         "status": "ok",
-        "note": "; ".join(filter(None, [*found.notes, *of_another, moving and moving.reason])),
+        "note": "; ".join(
+            filter(None, [*found.notes, *of_another, moving.reason if moving else ""])
+        ),
     }
     if moving is not None:
         row |= {"resonance_hz": moving.frequency_hz, "damping_ratio": moving.damping_ratio}

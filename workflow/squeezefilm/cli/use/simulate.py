@@ -28,6 +28,7 @@ need and why, first grid and expected cost, or with --output writes them, a row 
 
 import argparse
 import sys
+from typing import Any
 
 import pandas as pd
 
@@ -107,7 +108,7 @@ def _simulate_points(
     """One force with all that is known of it, or a table of several."""
     scenes, smoothed = film.scenes(points), film.scan
     device = device_of(film.config, option=options.device)
-    how = {"settings": settings, "device": device, "smoothed": smoothed}
+    how: dict[str, Any] = {"settings": settings, "device": device, "smoothed": smoothed}
     alone = len(scenes) == 1 and not options.output
     if alone:
         forces = [force_of(scenes[0], derivatives=options.derivatives, **how)]
