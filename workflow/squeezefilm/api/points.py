@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from itertools import product
 from math import prod
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 import pandas as pd
@@ -106,7 +106,9 @@ def plan_of(points: pd.DataFrame) -> pd.DataFrame:
     for name in ("h0_m", "hv_m"):
         if name not in points:
             raise InputError(f"points need the column {name!r}")
-    place = {name: points[name].to_numpy() for name in form_of(points) if name in points}
+    place: dict[str, Any] = {
+        name: points[name].to_numpy() for name in form_of(points) if name in points
+    }
     return plan(h0_m=points["h0_m"].to_numpy(), hv_m=points["hv_m"].to_numpy(), **place)
 
 
