@@ -48,11 +48,7 @@ OUTPUT_COLUMNS = tuple(Outputs(asked=tuple(OUTPUTS)).columns())
 
 
 Rows = Callable[[int], slice]
-
-
-def all_rows(count: int) -> slice:
-    """Every row of a table."""
-    return slice(count)
+"""Which rows of a table, given how many there are; ``slice`` is all of them."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +75,7 @@ class ScenePoint:
         return cls(point_id, **factors)
 
 
-def read_scenes(path: Path | str, *, rows: Rows = all_rows) -> pd.DataFrame:
+def read_scenes(path: Path | str, *, rows: Rows = slice) -> pd.DataFrame:
     """Read a plan: ``point_id`` as text, the four factors as finite numbers, order kept.
 
     Args:
@@ -159,7 +155,7 @@ def _read(
     numbers: Sequence[str],
     more: Sequence[str] = (),
     whole: bool = False,
-    rows: Rows = all_rows,
+    rows: Rows = slice,
 ) -> pd.DataFrame:
     """The columns of a table, which may have ``more`` that are left out, unless it is ``whole``."""
     path = Path(path)
