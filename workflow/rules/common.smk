@@ -10,7 +10,7 @@ LIBRARY = Path(workflow.current_basedir).parent.resolve()
 IS_MODULE = not workflow.modifier.is_main_snakefile()
 sys.path.insert(0, str(LIBRARY))
 
-from squeezefilm import files
+from squeezefilm.files import digest as file_digest, remove_parts, write_text
 from squeezefilm.errors import InputError
 from squeezefilm.provenance import SOURCES, code_digest
 from squeezefilm.config import written
@@ -84,7 +84,7 @@ def sections(*names):
         for file, section in ((SCAN, "actuator"), (OUTLINE, "finger"))
         if file and section in found
     ]
-    found["files"] = [files.digest(file) for file in named if file.is_file()]
+    found["files"] = [file_digest(file) for file in named if file.is_file()]
     # The same text however a number is written: 43270, 43270.0 or 43.27 kHz.
     return json.dumps(json.loads(json.dumps(found), parse_int=float), sort_keys=True)
 
@@ -101,7 +101,7 @@ def checked_study():
 
     check_study(CONFIG)
     check_models(CONFIG["models"], CONFIG, place=Path(CONFIG_FILE))
-    files.write_text(json.dumps(chunk_counts(CONFIG)), kept)
+    write_text(json.dumps(chunk_counts(CONFIG)), kept)
     return json.loads(kept.read_text())
 
 
@@ -277,7 +277,7 @@ wildcard_constraints:
 
 onstart:
     try:
-        files.remove_parts(Path("results") / STUDY)
+        remove_parts(Path("results") / STUDY)
         write_effective(CONFIG, Path("results") / STUDY)
     except InputError as error:
         refuse(error)

@@ -130,7 +130,7 @@ rule plan_budget:
     log:
         "<logs>/budget/{plan}.log",
     params:
-        code=CODE["films"],
+        code=CODE["solver"],
         study=sections("solver", *FILM),
     message:
         "What the film equation leaves out of the forces of {wildcards.plan}"
@@ -148,7 +148,7 @@ rule plan_response:
     log:
         "<logs>/response/{plan}.log",
     params:
-        code=CODE["films"],
+        code=CODE["solver"],
         study=sections("solver", *FILM),
     message:
         "How the forces of {wildcards.plan} follow a changing amplitude"
@@ -165,7 +165,7 @@ rule plan_levitation:
     log:
         "<logs>/levitation/{plan}.log",
     params:
-        code=CODE["films"],
+        code=CODE["solver"],
         study=sections("solver", *FILM),
     message:
         "The gaps that carry loads as in {wildcards.plan}"

@@ -1,7 +1,7 @@
 """Write what the film equation leaves out of the forces of a plan."""
 
 from scripts.job import begin
-from squeezefilm.cli.use.budget import budget_table
+from squeezefilm.api.forces import budget_table
 from squeezefilm.config.loading import load_config
 from squeezefilm.tables import read_scenes, write_table
 

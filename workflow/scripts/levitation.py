@@ -3,15 +3,20 @@
 import pandas as pd
 
 from scripts.job import begin
-from squeezefilm.cli.use.levitate import levitations, like, points_at
+from squeezefilm.api.film import Film
+from squeezefilm.api.forces import scan_error_of
 from squeezefilm.config.loading import load_config
-from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.dynamics.tables import levitations, loads_like
+from squeezefilm.film.validity import GAPS_M
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.tables import write_table
 
 snakemake = begin()
-config = load_config(snakemake.config["study_file"])
-loads_n, amplitudes_m = like(snakemake.input.forces)
-settings = solver_settings(config)
-how = settings.how(device_of(config)) | {"model_tolerance": settings.model_tolerance}
-table, *_ = levitations(loads_n, points_at(pd.DataFrame({"hv_m": amplitudes_m})), config, how)
+film = Film(load_config(snakemake.config["study_file"]))
+loads_n, amplitudes_m = loads_like(snakemake.input.forces)
+scenes = film.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAPS_M[1]}))
+settings = solver_settings(film.config)
+how = settings.how(film.device) | {"model_tolerance": settings.model_tolerance}
+scan_error_n = scan_error_of(film.scan, device=film.device)
+table, *_ = levitations(scenes, loads_n, how=how, scan_error_n=scan_error_n)
 write_table(table, snakemake.output[0])

@@ -3,16 +3,18 @@
 import numpy as np
 
 from scripts.job import begin
-from squeezefilm.cli.use.response import all_gains, summaries, table_and_scenes
 from squeezefilm.config.loading import load_config
+from squeezefilm.dynamics.tables import all_gains, responses
 from squeezefilm.studies.solver_settings import device_of, solver_settings
-from squeezefilm.tables import write_table
+from squeezefilm.studies.study import scenes_in
+from squeezefilm.tables import read_scenes, write_table
 
 FREQUENCY_HZ = np.array([3, 10, 30, 60, 100, 150, 200, 300, 500, 700, 1e3, 2e3, 4e3])
 
 snakemake = begin()
 config = load_config(snakemake.config["study_file"])
-settings = solver_settings(config, outputs=())
-table, scenes = table_and_scenes(snakemake.input.scenes, config)
-write_table(summaries(table, scenes, settings, device_of(config)), snakemake.output.response)
+table = read_scenes(snakemake.input.scenes)
+scenes, tolerance = scenes_in(table, config), solver_settings(config, outputs=()).tolerance
+found = responses(table, scenes, tolerance=tolerance, device=device_of(config))
+write_table(found, snakemake.output.response)
 write_table(all_gains(table, scenes, FREQUENCY_HZ), snakemake.output.gains)

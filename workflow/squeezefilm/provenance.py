@@ -32,7 +32,6 @@ MODELS = _library("cli")
 SOLVER = [*_library("cli", "designs", "models"), "squeezefilm/designs/box.py"]
 SOURCES = {
     "solver": SOLVER,
-    "films": [*SOLVER, "squeezefilm/cli"],
     "models": MODELS,
     "verification": [*MODELS, "verification"],
     "figures": [*MODELS, "paper", "report", "reporting"],

@@ -70,22 +70,9 @@ class Solutions(Sequence[Solution]):
     ``solutions[k]`` is the solution of one scene.
     """
 
-    force_n: np.ndarray
-    force_error_n: np.ndarray
-    status: np.ndarray
-    validity: np.ndarray
-    method: np.ndarray
-    left_out: np.ndarray
-    nx: np.ndarray
-    ny: np.ndarray
-    nt: np.ndarray
-    newton_steps: np.ndarray
-    krylov_iterations: np.ndarray
-    residual: np.ndarray
-    work: np.ndarray
-    states: np.ndarray
-    derivatives: np.ndarray
-    outputs: np.ndarray
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> np.ndarray: ...
 
     def __init__(self, columns: Mapping[str, np.ndarray]) -> None:
         self.columns = dict(columns)

@@ -4,11 +4,13 @@ A table is CSV, or Parquet where its file name ends in ``.parquet``: for plans s
 would take longer to read than scenes to solve.
 """
 
+import csv
 import io
 import json
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,7 @@ import pandas as pd
 
 from squeezefilm.columns import CARTESIAN, POLAR, as_in, cartesian
 from squeezefilm.errors import InputError, needing
-from squeezefilm.files import as_number, read_cells, read_text, whole_file, write_text
+from squeezefilm.files import read_text, whole_file, write_text
 from squeezefilm.solution import OUTPUTS, SOLUTION_COLUMNS, Derivatives, Outputs
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
@@ -46,11 +48,7 @@ OUTPUT_COLUMNS = tuple(Outputs(asked=tuple(OUTPUTS)).columns())
 
 
 Rows = Callable[[int], slice]
-
-
-def all_rows(count: int) -> slice:
-    """Every row of a table."""
-    return slice(count)
+"""Which rows of a table, given how many there are; ``slice`` is all of them."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ class ScenePoint:
         return cls(point_id, **factors)
 
 
-def read_scenes(path: Path | str, *, rows: Rows = all_rows) -> pd.DataFrame:
+def read_scenes(path: Path | str, *, rows: Rows = slice) -> pd.DataFrame:
     """Read a plan: ``point_id`` as text, the four factors as finite numbers, order kept.
 
     Args:
@@ -157,7 +155,7 @@ def _read(
     numbers: Sequence[str],
     more: Sequence[str] = (),
     whole: bool = False,
-    rows: Rows = all_rows,
+    rows: Rows = slice,
 ) -> pd.DataFrame:
     """The columns of a table, which may have ``more`` that are left out, unless it is ``whole``."""
     path = Path(path)
@@ -176,30 +174,41 @@ def _read(
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
     word = "row" if path.suffix == PARQUET else "line"
+    place = f"{path}: {word}"
     for name in as_in(numbers, table):
-        values = table[name].map(as_number).to_numpy(dtype=float)
-        if len(bad := np.flatnonzero(~np.isfinite(values))):
-            cell = table[name].iloc[bad[0]]
-            cell = repr(cell) if isinstance(cell, str) else cell
-            place = f"{path}: {word} {lines[bad[0]]}"
-            raise InputError(f"{place}: {name} is {cell}, not a finite number")
+        values = table[name].map(_number).to_numpy(dtype=float)
+        for row in np.flatnonzero(~np.isfinite(values))[:1]:
+            cell = table[name].tolist()[row]
+            raise InputError(f"{place} {lines[row]}: {name} is {cell!r}, not a finite number")
         table[name] = values
     ids = table["point_id"]
-    if len(bad := np.flatnonzero(ids.isna() | (ids == ""))):
-        raise InputError(f"{path}: {word} {lines[bad[0]]}: point_id is empty")
-    if len(bad := np.flatnonzero(ids.duplicated())):
-        point_id = ids.iloc[bad[0]]
-        first = lines[np.flatnonzero(ids == point_id)[0]]
-        place = f"{path}: {word} {lines[bad[0]]}"
-        raise InputError(f"{place}: point_id {point_id!r} stands in {word} {first} already")
+    for row in np.flatnonzero(ids.isna() | (ids == ""))[:1]:
+        raise InputError(f"{place} {lines[row]}: point_id is empty")
+    for row in np.flatnonzero(ids.duplicated())[:1]:
+        first = lines[np.flatnonzero(ids == ids.iloc[row])[0]]
+        raise InputError(
+            f"{place} {lines[row]}: point_id {ids.iloc[row]!r} stands in {word} {first} already"
+        )
     return table if path.suffix == PARQUET else table.iloc[rows(len(table))]
 
 
 def _csv_rows(
     path: Path, *, wanted: Callable[[Sequence[str]], list[str]], needs: str
 ) -> tuple[pd.DataFrame, list[int]]:
-    """All rows of a CSV file as text, and the line of each."""
-    header, rows = read_cells(path, what="table", needs=needs)
+    """All rows of a CSV file but blank ones as text, and the line of each."""
+    reader = csv.reader(io.StringIO(read_text(path, what="table"), newline=""), strict=True)
+    try:
+        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader if cells]
+    except csv.Error as error:
+        raise InputError(f"{path}: the table cannot be read: {error}") from None
+    if not rows:
+        raise InputError(f"{path}: the table is empty; it needs {needs}")
+    (_, header), *rows = rows
+    for line, cells in rows:
+        if len(cells) != len(header):
+            raise InputError(
+                f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
+            )
     columns = wanted(header)
     table = pd.DataFrame([cells for _, cells in rows], columns=header, dtype="str")
     return table[columns], [line for line, _ in rows]
@@ -229,15 +238,21 @@ def _parquet_rows(
     except (OSError, pa.ArrowException) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: the table cannot be read: {reason}") from None
-    for column in found.schema:
-        text = pa.types.is_string(column.type) or pa.types.is_large_string(column.type)
-        number = pa.types.is_floating(column.type) or pa.types.is_integer(column.type)
-        if not (text if column.name in TEXT_COLUMNS else number):
-            wanted_type = "text" if column.name in TEXT_COLUMNS else "numbers"
-            raise InputError(
-                f"{path}: column {column.name!r} holds {column.type}, not {wanted_type}"
-            )
-    return found.to_pandas()[columns], [*range(start + 1, start + len(found) + 1)]
+    table = found.to_pandas()[columns]
+    for name in columns:
+        kind = "text" if name in TEXT_COLUMNS else "numbers"
+        if (kind == "numbers") != pd.api.types.is_numeric_dtype(table[name]):
+            held = found.schema.field(name).type
+            raise InputError(f"{path}: column {name!r} holds {held}, not {kind}")
+    return table, [*range(start + 1, start + len(found) + 1)]
+
+
+def _number(cell: str | float) -> float:
+    """The number in a cell; NaN where there is none, as in 1_000, which Python would read."""
+    try:
+        return nan if isinstance(cell, str) and "_" in cell else float(cell)
+    except ValueError:
+        return nan
 
 
 def _check_header(
@@ -302,20 +317,15 @@ def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
             f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "
             f"not as {path.suffix}"
         )
-    pieces = _parquet_pieces if path.suffix == PARQUET else _csv_pieces
-    with whole_file(path) as name, pieces(name) as write:
-        yield write
-
-
-@contextmanager
-def _csv_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
-    with name.open("w", encoding="utf-8", newline="") as handle:
-
-        def write(piece: pd.DataFrame) -> None:
-            first = handle.tell() == 0
-            piece.to_csv(handle, index=False, header=first, lineterminator="\n")
-
-        yield write
+    with whole_file(path) as name:
+        if path.suffix == PARQUET:
+            with _parquet_pieces(name) as write:
+                yield write
+        else:
+            with name.open("w", encoding="utf-8", newline="") as file:
+                yield lambda piece: piece.to_csv(
+                    file, index=False, header=file.tell() == 0, lineterminator="\n"
+                )
 
 
 @contextmanager
@@ -324,38 +334,31 @@ def _parquet_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
-    writer: pq.ParquetWriter | None = None
+    def column_type(column: pd.Series) -> pa.DataType:
+        if column.name in TEXT_COLUMNS:
+            return pa.string()
+        return pa.int32() if pd.api.types.is_integer_dtype(column) else pa.float64()
 
-    def write(piece: pd.DataFrame) -> None:
-        nonlocal writer
-        types = [
-            (column, pa.string() if column in TEXT_COLUMNS else _number_type(piece[column]))
-            for column in piece.columns
-        ]
-        piece = piece.astype({name: "str" for name in piece.columns if name in TEXT_COLUMNS})
-        rows = pa.Table.from_pandas(piece, schema=pa.schema(types), preserve_index=False)
-        # Without the notes of pandas and its version, equal tables are equal files.
-        rows = rows.replace_schema_metadata(None)
-        writer = writer or pq.ParquetWriter(name, rows.schema, compression="zstd")
-        writer.write_table(rows)
+    with ExitStack() as stack:
+        writers: list[pq.ParquetWriter] = []
 
-    try:
+        def write(piece: pd.DataFrame) -> None:
+            schema = pa.schema([(name, column_type(piece[name])) for name in piece])
+            texts = {name: "str" for name in piece if name in TEXT_COLUMNS}
+            rows = pa.Table.from_pandas(piece.astype(texts), schema=schema, preserve_index=False)
+            # Without the notes of pandas and its version, equal tables are equal files.
+            rows = rows.replace_schema_metadata(None)
+            if not writers:
+                writer = pq.ParquetWriter(name, rows.schema, compression="zstd")
+                writers.append(stack.enter_context(writer))
+            writers[0].write_table(rows)
+
         yield write
-    finally:
-        if writer is not None:
-            writer.close()
-
-
-def _number_type(column: pd.Series) -> Any:
-    import pyarrow as pa
-
-    return pa.int32() if pd.api.types.is_integer_dtype(column) else pa.float64()
 
 
 def write_json(values: dict[str, Any], path: Path | str) -> None:
     """Write a JSON file with sorted keys, whole or not at all."""
-    text = json.dumps(values, indent=2, sort_keys=True, allow_nan=False) + "\n"
-    write_text(text, path)
+    write_text(json.dumps(values, indent=2, sort_keys=True, allow_nan=False) + "\n", path)
 
 
 def read_json(path: Path | str) -> dict[str, Any]:

@@ -11,13 +11,20 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
-from squeezefilm.studies.solver_settings import SolverSettings
 
 if TYPE_CHECKING:
     import xarray
 
 LEAST_PLACES, MOST_PLACES = 3, 1001
 LEAST_INSTANTS, MOST_INSTANTS = 4, 1024
+DESCRIBED = {
+    "overpressure": ("Pa", "pressure above ambient"),
+    "gap": ("m", "gap between surface and finger"),
+    "phase": ("degree", "phase"),
+    "y": ("m", "from the finger's centre along its own y axis"),
+    "x": ("m", "from the finger's centre along its own x axis"),
+    "time": ("s", "time"),
+}
 TOLERANCE = 1e-4
 """Of the largest overpressure, where none is given."""
 
@@ -25,7 +32,7 @@ TOLERANCE = 1e-4
 def field_of(
     scene: Scene,
     *,
-    settings: SolverSettings,
+    model_tolerance: float,
     device: Device,
     places: int,
     instants: int,
@@ -48,40 +55,25 @@ def field_of(
     if not 1e-8 <= tolerance <= 0.1:
         raise InputError(f"tolerance: {tolerance:g} must lie between 1e-8 and 0.1")
     (scene,) = resolve_auto_terms(
-        [scene], model_tolerance=settings.model_tolerance, method="periodic", device=device
+        [scene], model_tolerance=model_tolerance, method="periodic", device=device
     )
     across = np.linspace(0.0, 1.0, places)
     found = pressure(
         scene, x=across, y=across, instants=instants, tolerance=tolerance, device=device
     )
     phase = 2 * np.pi * np.arange(instants) / instants
-    x, y = np.meshgrid(across, across)
-    gap_m = scene.h0_m * np.moveaxis(scene.gap(x, y, phase), -1, 0)
-    outside = np.isnan(found.values)
-    ambient, finger = scene.gas.ambient_pressure_pa, scene.finger
-    axes = ("phase", "y", "x")
-    return xarray.Dataset(
+    gap_m = scene.h0_m * np.moveaxis(scene.gap(*np.meshgrid(across, across), phase), -1, 0)
+    ambient, finger, axes = scene.gas.ambient_pressure_pa, scene.finger, ("phase", "y", "x")
+    field = xarray.Dataset(
         {
-            "overpressure": (
-                axes,
-                ambient * found.values,
-                {"units": "Pa", "long_name": "pressure above ambient"},
-            ),
-            "gap": (
-                axes,
-                np.where(outside, np.nan, gap_m),
-                {"units": "m", "long_name": "gap between surface and finger"},
-            ),
+            "overpressure": (axes, ambient * found.values),
+            "gap": (axes, np.where(np.isnan(found.values), np.nan, gap_m)),
         },
         coords={
-            "phase": ("phase", np.degrees(phase), {"units": "degree", "long_name": "phase"}),
-            "y": ("y", finger.length_y_m * (across - 0.5), {"units": "m", **_axis("y")}),
-            "x": ("x", finger.length_x_m * (across - 0.5), {"units": "m", **_axis("x")}),
-            "time": (
-                "phase",
-                phase / scene.actuator.angular_frequency_rad_per_s,
-                {"units": "s", "long_name": "time"},
-            ),
+            "phase": np.degrees(phase),
+            "y": finger.length_y_m * (across - 0.5),
+            "x": finger.length_x_m * (across - 0.5),
+            "time": ("phase", phase / scene.actuator.angular_frequency_rad_per_s),
         },
         attrs={
             "title": "pressure of a squeeze film over one period",
@@ -96,7 +88,6 @@ def field_of(
             "comment": "change_pa: most that a pressure changed by in the last refinement",
         },
     )
-
-
-def _axis(name: str) -> dict[str, str]:
-    return {"long_name": f"from the finger's centre along its own {name} axis"}
+    for name, (unit, words) in DESCRIBED.items():
+        field[name].attrs |= {"units": unit, "long_name": words}
+    return field

@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import pandas as pd
 
 from squeezefilm.api.field import TOLERANCE, field_of
 from squeezefilm.api.forces import Force, force_of, forces_of, forces_table
-from squeezefilm.api.points import Values, points_of, scene_points_of
+from squeezefilm.api.points import Position, Values, plan_of, points_of
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import Config, config_of
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import SmoothedScan
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.device import Device
-from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
-from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.studies.study import scenes_in, smoothed_scan_of
 
 if TYPE_CHECKING:
     import xarray
@@ -71,44 +71,32 @@ class Film:
         """The measured vibration shape with all that is known of it; None if it is not measured."""
         return smoothed_scan_of(self.config)
 
-    def scene(
-        self,
-        h0: str | float,
-        hv: str | float,
-        *,
-        x: str | float | None = None,
-        y: str | float | None = None,
-        phi_r: str | float | None = None,
-        phi: str | float | None = None,
-    ) -> Scene:
+    def scene(self, h0: str | float, hv: str | float, **position: Unpack[Position]) -> Scene:
         """One operating point, with the dimensionless numbers that govern it.
 
         Raises InputError for a value without meaning or unit, and for a finger off the actuator.
         """
-        points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
+        points = points_of(h0=h0, hv=hv, **position)
         if len(points) != 1:
             raise InputError(f"one scene is asked for, not {len(points)}: `curve` takes several")
         return self.scenes(points)[0]
 
-    def scenes(self, points: pd.DataFrame) -> list[Scene]:
+    def scenes(self, points: pd.DataFrame) -> Scenes:
         """The operating points of a table: h0_m, hv_m and a position, if any.
 
         Raises InputError as ``scene`` does.
         """
-        return [scene_of(point, self.config) for point in scene_points_of(points)]
+        return scenes_in(plan_of(points), self.config)
 
     def force(
         self,
         h0: str | float,
         hv: str | float,
         *,
-        x: str | float | None = None,
-        y: str | float | None = None,
-        phi_r: str | float | None = None,
-        phi: str | float | None = None,
         tolerance: float | None = None,
         method: str | None = None,
         outputs: Sequence[str] | None = None,
+        **position: Unpack[Position],
     ) -> Force:
         """The mean force at one operating point, with its error and what its equation leaves out.
 
@@ -120,8 +108,8 @@ class Film:
 
         Raises InputError as ``scene`` does, RunError saying why there is no force.
         """
-        scene = self.scene(h0, hv, x=x, y=y, phi_r=phi_r, phi=phi)
-        settings = self._settings(tolerance, method, outputs)
+        scene = self.scene(h0, hv, **position)
+        settings = solver_settings(self.config, tolerance=tolerance, method=method, outputs=outputs)
         return force_of(scene, settings=settings, device=self.device, smoothed=self.scan)
 
     def curve(
@@ -129,14 +117,11 @@ class Film:
         h0: Values,
         hv: Values,
         *,
-        x: Values | None = None,
-        y: Values | None = None,
-        phi_r: Values | None = None,
-        phi: Values | None = None,
         tolerance: float | None = None,
         method: str | None = None,
         outputs: Sequence[str] | None = None,
         budget: bool = False,
+        **position: Unpack[Position],
     ) -> pd.DataFrame:
         """The forces at every combination of some gaps, amplitudes and places, a row for each.
 
@@ -148,7 +133,7 @@ class Film:
         ``outputs`` are as for a force, each a column with its unit and one with its error.
         Raises InputError as ``scene`` does.
         """
-        points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
+        points = points_of(h0=h0, hv=hv, **position)
         return self.forces(
             points, tolerance=tolerance, method=method, outputs=outputs, budget=budget
         )
@@ -165,7 +150,9 @@ class Film:
         """The same for a table of points: h0_m, hv_m and a position, if any."""
         found = forces_of(
             self.scenes(points),
-            settings=self._settings(tolerance, method, outputs),
+            settings=solver_settings(
+                self.config, tolerance=tolerance, method=method, outputs=outputs
+            ),
             device=self.device,
             smoothed=self.scan,
             budget=budget,
@@ -177,13 +164,10 @@ class Film:
         h0: str | float,
         hv: str | float,
         *,
-        x: str | float | None = None,
-        y: str | float | None = None,
-        phi_r: str | float | None = None,
-        phi: str | float | None = None,
         places: int = 41,
         instants: int = 32,
         tolerance: float = TOLERANCE,
+        **position: Unpack[Position],
     ) -> xarray.Dataset:
         """Overpressure (Pa) and gap (m) under the finger over one period, with coordinates.
 
@@ -198,8 +182,8 @@ class Film:
         Raises InputError as ``scene`` does and without xarray, RunError where there is no state.
         """
         return field_of(
-            self.scene(h0, hv, x=x, y=y, phi_r=phi_r, phi=phi),
-            settings=self._settings(None, None),
+            self.scene(h0, hv, **position),
+            model_tolerance=self.config["solver"]["model_tolerance"],
             device=self.device,
             places=places,
             instants=instants,
@@ -214,11 +198,3 @@ class Film:
             f"{1e3 * finger['length_x_m']:g} mm × {1e3 * finger['length_y_m']:g} mm "
             f"({finger['shape']})"
         )
-
-    def _settings(
-        self,
-        tolerance: float | None,
-        method: str | None,
-        outputs: Sequence[str] | None = None,
-    ) -> SolverSettings:
-        return solver_settings(self.config, tolerance=tolerance, method=method, outputs=outputs)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 import pandas as pd
 
 from squeezefilm.api.points import COLUMNS as FACTOR_COLUMNS
-from squeezefilm.api.points import Values, points_of
+from squeezefilm.api.points import Position, Values, points_of
 from squeezefilm.columns import CARTESIAN, POLAR
 from squeezefilm.errors import InputError, naming
 from squeezefilm.models.amplitude_for_force import working_point
@@ -56,23 +57,13 @@ class Fit:
         """The parameters by name, in the units of ``model.force_model.parameter_units``."""
         return dict(zip(self.model.force_model.parameter_names, self.model.theta, strict=True))
 
-    def predict(
-        self,
-        h0: Values,
-        hv: Values,
-        *,
-        x: Values | None = None,
-        y: Values | None = None,
-        phi_r: Values | None = None,
-        phi: Values | None = None,
-    ) -> pd.DataFrame:
+    def predict(self, h0: Values, hv: Values, **position: Unpack[Position]) -> pd.DataFrame:
         """The model's forces at every combination of gaps, amplitudes and positions.
 
         The columns are those of ``predict_at``.
         Raises InputError as ``Film.curve`` does.
         """
-        points = points_of({"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
-        return self.predict_at(points)
+        return self.predict_at(points_of(h0=h0, hv=hv, **position))
 
     def predict_at(self, points: pd.DataFrame, *, place: object = "predict") -> pd.DataFrame:
         """The model's forces at a table of points: h0_m, hv_m and a position, if any.
@@ -103,11 +94,7 @@ class Fit:
         self,
         force: str | float,
         h0: Values | None = None,
-        *,
-        x: Values | None = None,
-        y: Values | None = None,
-        phi_r: Values | None = None,
-        phi: Values | None = None,
+        **position: Unpack[Position],
     ) -> pd.DataFrame:
         """The smallest amplitude that gives a force, a row for each gap and position.
 
@@ -119,8 +106,7 @@ class Fit:
         of the force; empty where the point is not validated, and ``note`` says why.
         Raises InputError as ``predict`` does.
         """
-        gaps = self.gaps() if h0 is None else h0
-        points = points_of({"h0": gaps, "x": x, "y": y, "phi_r": phi_r, "phi": phi})
+        points = points_of(h0=self.gaps() if h0 is None else h0, **position)
         return self.working_points_at(points, force_n=newtons(force))
 
     def working_points_at(

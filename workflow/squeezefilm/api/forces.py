@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import Any
 
 import pandas as pd
 
+from squeezefilm.config.loading import Config
 from squeezefilm.errors import RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
-from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import OK
+from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.validity import OK, validity
 from squeezefilm.quantities.derivatives import derivatives_text, with_derivatives
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
+    budget_row,
     budget_text,
     error_budgets,
     excluded_terms,
@@ -23,7 +26,8 @@ from squeezefilm.quantities.outputs import outputs_text, with_outputs
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.terms import notes_of
-from squeezefilm.studies.solver_settings import SolverSettings
+from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
+from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks.scan_errors import scan_errors
 from squeezefilm.units import with_error
 
@@ -116,7 +120,26 @@ class Force:
         return self.force_n
 
     def __str__(self) -> str:
-        return "\n".join([*self._force(), self._scene(), self._way(), *self._beyond()])
+        scene, found = self.scene, self.solution
+        notes = (*self.kept_out, *notes_of(scene), *([self.status] * (self.status != OK)))
+        lines = [
+            *self._force(),
+            f"h0 {1e6 * scene.h0_m:g} µm, hv {1e6 * scene.hv_m:g} µm, "
+            f"x {_tidy(1e3 * scene.x_m)} mm, y {_tidy(1e3 * scene.y_m)} mm; "
+            f"epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}",
+            f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
+            f"{found.krylov_iterations} Krylov iterations, on {self.device}; "
+            f"left out: {found.left_out}",
+            f"validity  {self.validity}",
+            f"beyond the equation: {budget_text(self.budget)}",
+        ]
+        if found.derivatives:
+            lines.append(derivatives_text(found.derivatives))
+        if found.outputs:
+            lines += outputs_text(found.outputs)
+            if self.scan is not None:
+                lines.append("note: errors of these are without the scan's noise")
+        return "\n".join([*lines, *(f"note: {note}" for note in notes)])
 
     __repr__ = __str__
 
@@ -130,55 +153,13 @@ class Force:
         parts.append(f"solver {self.solution.force_error_n:.1g} N")
         return [f"{text} ({', '.join(parts)})", *self.scan.warnings]
 
-    def _scene(self) -> str:
-        scene = self.scene
-        return (
-            f"h0 {1e6 * scene.h0_m:g} µm, hv {1e6 * scene.hv_m:g} µm, "
-            f"x {_tidy(1e3 * scene.x_m)} mm, y {_tidy(1e3 * scene.y_m)} mm; "
-            f"epsilon {scene.epsilon:.4g}, sigma {scene.sigma:.5g}"
-        )
 
-    def _way(self) -> str:
-        found = self.solution
-        return (
-            f"{found.method} on {found.nx} × {found.ny} × {found.nt} points, "
-            f"{found.krylov_iterations} Krylov iterations, on {self.device}; "
-            f"left out: {found.left_out}"
-        )
-
-    def _beyond(self) -> list[str]:
-        lines = [f"validity  {self.validity}", f"beyond the equation: {budget_text(self.budget)}"]
-        if self.solution.derivatives:
-            lines.append(derivatives_text(self.solution.derivatives))
-        if self.solution.outputs:
-            lines += outputs_text(self.solution.outputs)
-            lines += ["note: errors of these are without the scan's noise"] * (
-                self.scan is not None
-            )
-        lines += [f"note: {note}" for note in (*self.kept_out, *notes_of(self.scene))]
-        return lines + [f"note: {self.status}"] * (self.status != "ok")
-
-
-def force_of(
-    scene: Scene,
-    *,
-    settings: SolverSettings,
-    device: Device,
-    smoothed: SmoothedScan | None,
-    derivatives: bool = False,
-) -> Force:
-    """One scene's force; ``smoothed`` is the scan that its profile was measured in.
+def force_of(scene: Scene, **how: Any) -> Force:
+    """One scene's force, solved as ``forces_of`` does, with its budget.
 
     Raises RunError saying why there is none.
     """
-    (force,) = forces_of(
-        [scene],
-        settings=settings,
-        device=device,
-        smoothed=smoothed,
-        derivatives=derivatives,
-        budget=True,
-    )
+    (force,) = forces_of([scene], budget=True, **how)
     if not isfinite(force.force_n):
         beyond = f"; validity: {force.validity}" * (force.validity != OK)
         raise RunError(force.status + beyond)
@@ -186,7 +167,7 @@ def force_of(
 
 
 def forces_of(
-    scenes: Sequence[Scene],
+    scenes: Scenes | Sequence[Scene],
     *,
     settings: SolverSettings,
     device: Device,
@@ -197,20 +178,12 @@ def forces_of(
     """The force of each scene, NaN with its reason as ``status`` where there is none.
 
     Args:
+        smoothed: the scan that their profile was measured in.
         budget: whether what the film equation leaves out is asked for too: states of their own.
     """
-    not_decided = [excluded_terms(scene, method=settings.method) for scene in scenes]
+    kept_out = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
     scenes = settings.resolved(scenes, device)
-    solutions = [
-        solution
-        for first in range(0, len(scenes), WITH_STATES)
-        for solution in solved_with(
-            scenes[first : first + WITH_STATES],
-            settings=settings,
-            device=device,
-            derivatives=derivatives,
-        )
-    ]
+    solutions = solved_with(scenes, settings=settings, device=device, derivatives=derivatives)
     known = [k for k, solution in enumerate(solutions) if isfinite(solution.force_n)]
     with_force = [scenes[k] for k in known]
     reason = "no force to compare with" if budget else NOT_ASKED
@@ -221,20 +194,13 @@ def forces_of(
     if smoothed is not None and known:
         scans = dict(zip(known, scan_parts(with_force, smoothed, device=device), strict=True))
     return [
-        Force(
-            scene,
-            solution,
-            beyond[k],
-            scans.get(k),
-            device.name,
-            tuple(not_decided[k]),
-        )
-        for k, (scene, solution) in enumerate(zip(scenes, solutions, strict=True))
+        Force(scene, solutions[k], beyond[k], scans.get(k), device.name, kept_out[k])
+        for k, scene in enumerate(scenes)
     ]
 
 
 def solved_with(
-    scenes: Sequence[Scene],
+    scenes: Scenes | Sequence[Scene],
     *,
     settings: SolverSettings,
     device: Device,
@@ -242,22 +208,20 @@ def solved_with(
     report: Callable[[int], object] = lambda solved: None,
 ) -> Sequence[Solution]:
     """Forces of scenes whose terms are decided, with the derivatives and outputs asked for."""
-    keep = derivatives or bool(settings.outputs)
-    solutions: Sequence[Solution] = solve(
-        scenes,
-        **settings.how(device),
-        keep_states=keep,
-        report=report,
-    )
-    within = settings.tolerance
-    if derivatives:
-        solutions = with_derivatives(scenes, solutions, tolerance=within, device=device)
-    solutions = with_outputs(
-        scenes, solutions, outputs=settings.outputs, tolerance=within, device=device
-    )
-    if keep:
-        solutions = [replace(solution, states=()) for solution in solutions]
-    return solutions
+    if not (derivatives or settings.outputs):
+        return solve(scenes, **settings.how(device), report=report)
+    found: list[Solution] = []
+    how: dict[str, Any] = {"tolerance": settings.tolerance, "device": device}
+    for first in range(0, len(scenes), WITH_STATES):
+        some = scenes[first : first + WITH_STATES]
+        solved: Sequence[Solution] = solve(
+            some, **settings.how(device), keep_states=True, report=report
+        )
+        if derivatives:
+            solved = with_derivatives(some, solved, **how)
+        solved = with_outputs(some, solved, outputs=settings.outputs, **how)
+        found += [replace(each, states=()) for each in solved]
+    return found
 
 
 def scan_parts(
@@ -274,6 +238,13 @@ def scan_parts(
     ]
 
 
+def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[[Scene], float]:
+    """What a scan leaves open in a scene's force, in newtons: nothing where there is none."""
+    if smoothed is None:
+        return lambda scene: 0.0
+    return lambda scene: scan_parts([scene], smoothed, device=device)[0].total_n
+
+
 def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     """Forces of some points as a table, a row for each.
 
@@ -283,23 +254,35 @@ def forces_table(points: pd.DataFrame, forces: Sequence[Force]) -> pd.DataFrame:
     with a budget, ``left_out_least_percent`` and ``…_most_percent``, what the film equation leaves
     out, first orders and what higher ones may add.
     """
-    more = pd.DataFrame([_asked_columns(force) for force in forces], index=points.index)
-    return points.assign(
-        force_n=[force.force_n for force in forces],
-        force_error_n=[force.error_n for force in forces],
-        method=[force.solution.method for force in forces],
-        status=[force.status for force in forces],
-        validity=[force.validity for force in forces],
-        **{name: more[name] for name in map(str, more)},
-    )
+    columns = pd.DataFrame([_row(force) for force in forces], index=points.index)
+    return points.assign(**{name: columns[name] for name in map(str, columns)})
 
 
-def _asked_columns(force: Force) -> dict[str, float | str]:
-    columns = force.solution.asked_columns
-    if force.budget.status != NOT_ASKED:
-        least, most = force.left_out_percent
-        columns |= {"left_out_least_percent": least, "left_out_most_percent": most}
-    return columns
+def budget_table(
+    table: pd.DataFrame, config: Config, *, device_name: str | None = None
+) -> pd.DataFrame:
+    """A table of scenes with what the film equation leaves out of each force."""
+    device = device_of(config, option=device_name)
+    scenes = solver_settings(config, outputs=()).resolved(scenes_in(table, config), device)
+    rows = [
+        budget_row(budget) | {"validity": validity(scene)}
+        for scene, budget in zip(scenes, error_budgets(scenes, device=device), strict=True)
+    ]
+    return pd.concat([table, pd.DataFrame(rows)], axis=1)
+
+
+def _row(force: Force) -> dict[str, float | str]:
+    least, most = force.left_out_percent
+    asked = force.budget.status != NOT_ASKED
+    return {
+        "force_n": force.force_n,
+        "force_error_n": force.error_n,
+        "method": force.solution.method,
+        "status": force.status,
+        "validity": force.validity,
+        **force.solution.asked_columns,
+        **({"left_out_least_percent": least, "left_out_most_percent": most} if asked else {}),
+    }
 
 
 def _tidy(value: float) -> str:

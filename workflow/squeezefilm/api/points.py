@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from itertools import product
-from math import isfinite
+from math import prod
+from typing import Any, TypedDict
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 
-from squeezefilm.columns import CARTESIAN, POLAR
+from squeezefilm.columns import CARTESIAN, POLAR, form_of
 from squeezefilm.errors import InputError
-from squeezefilm.tables import ScenePoint
+from squeezefilm.studies.plans import plan
 from squeezefilm.units import quantities
 
 Values = str | float | Sequence[float] | np.ndarray
@@ -23,6 +23,15 @@ COLUMNS = {"h0": "h0_m", "hv": "hv_m", "x": "x_m", "y": "y_m", "phi_r": "phi_r_m
 """What the factors are called where they are asked for, and their columns."""
 MOST_POINTS = 1_000_000
 WIDTH = 80
+
+
+class Position(TypedDict, total=False):
+    """The finger's centre from the actuator's: Cartesian, or polar with phi in degrees."""
+
+    x: Values | None
+    y: Values | None
+    phi_r: Values | None
+    phi: Values | None
 
 
 class Points(pd.DataFrame):
@@ -51,8 +60,17 @@ def _shown_whole() -> AbstractContextManager[None]:
     return pd.option_context(*whole, "display.float_format", number)
 
 
-def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.DataFrame:
-    """Every combination of the values given for COLUMNS' names, a column for each factor given.
+def points_of(
+    *,
+    h0: Values | None = None,
+    hv: Values | None = None,
+    x: Values | None = None,
+    y: Values | None = None,
+    phi_r: Values | None = None,
+    phi: Values | None = None,
+    option: str = "{}",
+) -> Points:
+    """Every combination of the values given, a column for each factor given.
 
     What is added to it, such as forces, is a table of Points again.
 
@@ -62,62 +80,48 @@ def points_of(given: Mapping[str, Values | None], *, option: str = "{}") -> pd.D
     Raises InputError for a value without its unit or no finite number, for a position in both
     forms, for too many points.
     """
+    given = {"h0": h0, "hv": hv, "x": x, "y": y, "phi_r": phi_r, "phi": phi}
+    called = {name: option.format(name.replace("_", "-")) for name in given}
     levels = {
-        COLUMNS[name]: _levels(values, called=option.format(name.replace("_", "-")), name=name)
+        COLUMNS[name]: _levels(values, called=called[name], unit="deg" if name == "phi" else "m")
         for name, values in given.items()
         if values is not None
     }
-    if any(name in levels for name in CARTESIAN) and any(name in levels for name in POLAR):
-        x, y, r, phi = (option.format(name) for name in ("x", "y", "phi-r", "phi"))
-        raise InputError(f"give the position as {x} and {y} or as {r} and {phi}, not both")
+    if levels.keys() & {*CARTESIAN} and levels.keys() & {*POLAR}:
+        message = "give the position as {x} and {y} or as {phi_r} and {phi}, not both"
+        raise InputError(message.format(**called))
     if "phi_deg" in levels and "phi_r_m" not in levels:
-        phi, r = option.format("phi"), option.format("phi-r")
-        raise InputError(f"{phi} is a direction; give the distance from the centre by {r} too")
-    count = 1
-    for values in levels.values():
-        count *= len(values)
-    if count > MOST_POINTS:
+        message = "{phi} is a direction; give the distance from the centre by {phi_r} too"
+        raise InputError(message.format(**called))
+    if (count := prod(map(len, levels.values()))) > MOST_POINTS:
         raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
     return Points(list(product(*levels.values())), columns=list(levels), dtype=float)
 
 
-def scene_points_of(points: pd.DataFrame) -> list[ScenePoint]:
-    """A table of points as points of scenes, numbered from 1: h0_m, hv_m and a position, if any.
+def plan_of(points: pd.DataFrame) -> pd.DataFrame:
+    """Points as a plan, numbered from 1: h0_m, hv_m and a position, the centre if there is none.
 
     Raises InputError where gap or amplitude is missing.
     """
-    missing = [name for name in ("h0_m", "hv_m") if name not in points]
-    if missing:
-        raise InputError(f"points need the column {missing[0]!r}")
-    values = {
-        name: points[name].to_numpy(dtype=float) for name in COLUMNS.values() if name in points
+    for name in ("h0_m", "hv_m"):
+        if name not in points:
+            raise InputError(f"points need the column {name!r}")
+    place: dict[str, Any] = {
+        name: points[name].to_numpy() for name in form_of(points) if name in points
     }
-    given = [name for name in values if name not in ("h0_m", "hv_m")]
-    form = POLAR if any(name in POLAR for name in given) else CARTESIAN
-    columns = {name: values.get(name, np.zeros(len(points))) for name in form}
-    return [
-        ScenePoint.of(
-            str(row + 1),
-            h0_m=float(values["h0_m"][row]),
-            hv_m=float(values["hv_m"][row]),
-            **{name: float(column[row]) for name, column in columns.items()},
-        )
-        for row in range(len(points))
-    ]
+    return plan(h0_m=points["h0_m"].to_numpy(), hv_m=points["hv_m"].to_numpy(), **place)
 
 
-def _levels(values: Values, *, called: str, name: str) -> list[float]:
-    unit = "deg" if name == "phi" else "m"
+def _levels(values: Values, *, called: str, unit: str) -> list[float]:
     if isinstance(values, str):
         return quantities(values, option=called, unit=unit)
     try:
-        numbers: ArrayLike = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+        numbers = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
     except (TypeError, ValueError):
-        numbers = [np.nan]
-    found = [float(value) for value in np.asarray(numbers)]
-    if not found or not all(map(isfinite, found)):
+        numbers = np.array([np.nan])
+    if not len(numbers) or not np.isfinite(numbers).all():
         raise InputError(
             f"{called}: {values!r} is no finite number in {unit}, nor several of them, nor a text "
             "with units"
         )
-    return found
+    return [float(value) for value in numbers]

@@ -28,8 +28,7 @@ def preview_table(
     found = previews(scenes, tolerance=settings.tolerance, method=settings.method)
     table = pd.DataFrame([_row(*each) for each in zip(scenes, found, strict=True)])
     if settings.outputs:
-        missing = [_asked_in_vain(scene, settings) for scene in scenes]
-        table = table.assign(outputs_refused=missing)
+        table["outputs_refused"] = [_asked_in_vain(scene, settings) for scene in scenes]
     return table
 
 
@@ -73,23 +72,18 @@ def _asked_in_vain(scene: Scene, settings: SolverSettings) -> str:
 
 
 def _row(scene: Scene, preview: Preview) -> dict[str, object]:
+    numbers = ("point_id", "epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
+    left_out = [(part.what, f"{part.what}: {part.why}") for part in preview.left_out]
     return {
-        "point_id": scene.point_id,
-        "epsilon": scene.epsilon,
-        "sigma": scene.sigma,
-        "bearing_number": scene.bearing_number,
-        "knudsen": scene.knudsen,
-        "modified_reynolds": scene.modified_reynolds,
+        **{name: getattr(scene, name) for name in numbers},
         "method": preview.method,
         "status": preview.status,
         "validity": validity(scene),
         "domain": preview.domain,
         "terms": "; ".join(preview.terms),
-        "nx": preview.nx,
-        "ny": preview.ny,
-        "nt": preview.nt,
-        "left_out": "; ".join(part.what for part in preview.left_out),
-        "why": "; ".join(f"{part.what}: {part.why}" for part in preview.left_out),
+        **{name: getattr(preview, name) for name in ("nx", "ny", "nt")},
+        "left_out": "; ".join(what for what, _ in left_out),
+        "why": "; ".join(why for _, why in left_out),
         "expected_error": preview.expected_error,
         "expected_mflop": preview.expected_mflop,
         "notes": "; ".join(notes_of(scene)),

@@ -8,9 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from squeezefilm.api.forces import WITH_STATES, solved_with
+from squeezefilm.api.forces import solved_with
 from squeezefilm.columns import as_in
 from squeezefilm.config.loading import Config
 from squeezefilm.errors import InputError, RunError, naming
@@ -24,7 +25,6 @@ from squeezefilm.solution import Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
 from squeezefilm.studies.study import scene_of, scenes_in
 from squeezefilm.tables import (
-    FORCE_COLUMNS,
     SCENE_COLUMNS,
     TIMING_COLUMNS,
     ScenePoint,
@@ -89,11 +89,8 @@ def simulate_table(
     Raises InputError, before anything is solved, for a scene that cannot be.
     """
     table = read_scenes(scenes, rows=partial(chunk_rows, *chunk))
-    size = WITH_STATES if derivatives or settings.outputs else PIECE
-    pieces = [table.iloc[first : first + size] for first in range(0, len(table), size)]
-    scenes_in = partial(scenes_of_table, config=config, path=scenes)
-    first, *_ = [scenes_in(piece)[0] for piece in pieces]
-    chosen = device_ready(config, option=device, scene=first)
+    planned = scenes_of_table(table, config=config, path=scenes)
+    chosen = device_ready(config, option=device, scene=planned[0])
     failures: list[str] = []
     incomplete: list[str] = []
     seconds = 0.0
@@ -103,8 +100,8 @@ def simulate_table(
         table_writer(output) as write,
         times as write_times,
     ):
-        for piece in pieces:
-            batch = scenes_in(piece)
+        for first in range(0, len(table), PIECE):
+            rows, batch = table.iloc[first : first + PIECE], planned[first : first + PIECE]
             start = time.perf_counter()
             solutions = solved_with(
                 settings.resolved(batch, chosen),
@@ -114,17 +111,17 @@ def simulate_table(
                 report=bar.update,
             )
             wall = time.perf_counter() - start
-            write(_forces(piece, solutions))
+            write(_forces(rows, solutions))
             # By floating-point operations, of which closed forms need none worth counting.
-            work = sum(solution.work for solution in solutions)
-            shares = [solution.work / work if work else 1 / len(batch) for solution in solutions]
-            write_times(piece[["point_id"]].assign(solve_seconds=[wall * each for each in shares]))
+            work = np.array([solution.work for solution in solutions])
+            shares = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
+            write_times(rows[["point_id"]].assign(solve_seconds=wall * shares))
             seconds += wall
-            for scene, solution in zip(batch, solutions, strict=True):
+            for point_id, solution in zip(rows["point_id"], solutions, strict=True):
                 if reason := missing_of(solution):
-                    failed = solution.status != "ok"
-                    (failures if failed else incomplete).append(f"point {scene.point_id}: {reason}")
-    for note in excluded_terms(first, method=settings.method):
+                    missing = incomplete if solution.status == "ok" else failures
+                    missing.append(f"point {point_id}: {reason}")
+    for note in excluded_terms(planned[0], method=settings.method):
         print(note, file=sys.stderr)
     solved = len(table) - len(failures)
     print(f"{solved} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)
@@ -146,9 +143,8 @@ def scenes_of_table(rows: pd.DataFrame, *, config: Config, path: Path | str) -> 
 def _forces(rows: pd.DataFrame, solutions: Sequence[Solution]) -> pd.DataFrame:
     """The rows of a plan with what was solved for them."""
     found = Solutions.of(solutions).to_frame(rows.index)
-    more = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
-    table = pd.concat([rows, found], axis=1)[as_in(FORCE_COLUMNS, rows)]
-    return table.assign(**{name: more[name] for name in map(str, more)})
+    asked = pd.DataFrame([each.asked_columns for each in solutions], index=rows.index)
+    return pd.concat([rows[as_in(SCENE_COLUMNS, rows)], found, asked], axis=1)
 
 
 def merge_forces(

@@ -12,6 +12,7 @@ from squeezefilm.api.film import Film
 from squeezefilm.api.fit import Fit
 from squeezefilm.config.loading import Config, load_config
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.film.validity import OK
 from squeezefilm.models.force_model import model_named
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import (
@@ -19,10 +20,10 @@ from squeezefilm.studies.plans import (
     four_factor_plan,
     level_values,
 )
+from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import Space
 from squeezefilm.studies.study import scenes_in, surface_of
-from squeezefilm.studies.tasks.fits import fit_to_forces, limit_table_values, profile_uncertainty
-from squeezefilm.studies.tasks.physics_limits import with_limits
+from squeezefilm.studies.tasks.fits import fit_with_limits
 from squeezefilm.tables import FACTOR_COLUMNS
 
 
@@ -77,42 +78,29 @@ class Study(Film):
             raise InputError(f"seeds: {seeds} must be 1 or more")
         config = self.config
         chosen = model_named(model, config["models"], place=config.path)
-        points = self.plan(centred=chosen.is_centred)
-        solved, limits = self._simulated(points, limits=bool(chosen.column_names))
-        failed = solved[solved["status"] != "ok"]
-        if len(failed):
-            raise RunError(f"point {failed['point_id'].iloc[0]}: {failed['status'].iloc[0]}")
+        forces = self._solved(self.plan(centred=chosen.is_centred))
+        for failed in forces[forces["status"] != OK].itertuples():
+            raise RunError(f"point {failed.point_id}: {failed.status}")
         space = Space.of(config, centred=chosen.is_centred)
-        settings = config["validation"]
-        drawn = space.independent_sample(settings["points"], seed=settings["seed"])
-        sample, sample_limits = self._simulated(
-            space.table(drawn), limits=bool(chosen.column_names)
-        )
-        fitted, _ = fit_to_forces(
+        drawn = config["validation"]
+        sample = space.independent_sample(drawn["points"], seed=drawn["seed"])
+        fitted, _ = fit_with_limits(
             chosen,
             config,
-            forces=solved,
-            limits=limits,
-            limit_table=None if limits is None else limit_table_values(config),
-            sample=sample,
-            sample_limits=sample_limits,
-            uncertainty=profile_uncertainty(config),
+            forces=forces,
+            sample=self._solved(space.table(sample)),
             seeds=seeds,
             processes=processes,
             source={"study": self.name},
         )
         return Fit(fitted)
 
-    def _simulated(
-        self, points: pd.DataFrame, *, limits: bool
-    ) -> tuple[pd.DataFrame, pd.DataFrame | None]:
-        """Points with their forces, and their physics limits if asked for."""
-        settings = self._settings(None, None)
-        scenes = scenes_in(points, self.config)
-        solutions = solve(settings.resolved(scenes, self.device), **settings.how(self.device))
-        found = solutions.to_frame(points.index)
-        columns = found[["force_n", "force_error_n", "status", "left_out"]]
-        return points.assign(**columns), with_limits(points, scenes) if limits else None
+    def _solved(self, points: pd.DataFrame) -> pd.DataFrame:
+        """The points with their forces."""
+        settings, device = solver_settings(self.config, outputs=()), self.device
+        scenes = settings.resolved(scenes_in(points, self.config), device)
+        found = solve(scenes, **settings.how(device)).to_frame(points.index)
+        return points.assign(**found[["force_n", "force_error_n", "status", "left_out"]])
 
 
 def load(path: Path | str) -> Study:

@@ -1,6 +1,5 @@
 """How a command solves, and for what: as the study says, unless the command line says otherwise."""
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -44,12 +43,6 @@ def device_of(config: Config, *, option: str | None = None) -> Device:
     Raises InputError as choose_device does.
     """
     return choose_device(config["solver"]["device"], option=option)
-
-
-def add_solver_arguments(parser: argparse.ArgumentParser) -> None:
-    """The options that go before the configuration's solver section."""
-    parser.add_argument("--tolerance", type=float, help="instead of the config's solver.tolerance")
-    parser.add_argument("--method", choices=METHODS, help="instead of the config's solver.method")
 
 
 def solver_settings(

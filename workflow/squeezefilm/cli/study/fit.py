@@ -24,12 +24,7 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.errors import naming
 from squeezefilm.files import digest
 from squeezefilm.models.force_model import model_named
-from squeezefilm.studies.tasks.fits import (
-    fit_to_forces,
-    limit_table_values,
-    limits_of,
-    profile_uncertainty,
-)
+from squeezefilm.studies.tasks.fits import fit_with_limits
 from squeezefilm.tables import read_forces, read_ok_forces, write_json, write_table
 
 
@@ -49,17 +44,12 @@ def run(options: argparse.Namespace) -> None:
     model = model_named(options.model, config["models"], place=options.config)
     forces = read_ok_forces(options.forces)
     sample = read_forces(options.sample) if options.sample else None
-    physics = bool(model.column_names)
     with naming(options.forces):
-        fit, runs = fit_to_forces(
+        fit, runs = fit_with_limits(
             model,
             config,
             forces=forces,
-            limits=limits_of(forces, config) if physics else None,
-            limit_table=limit_table_values(config) if physics else None,
             sample=sample,
-            sample_limits=limits_of(sample, config) if physics and sample is not None else None,
-            uncertainty=profile_uncertainty(config),
             seeds=options.seeds,
             processes=options.processes,
             source={"forces_sha256": digest(Path(options.forces))},

@@ -21,7 +21,7 @@ import argparse
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.tasks.fits import limits_of
+from squeezefilm.studies.tasks.fits import limits_for
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 from squeezefilm.tables import read_ok_forces, read_scenes, write_table
 
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> None:
             fit,
             config,
             forces=forces,
-            limits=limits_of(forces, config) if fit.force_model.column_names else None,
+            limits=limits_for(fit.force_model, forces, config),
             existing=read_scenes(options.existing) if options.existing else None,
         )
     write_table(found.designs, options.output)

@@ -8,7 +8,7 @@ import argparse
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import naming
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.tasks.fits import errors_on, limits_of
+from squeezefilm.studies.tasks.fits import errors_on, limits_for
 from squeezefilm.tables import read_ok_forces, write_table
 
 
@@ -23,7 +23,7 @@ def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     fit, forces = read_fit(options.fit), read_ok_forces(options.forces)
     with naming(f"{options.fit} on {options.forces}"):
-        limits = limits_of(forces, config) if fit.force_model.column_names else None
+        limits = limits_for(fit.force_model, forces, config)
         band = config["validation"]["relative_error_band"]
         table, summary = errors_on(fit, forces, limits=limits, band=band)
     write_table(table, options.output)

@@ -17,14 +17,9 @@ from __future__ import annotations
 
 import argparse
 
-import pandas as pd
-
-from squeezefilm.config.loading import Config, load_config
-from squeezefilm.film.validity import validity
-from squeezefilm.quantities.model_error import budget_row, error_budgets
-from squeezefilm.reynolds.device import choose_device
-from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.api.forces import budget_table
+from squeezefilm.cli.options import add_options
+from squeezefilm.config.loading import load_config
 from squeezefilm.tables import read_scenes, write_table
 
 
@@ -32,25 +27,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", metavar="SCENES.csv", help="table of scenes")
     parser.add_argument("--config", required=True, metavar="CONFIG.yaml", help="the study")
     parser.add_argument("--output", required=True, metavar="BUDGET.csv", help="table to write")
-    parser.add_argument(
-        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
-    )
+    add_options(parser, "device")
 
 
 def run(options: argparse.Namespace) -> None:
     config = load_config(options.config)
     table = budget_table(read_scenes(options.scenes), config, device_name=options.device)
     write_table(table, options.output)
-
-
-def budget_table(
-    table: pd.DataFrame, config: Config, *, device_name: str | None = None
-) -> pd.DataFrame:
-    """A table of scenes with the budget of each."""
-    device = choose_device(config["solver"]["device"], option=device_name)
-    scenes = solver_settings(config, outputs=()).resolved(scenes_in(table, config), device)
-    rows = [
-        budget_row(budget) | {"validity": validity(scene)}
-        for scene, budget in zip(scenes, error_budgets(scenes, device=device), strict=True)
-    ]
-    return pd.concat([table, pd.DataFrame(rows)], axis=1)

@@ -5,7 +5,9 @@ Ends with status 1 when there is no OpenCL device that computes in double precis
 
 import argparse
 import os
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.provenance import versions
@@ -49,11 +51,9 @@ def run(options: argparse.Namespace) -> None:
 def caches() -> dict[str, str]:
     """Where compiled kernels are kept, and whether that can be written."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folders = {
-        "PoCL (POCL_CACHE_DIR)": Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache"),
-        "pyopencl (XDG_CACHE_HOME)": home / "pyopencl",
-        "pytools (XDG_CACHE_HOME)": home / "pytools",
-    }
+    pocl = Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
+    folders = {"PoCL (POCL_CACHE_DIR)": pocl}
+    folders |= {f"{name} (XDG_CACHE_HOME)": home / name for name in ("pyopencl", "pytools")}
     return {name: f"{folder}: {_folder_state(folder)}" for name, folder in folders.items()}
 
 
@@ -66,14 +66,12 @@ def _folder_state(folder: Path) -> str:
     return f"{size / 2**20:.1f} MiB"
 
 
-def _kind(device: object) -> str:
-    precise = (
-        "double precision" if getattr(device, "double_fp_config", 0) else "single precision only"
-    )
-    return f"{getattr(device, 'version', '').strip()}, {precise}"
+def _kind(device: Any) -> str:
+    precise = "double precision" if device.double_fp_config else "single precision only"
+    return f"{device.version.strip()}, {precise}"
 
 
-def _section(title: str, values: dict[str, object] | dict[str, str]) -> None:
+def _section(title: str, values: Mapping[str, object]) -> None:
     print(f"\n{title}")
     for name, value in values.items() or {"none": ""}.items():
         print(f"  {name}: {value}")

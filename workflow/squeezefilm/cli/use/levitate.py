@@ -26,60 +26,23 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
-from dataclasses import replace
 from math import isfinite
-from typing import Any
 
-import numpy as np
-import pandas as pd
-
-from squeezefilm.api.forces import scan_parts
-from squeezefilm.api.points import scene_points_of
-from squeezefilm.cli import which_study
-from squeezefilm.cli.points import add_point_options, points_in
-from squeezefilm.config.loading import Config
-from squeezefilm.dynamics.levitation import (
-    Levitation,
-    Resonance,
-    levitate,
-    resonance,
-    trustworthy,
-)
+from squeezefilm.api.film import Film
+from squeezefilm.api.forces import scan_error_of
+from squeezefilm.cli.options import add_options, add_point_options, film_at, points_in
+from squeezefilm.dynamics.levitation import Levitation, Resonance, trustworthy
+from squeezefilm.dynamics.tables import levitations, loads_like
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import GAPS_M
-from squeezefilm.parallel import progress_bar
 from squeezefilm.quantities.model_error import budget_text
 from squeezefilm.reynolds import node_cache
-from squeezefilm.studies.solver_settings import add_solver_arguments, device_of, solver_settings
-from squeezefilm.studies.study import scene_of, smoothed_scan_of
-from squeezefilm.tables import ScenePoint, read_forces, write_table
+from squeezefilm.studies.solver_settings import device_of, solver_settings
+from squeezefilm.tables import write_table
 from squeezefilm.units import quantities, quantity
 
-LOADS, AMPLITUDES = 8, 3
 AMPLITUDES_M = (1e-9, 1e-4)
 GRAVITY_M_PER_S2 = 9.80665
-COLUMNS = [
-    "load_n",
-    "hv_m",
-    "h0_m",
-    "h0_error_m",
-    "h0_modelling_error_lower_m",
-    "h0_modelling_error_upper_m",
-    "others_m",
-    "stiffness_n_per_m",
-    "stiffness_error_n_per_m",
-    "stable",
-    "epsilon",
-    "modified_reynolds",
-    "inertia",
-    "left_out_least_percent",
-    "left_out_most_percent",
-    "above_range",
-    "status",
-    "note",
-]
-MASS_COLUMNS = ["resonance_hz", "damping_ratio"]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -87,147 +50,61 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mass", metavar="QUANTITY", help="that floats, e.g. 50g, for a resonance")
     parser.add_argument("--like", metavar="FORCES.csv", help="loads and amplitudes of a table")
     parser.add_argument("--output", metavar="LEVITATION.csv", help="table to write, a row a load")
-    parser.add_argument("--config", metavar="CONFIG.yaml", help=which_study.HELP)
-    parser.add_argument(
-        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
-    )
-    add_solver_arguments(parser)
+    add_options(parser, "config", "device", "tolerance", "method")
     add_point_options(parser, without=("h0",))
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.film_at(options.config)
-    settings = solver_settings(config, tolerance=options.tolerance, method=options.method)
+    film = Film(film_at(options.config))
+    settings = solver_settings(film.config, tolerance=options.tolerance, method=options.method)
     mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
     if mass_kg is not None and mass_kg <= 0:
         raise InputError(f"--mass {options.mass!r} must be positive")
-    loads_n, points = _asked(options, mass_kg=mass_kg)
+    loads_n = _loads(options, mass_kg=mass_kg)
+    points = points_in(options)
+    least, most = AMPLITUDES_M
+    for wrong in points.loc[~points["hv_m"].between(least, most), "hv_m"]:
+        raise InputError(f"--hv: {wrong:g} m must lie within {least:g} … {most:g} m")
+    # Of the gap, which is sought, the largest: there surface and finger do not touch.
+    scenes = film.scenes(points.assign(h0_m=GAPS_M[1]))
     with node_cache.one_build_at_a_time():
-        device = device_of(config, option=options.device)
+        device = device_of(film.config, option=options.device)
     how = settings.how(device) | {"model_tolerance": settings.model_tolerance}
-    table, failures, found, moving = levitations(loads_n, points, config, how, mass_kg=mass_kg)
-    smoothed = smoothed_scan_of(config)
-    if smoothed is not None:
+    scan = film.scan
+    table, found, moving = levitations(
+        scenes, loads_n, how=how, scan_error_n=scan_error_of(scan, device=device), mass_kg=mass_kg
+    )
+    if scan is not None:
         without = "note: errors of stiffness are without the scan's"
-        print(without, *smoothed.warnings, sep="\n", file=sys.stderr)
+        print(without, *scan.warnings, sep="\n", file=sys.stderr)
     if options.output is not None:
         write_table(table, options.output)
-        return
-    if len(table) > 1:
+    elif len(table) > 1:
         print(table.to_string(index=False, na_rep="", float_format="{:.4g}".format))
-        return
-    if failures:
-        failures.append(trustworthy(scene_of(points[0], config), **how))
-        raise RunError("; ".join(failures))
-    assert found is not None
-    _show(found)
-    if moving is not None:
-        print(f"vertical motion of {mass_kg:g} kg: {_words(moving)}")
+    elif found is None or table["status"].iloc[0] != "ok":
+        raise RunError(f"{table['status'].iloc[0]}; {trustworthy(scenes[0], **how)}")
+    else:
+        _show(found)
+        if moving is not None:
+            print(f"vertical motion of {mass_kg:g} kg: {_words(moving)}")
 
 
-def levitations(
-    loads_n: Sequence[float],
-    points: Sequence[ScenePoint],
-    config: Config,
-    how: dict[str, Any],
-    *,
-    mass_kg: float | None = None,
-) -> tuple[pd.DataFrame, list[str], Levitation | None, Resonance | None]:
-    """A table with a row for each point and load, the failures, and the last gap in full."""
-    smoothed, rows, failures = smoothed_scan_of(config), [], []
-    found = moving = None
-    with progress_bar(len(loads_n) * len(points), unit="load", name="levitate") as bar:
-        for point in points:
-            for load_n in loads_n:
-                row: dict[str, object] = {"load_n": load_n, "hv_m": point.hv_m}
-                try:
-                    found = levitate(scene_of(point, config), load_n=load_n, **how)
-                    if smoothed is not None:
-                        (part,) = scan_parts([found.scene], smoothed, device=how["device"])
-                        more_m = part.total_n / abs(found.stiffness_n_per_m)
-                        found = replace(found, h0_error_m=found.h0_error_m + more_m)
-                    moving = None if mass_kg is None else resonance(found, mass_kg=mass_kg)
-                    row |= _row(found, moving)
-                except (InputError, RunError) as error:
-                    row["status"] = str(error).removeprefix("load: ")
-                    failures.append(str(error))
-                rows.append(row)
-                bar.update(1)
-    columns = COLUMNS + MASS_COLUMNS * (mass_kg is not None)
-    return pd.DataFrame(rows).reindex(columns=columns), failures, found, moving
-
-
-def like(path: str) -> tuple[list[float], list[float]]:
-    """Loads and amplitudes over the range of a table of forces."""
-    table = read_forces(path)
-    known = table.loc[table["force_n"] > 0, "force_n"]
-    if known.empty:
-        raise InputError(f"{path}: has no force above 0")
-    loads_n = [float(each) for each in np.geomspace(known.min(), known.max(), LOADS)]
-    levels = np.sort(table["hv_m"].unique())
-    places = np.linspace(0, len(levels) - 1, AMPLITUDES).round().astype(int)
-    return loads_n, list(dict.fromkeys(levels[places].tolist()))
-
-
-def _asked(
-    options: argparse.Namespace, *, mass_kg: float | None
-) -> tuple[list[float], list[ScenePoint]]:
-    """Loads, or the mass's weight, and the places and amplitudes that they are asked at."""
+def _loads(options: argparse.Namespace, *, mass_kg: float | None) -> list[float]:
+    """Loads, or the mass's weight; of a table its range, and its amplitudes as options."""
     if options.like is not None:
         if options.load is not None or options.hv is not None:
             raise InputError("give either --like or --load and --hv, not both")
-        loads_n, amplitudes_m = like(options.like)
+        loads_n, amplitudes_m = loads_like(options.like)
         options.hv = ",".join(f"{each!r}m" for each in amplitudes_m)
-    else:
-        if options.hv is None or (options.load is None and mass_kg is None):
-            raise InputError("give --load and --hv, or --mass and --hv, or --like FORCES.csv")
-        if options.load is not None:
-            loads_n = quantities(options.load, option="--load", unit="N")
-        elif mass_kg is not None:
-            loads_n = [GRAVITY_M_PER_S2 * mass_kg]
-        if min(loads_n) <= 0:
-            raise InputError(f"--load {options.load!r} must be positive")
-    return loads_n, points_at(points_in(options))
-
-
-def points_at(points: pd.DataFrame) -> list[ScenePoint]:
-    """The amplitudes and places at which gaps are sought."""
-    wrong = points.loc[~points["hv_m"].between(*AMPLITUDES_M), "hv_m"]
-    if len(wrong):
-        least, most = AMPLITUDES_M
-        raise InputError(f"--hv: {wrong.iloc[0]:g} m must lie within {least:g} … {most:g} m")
-    # Of the gap, which is sought, the largest: there surface and finger do not touch.
-    return scene_points_of(points.assign(h0_m=GAPS_M[1]))
-
-
-def _row(found: Levitation, moving: Resonance | None) -> dict[str, object]:
-    scene, budget = found.scene, found.budget
-    least, most = budget.modelling_error_percent
-    lower_m, upper_m = found.modelling_error_m
-    notes = list(found.notes)
-    if budget.basis:
-        notes.append(f"left out: of {budget.basis}")
-    row: dict[str, object] = {
-        "h0_m": scene.h0_m,
-        "h0_error_m": found.h0_error_m,
-        "h0_modelling_error_lower_m": lower_m,
-        "h0_modelling_error_upper_m": upper_m,
-        "others_m": "; ".join(f"{each:.3g}" for each in found.others_m),
-        "stiffness_n_per_m": found.stiffness_n_per_m,
-        "stiffness_error_n_per_m": found.stiffness_error_n_per_m,
-        "stable": found.stable,
-        "epsilon": scene.epsilon,
-        "modified_reynolds": scene.modified_reynolds,
-        "inertia": scene.gas.inertia,
-        "left_out_least_percent": least,
-        "left_out_most_percent": most,
-        "above_range": "; ".join(budget.above_range),
-        "status": "ok",
-    }
-    if moving is not None:
-        row |= {"resonance_hz": moving.frequency_hz, "damping_ratio": moving.damping_ratio}
-        notes += filter(None, [moving.reason])
-    return row | {"note": "; ".join(notes)}
+        return loads_n
+    if options.hv is None or (options.load is None and mass_kg is None):
+        raise InputError("give --load and --hv, or --mass and --hv, or --like FORCES.csv")
+    if options.load is None and mass_kg is not None:
+        return [GRAVITY_M_PER_S2 * mass_kg]
+    loads_n = quantities(options.load, option="--load", unit="N")
+    if min(loads_n) <= 0:
+        raise InputError(f"--load {options.load!r} must be positive")
+    return loads_n
 
 
 def _words(moving: Resonance) -> str:

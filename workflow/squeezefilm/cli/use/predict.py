@@ -22,7 +22,7 @@ import pandas as pd
 
 from squeezefilm.api.fit import Fit
 from squeezefilm.api.points import COLUMNS as FACTORS
-from squeezefilm.cli.points import add_point_options, points_in, write_points
+from squeezefilm.cli.options import add_point_options, points_in, write_points
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.validity import OK
 from squeezefilm.models.data import COLUMNS

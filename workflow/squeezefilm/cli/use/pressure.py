@@ -12,15 +12,14 @@ import argparse
 
 from squeezefilm.api.field import LEAST_INSTANTS, LEAST_PLACES, MOST_INSTANTS, MOST_PLACES
 from squeezefilm.api.film import Film
-from squeezefilm.cli import which_study
-from squeezefilm.cli.points import OPTIONS, add_point_options
+from squeezefilm.cli.options import POINTS, add_options, add_point_options, film_at
 from squeezefilm.errors import InputError
 from squeezefilm.files import whole_file
 from squeezefilm.tables import write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--config", metavar="CONFIG.yaml", help=which_study.HELP)
+    add_options(parser, "config")
     parser.add_argument("--output", required=True, metavar="FIELD", help=".csv or .nc, to write")
     parser.add_argument(
         "--places", type=int, default=41, help=f"each way, {LEAST_PLACES} to {MOST_PLACES}"
@@ -34,10 +33,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     if not options.output.endswith((".csv", ".nc")):
         raise InputError(f"--output {options.output}: name a file that ends in .csv or .nc")
-    given = {name: getattr(options, name) for name in OPTIONS}
+    given = {name: getattr(options, name) for name in POINTS}
     if not (given["h0"] and given["hv"]):
         raise InputError("give --h0 and --hv")
-    film = Film(which_study.film_at(options.config))
+    film = Film(film_at(options.config))
     field = film.pressure(**given, places=options.places, instants=options.instants)
     if options.output.endswith(".nc"):
         with whole_file(options.output) as path:

@@ -28,39 +28,26 @@ need and why, first grid and expected cost, or with --output writes them, a row 
 
 import argparse
 import sys
+from typing import Any
 
 import pandas as pd
 
+from squeezefilm.api.film import Film
 from squeezefilm.api.forces import force_of, forces_of, forces_table
-from squeezefilm.api.points import scene_points_of
 from squeezefilm.api.preview import preview_table, preview_text
 from squeezefilm.api.simulation import missing_of, scenes_of_table, simulate_table
-from squeezefilm.cli import which_study
-from squeezefilm.cli.points import add_point_options, points_in, write_points
-from squeezefilm.config.loading import Config
+from squeezefilm.cli.options import add_options, add_point_options, film_at, points_in, write_points
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.film.measured.smooth import SmoothedScan
-from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import OK
 from squeezefilm.solution import OUTPUTS
-from squeezefilm.studies.solver_settings import (
-    SolverSettings,
-    add_solver_arguments,
-    device_of,
-    solver_settings,
-)
-from squeezefilm.studies.study import scene_of, smoothed_scan_of
+from squeezefilm.studies.solver_settings import SolverSettings, device_of, solver_settings
 from squeezefilm.tables import read_scenes, write_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", nargs="?", metavar="SCENES.csv", help="table of scenes")
-    parser.add_argument("--config", metavar="CONFIG.yaml", help=which_study.HELP)
     parser.add_argument("--output", metavar="FORCES.csv", help="table of forces to write")
-    add_solver_arguments(parser)
-    parser.add_argument(
-        "--device", help="instead of SQUEEZEFILM_DEVICE and the config's solver.device"
-    )
+    add_options(parser, "config", "tolerance", "method", "device")
     parser.add_argument(
         "--dry-run", action="store_true", help="show how scenes would be solved, and solve nothing"
     )
@@ -82,33 +69,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    config = which_study.film_at(options.config)
+    film = Film(film_at(options.config))
     settings = solver_settings(
-        config, tolerance=options.tolerance, method=options.method, outputs=options.outputs
+        film.config, tolerance=options.tolerance, method=options.method, outputs=options.outputs
     )
     points = points_in(options)
+    if (options.scenes is None) == points.columns.empty:
+        raise InputError("give a table of scenes, or points by --h0 and --hv")
+    if options.scenes is None and not {"h0_m", "hv_m"} <= set(points):
+        raise InputError("give both --h0 and --hv")
     if options.dry_run:
-        _preview(points, options, config, settings)
-    elif len(points.columns):
-        _simulate_points(points, options, config, settings)
+        _preview(points, options, film, settings)
+    elif options.scenes is None:
+        _simulate_points(points, options, film, settings)
     else:
-        _simulate_table(options, config, settings)
+        _simulate_table(options, film, settings)
 
 
 def _preview(
-    points: pd.DataFrame, options: argparse.Namespace, config: Config, settings: SolverSettings
+    points: pd.DataFrame, options: argparse.Namespace, film: Film, settings: SolverSettings
 ) -> None:
     """How scenes would be solved, in words or as a table."""
-    if (options.scenes is None) == (not len(points.columns)):
-        raise InputError("give a table of scenes, or points by --h0 and --hv")
-    if options.scenes is not None:
-        rows = read_scenes(options.scenes)
-        scenes = scenes_of_table(rows, config=config, path=options.scenes)
-    elif {"h0_m", "hv_m"} <= set(points):
-        scenes = Scenes.of([scene_of(point, config) for point in scene_points_of(points)])
+    if options.scenes is None:
+        scenes = film.scenes(points)
     else:
-        raise InputError("give both --h0 and --hv")
-    device = device_of(config, option=options.device)
+        rows = read_scenes(options.scenes)
+        scenes = scenes_of_table(rows, config=film.config, path=options.scenes)
+    device = device_of(film.config, option=options.device)
     table = preview_table(scenes, settings=settings, device=device)
     if options.output is not None:
         write_table(table, options.output)
@@ -116,75 +103,52 @@ def _preview(
 
 
 def _simulate_points(
-    points: pd.DataFrame, options: argparse.Namespace, config: Config, settings: SolverSettings
+    points: pd.DataFrame, options: argparse.Namespace, film: Film, settings: SolverSettings
 ) -> None:
     """One force with all that is known of it, or a table of several."""
-    if options.scenes is not None:
-        raise InputError("give either a table of scenes or --h0 and --hv, not both")
-    if not {"h0_m", "hv_m"} <= set(points):
-        raise InputError("give both --h0 and --hv")
-    scenes = [scene_of(point, config) for point in scene_points_of(points)]
-    device = device_of(config, option=options.device)
-    smoothed = smoothed_scan_of(config)
-    if len(scenes) == 1 and not options.output:
-        force = force_of(
-            scenes[0],
-            settings=settings,
-            device=device,
-            smoothed=smoothed,
-            derivatives=options.derivatives,
-        )
-        print(force)
-        forces = [force]
+    scenes, smoothed = film.scenes(points), film.scan
+    device = device_of(film.config, option=options.device)
+    how: dict[str, Any] = {"settings": settings, "device": device, "smoothed": smoothed}
+    alone = len(scenes) == 1 and not options.output
+    if alone:
+        forces = [force_of(scenes[0], derivatives=options.derivatives, **how)]
+        print(forces[0])
     else:
-        forces = forces_of(
-            scenes,
-            settings=settings,
-            device=device,
-            smoothed=smoothed,
-            derivatives=options.derivatives,
-            budget=options.budget,
-        )
+        forces = forces_of(scenes, derivatives=options.derivatives, budget=options.budget, **how)
         write_points(forces_table(points, forces), options.output)
-        _print_warnings(smoothed)
+        for warning in smoothed.warnings if smoothed else ():
+            print(warning, file=sys.stderr)
     failures = [
         f"row {row}: {reason}" if len(forces) > 1 else reason
         for row, force in enumerate(forces, start=1)
         if (reason := missing_of(force.solution))
     ]
-    if len(forces) == 1 and not options.output and forces[0].validity != OK:
+    if alone and forces[0].validity != OK:
         failures.append(f"outside the limits of validity: {forces[0].validity}")
     if failures:
         raise RunError("; ".join(failures))
 
 
-def _simulate_table(options: argparse.Namespace, config: Config, settings: SolverSettings) -> None:
-    if options.scenes is None or options.output is None:
-        raise InputError("give a table of scenes and --output, or points by --h0 and --hv")
+def _simulate_table(options: argparse.Namespace, film: Film, settings: SolverSettings) -> None:
+    if options.output is None:
+        raise InputError("a table of scenes needs --output")
     if options.budget:
         raise InputError("--budget is of points; `squeezefilm budget` is of a table of scenes")
     failures, incomplete = simulate_table(
         options.scenes,
-        config,
+        film.config,
         settings=settings,
         output=options.output,
         device=options.device,
         derivatives=options.derivatives,
     )
-    smoothed = smoothed_scan_of(config)
-    if smoothed is not None:
-        print(
+    if film.scan is not None:
+        alone = (
             "force_error_n is the solver's error alone: what the scan's noise adds, "
-            "`squeezefilm profile` says",
-            file=sys.stderr,
+            "`squeezefilm profile` says"
         )
-    _print_warnings(smoothed)
+        print(alone, *film.scan.warnings, sep="\n", file=sys.stderr)
     if missing := failures + incomplete:
         what = "no force or no derivatives" if options.derivatives else "no force"
         what += ", or not all outputs," * bool(settings.outputs)
         raise RunError(f"{what} for " + "; ".join(missing))
-
-
-def _print_warnings(smoothed: SmoothedScan | None) -> None:
-    for warning in smoothed.warnings if smoothed else ():
-        print(warning, file=sys.stderr)

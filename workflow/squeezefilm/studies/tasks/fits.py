@@ -52,6 +52,11 @@ def limits_of(points: pd.DataFrame, config: Config) -> pd.DataFrame:
     return with_limits(points, scenes_in(points, config))[as_in(LIMIT_COLUMNS, points)]
 
 
+def limits_for(model: ExpressionModel, points: pd.DataFrame, config: Config) -> pd.DataFrame | None:
+    """The limits of the scenes of a table, for a model that uses them."""
+    return limits_of(points, config) if model.column_names else None
+
+
 def limit_table_values(config: Config) -> dict[str, Any]:
     """A table of the physics limits over the study's space for JSON, or why there is none."""
     try:
@@ -110,6 +115,28 @@ def fit_to_forces(
     if sample is not None:
         fit = validated(fit, config, sample=sample, limits=sample_limits)
     return fit, pd.DataFrame([_row(run, model) for run in runs])
+
+
+def fit_with_limits(
+    model: ExpressionModel,
+    config: Config,
+    *,
+    forces: pd.DataFrame,
+    sample: pd.DataFrame | None,
+    **how: Any,
+) -> tuple[FittedModel, pd.DataFrame]:
+    """``fit_to_forces`` with the physics limits that the model uses, and the scan's part."""
+    return fit_to_forces(
+        model,
+        config,
+        forces=forces,
+        limits=limits_for(model, forces, config),
+        limit_table=limit_table_values(config) if model.column_names else None,
+        sample=sample,
+        sample_limits=None if sample is None else limits_for(model, sample, config),
+        uncertainty=profile_uncertainty(config),
+        **how,
+    )
 
 
 def validated(
